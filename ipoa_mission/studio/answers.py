@@ -41,10 +41,9 @@ class StripBar(PageMessage):
     costs: tuple[StripCost, ...]
 
 
-class ContingencyStrip(PageMessage):
+class ContingencyStrip(PageMessage, kind="contingencies"):
     """Outcomes of one flight of a survey (from 0), first without `costs`; `reserve`: share that must be left."""
 
-    kind: Literal["contingencies"] = "contingencies"
     revision: int
     flight: int
     reserve: Number
@@ -58,23 +57,20 @@ class StartFile(PageMessage):
     of: Literal["scenario", "mission", "log"]
 
 
-class Beginning(PageMessage):
-    kind: Literal["beginning"] = "beginning"
+class Beginning(PageMessage, kind="beginning"):
     folder: str
     recent: tuple[StartFile, ...]
     here: tuple[StartFile, ...]
     examples: tuple[StartFile, ...]
 
 
-class Redirect(PageMessage):
-    kind: Literal["redirect"] = "redirect"
+class Redirect(PageMessage, kind="redirect"):
     address: str
 
 
-class Document(PageMessage):
+class Document(PageMessage, kind="document"):
     """The open file. `scenario`: its table, empty where the text cannot be read."""
 
-    kind: Literal["document"] = "document"
     of: Literal["scenario", "mission"] = "scenario"
     revision: int
     name: str
@@ -98,10 +94,9 @@ class Fence(PageMessage):
     ring: tuple[LngLat, ...]
 
 
-class Trouble(PageMessage):
+class Trouble(PageMessage, kind="trouble"):
     """A failed step `of` the server; `message` has one error a line. `fences`: drawn from an invalid text."""
 
-    kind: Literal["trouble"] = "trouble"
     of: Literal["edit", "scenario", "sketch", "plan", "file", "flight"]
     message: str
     of_home: bool = False
@@ -138,10 +133,9 @@ class Terrace(PageMessage):
     polygons: tuple[tuple[tuple[LngLat, ...], ...], ...]
 
 
-class Tiles(PageMessage):
+class Tiles(PageMessage, kind="tiles"):
     """Map tiles; `address` has {z}, {x} and {y}, and is relative if it names no host. `layers`: of vector tiles."""
 
-    kind: Literal["tiles"] = "tiles"
     address: str
     attribution: str
     min_zoom: int
@@ -159,10 +153,9 @@ class Heights(PageMessage):
     up: tuple[float, ...]
 
 
-class World(PageMessage):
+class World(PageMessage, kind="world"):
     """`box`: west, south, east, north of the bounds. `degree_m`: meters per degree of longitude and latitude."""
 
-    kind: Literal["world"] = "world"
     revision: int
     box: tuple[float, float, float, float]
     around: tuple[LngLat, ...]
@@ -179,10 +172,9 @@ class World(PageMessage):
     remarks: tuple[str, ...]
 
 
-class Sketch(PageMessage):
+class Sketch(PageMessage, kind="sketch"):
     """A coarse first path; `others`: other ways round. `number`: of the drag it answers, None for the document."""
 
-    kind: Literal["sketch"] = "sketch"
     revision: int
     number: int | None
     line: MapLine
@@ -193,11 +185,9 @@ class Sketch(PageMessage):
     clearance: float
     nearest: str
     seconds: float
-    took_s: float
 
 
-class Progress(PageMessage):
-    kind: Literal["progress"] = "progress"
+class Progress(PageMessage, kind="progress"):
     revision: int
     share: float
     words: str
@@ -241,7 +231,6 @@ class Stop(PageMessage):
     at: int
     words: str
     done_s: float
-    duration_s: float
     place: LngLat | None
     up: Number
     above_ground: Number
@@ -264,13 +253,12 @@ class Homeward(PageMessage):
     line: MapLine
 
 
-class Plan(PageMessage):
+class Plan(PageMessage, kind="plan"):
     """The proved plan; of a mission only `kept` is proved.
 
     `warnings` matter before the flight. `proof`: digest of mission and guarantee, which a start must name.
     """
 
-    kind: Literal["plan"] = "plan"
     of: Literal["scenario", "mission"] = "scenario"
     revision: int
     name: str
@@ -297,7 +285,6 @@ class Plan(PageMessage):
     limits: tuple[Limit, ...]
     warnings: tuple[str, ...]
     remarks: tuple[str, ...]
-    took_s: float
 
 
 class SurveyPart(PageMessage):
@@ -307,29 +294,25 @@ class SurveyPart(PageMessage):
     plan: Plan
 
 
-class PlannedSurvey(PageMessage):
+class PlannedSurvey(PageMessage, kind="survey"):
     """The proved flights, without the parts already `flown` in these logs."""
 
-    kind: Literal["survey"] = "survey"
     revision: int
     layout: SurveyLayout
     flights: tuple[SurveyPart, ...]
     flown: tuple[str, ...]
     total_s: float
     energy_wh: Number
-    took_s: float
 
 
-class Found(PageMessage):
-    kind: Literal["found"] = "found"
+class Found(PageMessage, kind="found"):
     place: LngLat
     words: str
 
 
-class Written(PageMessage):
+class Written(PageMessage, kind="written"):
     """Files written; `remarks` name what their formats cannot hold."""
 
-    kind: Literal["written"] = "written"
     files: tuple[str, ...]
     remarks: tuple[str, ...] = ()
 

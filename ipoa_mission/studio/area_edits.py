@@ -1,17 +1,16 @@
 """Change the survey's area in a scenario's table."""
 
-from collections.abc import Callable, Iterator, MutableMapping
+from collections.abc import Callable, MutableMapping
 from typing import Any, TypeAlias
 
 import numpy as np
 import shapely
-import tomlkit
 
 from ipoa_mission.errors import BadInput, InvalidRing
 from ipoa_mission.geodesy import Geodetic, LocalFrame
-from ipoa_mission.studio.requests import AddCorner, AreaChange, DrawArea, MapArea, OwnArea, PutCorner
+from ipoa_mission.studio.requests import AreaChange, Corner, DrawArea, MapArea, OwnArea
 from ipoa_mission.studio.vocabulary import LngLat, Path
-from ipoa_mission.survey.survey_area import depth_of, parts_of
+from ipoa_mission.survey.survey_area import parts_of
 from ipoa_mission.survey.survey_section import USUAL_HEIGHT, USUAL_SPACING
 
 DIGITS, DEGREES = 2, 7  # decimals of meters and of degrees
@@ -50,51 +49,52 @@ def is_of_area(path: Path) -> bool:
     return len(path) > 1 and path[0] == "survey" and path[1] in LEAST_CORNERS
 
 
-def rings_in(polygon: Any) -> Iterator[tuple[Path, Any]]:
-    """Yield the rings of `survey.polygon` with their paths, at any depth, outer ring first."""
-    depth = depth_of(polygon)
-    if depth == 2:
-        yield ("survey", "polygon"), polygon
-    for n, part in enumerate(polygon if depth > 2 else ()):
-        if depth == 3:
-            yield ("survey", "polygon", n), part
-        yield from ((("survey", "polygon", n, m), ring) for m, ring in enumerate(part if depth == 4 else ()))
+def areas_of(polygon: Any) -> list[list[Any]]:
+    """Return the areas of `survey.polygon`: open rings, the outer one first."""
+    return [[_opened(ring) for ring in rings] for rings in parts_of(polygon)]
+
+
+def _opened(ring: Any) -> Any:
+    return ring[:-1] if len(ring) > 3 and list(ring[0]) == list(ring[-1]) else ring
+
+
+def write_in_full(document: MutableMapping[str, Any]) -> None:
+    """Write the polygon as areas of open rings, so that a path has the numbers of area, ring and corner."""
+    survey = document.get("survey", {})
+    if "polygon" in survey and (areas := areas_of(survey["polygon"])) != survey["polygon"]:
+        survey["polygon"] = areas
 
 
 def change_area(document: MutableMapping[str, Any], change: AreaChange, frame: LocalFrame) -> None:
+    write_in_full(document)
     match change:
         case DrawArea():
             _draw(document, change, frame)
         case OwnArea():
-            parts = [[[local_of(frame, at) for at in ring] for ring in rings] for rings in change.parts]
-            _shaped(document, "polygon", parts if len(parts) > 1 else parts[0])
+            areas = [[[local_of(frame, at) for at in ring] for ring in rings] for rings in change.parts]
+            _shaped(document, "polygon", areas)
         case MapArea():
             _shaped(document, "area", change.file)
-        case PutCorner():
-            ring, at, mate = _corner(document, change.path)
-            for n in (at, *mate):
-                ring[n][0], ring[n][1] = local_of(frame, change.place)
-        case AddCorner():
+        case Corner(op="put_corner"):
+            corner = at_path(document, change.path)
+            corner[0], corner[1] = local_of(frame, change.place)
+        case Corner():
             at_path(document, change.path[:-1]).insert(int(change.path[-1]), local_of(frame, change.place))
 
 
 def take_of_area(document: MutableMapping[str, Any], path: Path) -> None:
-    """Remove a corner, a hole, or an area. Raises BadInput if nothing is left."""
-    polygon = document["survey"].get("polygon")
-    ring_paths = {ring_path for ring_path, _ in rings_in(polygon)} if polygon is not None else {("survey", "line")}
-    if path[:-1] in ring_paths:
-        ring, at, mate = _corner(document, path)
-        if len(ring) - len(mate) <= LEAST_CORNERS[str(path[1])]:
-            raise InvalidRing(f"expected {LEAST_CORNERS[str(path[1])]} corners or more", hint="remove the whole area")
-        del ring[at]
-        if mate:  # a closed ring remains closed
-            ring[-1] = tomlkit.item(list(ring[0])) if at == 0 else ring[-1]
-        return
+    """Remove a corner, a hole, or with its outer ring an area. Raises InvalidRing if nothing is left."""
+    write_in_full(document)
     here, last = at_path(document, path[:-1]), path[-1]
-    if len(path) == 4 and last == 0:
-        here, last = at_path(document, path[:-2]), path[-2]
-    if len(path) < 3 or len(here) < 2 or (len(path) == 3 and last == 0 and path in ring_paths):
-        raise InvalidRing("expected some area to be left", hint="remove the survey")
+    if len(path) == (3 if path[1] == "line" else 5):
+        least = LEAST_CORNERS[str(path[1])]
+        if len(here) <= least:
+            raise InvalidRing(f"expected {least} corners or more", hint="remove the whole area")
+    else:
+        if last == 0:
+            here, last = at_path(document, path[:-2]), path[-2]
+        if len(path) != 4 or len(here) < 2:
+            raise InvalidRing("expected some area to be left", hint="remove the survey")
     del here[last]
 
 
@@ -112,35 +112,25 @@ def at_path(document: Any, path: Path) -> Any:
     return document
 
 
-def _corner(document: Any, path: Path) -> tuple[Any, int, tuple[int, ...]]:
-    """Return a corner's ring, its index, and that of its duplicate in a closed ring."""
-    ring, at = at_path(document, path[:-1]), int(path[-1])
-    is_closed = path[1] == "polygon" and len(ring) > 3 and list(ring[0]) == list(ring[-1])
-    return ring, at, ((len(ring) - 1,) if at == 0 else (0,) if at == len(ring) - 1 else ()) if is_closed else ()
-
-
 def _draw(document: MutableMapping[str, Any], change: DrawArea, frame: LocalFrame) -> None:
     ring = [local_of(frame, place) for place in change.ring]
-    polygon = document.get("survey", {}).get("polygon")
+    areas = document.get("survey", {}).get("polygon")
     if change.what == "corridor":
         _shaped(document, "line", ring)
         document["survey"]["width"] = 40.0  # [m]
     elif change.what == "hole":
-        _put_hole(document, polygon, ring)
-    elif polygon is None:
-        _shaped(document, "polygon", [ring])
+        _around(shapely.Point(ring[0]), document, areas or ()).append(ring)
+    elif areas is None:
+        _shaped(document, "polygon", [[ring]])
     else:
-        document["survey"]["polygon"] = [*parts_of(polygon), [ring]]
+        areas.append([ring])
 
 
-def _put_hole(document: MutableMapping[str, Any], polygon: Any, ring: list[list[float]]) -> None:
-    for n, rings in enumerate([] if polygon is None else parts_of(polygon)):
-        if shapely.Polygon(rings[0]).buffer(0.0).intersects(shapely.Point(ring[0])):
-            if depth_of(polygon) == 2:
-                document["survey"]["polygon"] = [polygon, ring]
-            else:
-                (polygon if depth_of(polygon) == 3 else polygon[n]).append(ring)
-            return
+def _around(point: Any, document: Any, areas: Any) -> Any:
+    """Return the rings of the area that contains the point."""
+    for rings in areas:
+        if shapely.Polygon(rings[0]).buffer(0.0).intersects(point):
+            return rings
     hint = "draw an area first" if "survey" not in document else "an area of a map can be changed after: Edit it here"
     raise BadInput("expected a place inside an area that this scenario draws", hint=hint, place="hole")
 

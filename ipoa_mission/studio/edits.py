@@ -19,25 +19,9 @@ from ipoa_mission.mission.item_edits import text_with, with_inserted, with_item,
 from ipoa_mission.mission.items import Item, Mission
 from ipoa_mission.mission.mission_io import parse_mission
 from ipoa_mission.mission.stored_mission import resolve_frames, values_of
-from ipoa_mission.studio import area_edits
+from ipoa_mission.studio import area_edits, requests
 from ipoa_mission.studio.area_edits import DEGREES, DIGITS, Move, at_path, local_of, moves_of
-from ipoa_mission.studio.requests import (
-    Add,
-    AddCorner,
-    Change,
-    DrawArea,
-    InsertItem,
-    MapArea,
-    MoveItem,
-    OwnArea,
-    PlainItems,
-    Put,
-    PutCorner,
-    PutItem,
-    Shift,
-    Take,
-    TakeItem,
-)
+from ipoa_mission.studio.requests import Change
 from ipoa_mission.studio.vocabulary import LngLat, Path
 
 Placed = TypeVar("Placed", Item, Geodetic)
@@ -79,25 +63,29 @@ def frame_of(table: MutableMapping[str, Any]) -> LocalFrame:
 
 def _apply(document: MutableMapping[str, Any], change: Change) -> None:
     match change:
-        case Put():
+        case requests.Put():
             _put(document, change.path, change.value)
-        case Take() if area_edits.is_of_area(change.path):
+        case requests.Take() if area_edits.is_of_area(change.path):
             area_edits.take_of_area(document, change.path)
-        case Take():
-            _take(document, change.path)
-        case Shift(path=("home",)):
+        case requests.Take():
+            parent = at_path(document, change.path[:-1])
+            del parent[change.path[-1]]
+            if len(change.path) > 1 and not isinstance(change.path[-1], str) and not len(parent):
+                del at_path(document, change.path[:-2])[change.path[-2]]
+        case requests.Shift(path=("home",)):
             _shift_home(document, change)
-        case Shift():
-            frame, part = frame_of(document), at_path(document, change.path)
+        case requests.Shift():
+            frame = frame_of(document)
             step = np.subtract(local_of(frame, change.put_down), local_of(frame, change.taken))
             local, geodetic = moves_of(frame, frame, step)
             if area_edits.is_of_area(change.path):
-                area_edits.move_nested(part, local)
+                area_edits.write_in_full(document)
+                area_edits.move_nested(at_path(document, change.path), local)
             else:
-                _move(part, local, geodetic)
-        case Add():
+                _move(at_path(document, change.path), local, geodetic)
+        case requests.Add():
             _add(document, change)
-        case DrawArea() | OwnArea() | MapArea() | PutCorner() | AddCorner():
+        case requests.DrawArea() | requests.OwnArea() | requests.MapArea() | requests.Corner():
             area_edits.change_area(document, change, frame_of(document))
 
 
@@ -105,22 +93,14 @@ def _put(document: Any, path: Path, value: Any) -> None:
     *parents, last = path
     table = document
     for step in parents:
-        if isinstance(step, str) and step not in table:
-            table[step] = tomlkit.table()
-        table = table[step]
+        table = table.setdefault(step, tomlkit.table()) if isinstance(step, str) else table[step]
     before = table.get(last) if isinstance(last, str) else table[last]
     table[last] = float(value) if isinstance(before, float) and isinstance(value, int) else value
 
 
-def _take(document: Any, path: Path) -> None:
-    parent = at_path(document, path[:-1])
-    del parent[path[-1]]
-    if len(path) > 1 and not isinstance(path[-1], str) and not len(parent):
-        del at_path(document, path[:-2])[path[-2]]
-
-
-def _add(document: Any, change: Add) -> None:
-    table, frame = dict(change.table), frame_of(document)
+def _add(document: Any, change: requests.Add) -> None:
+    table: Any = dict(change.table)
+    frame = frame_of(document)
     if change.place is not None:
         kind = {"kind": table.pop("kind")} if "kind" in table else {}
         east, north = local_of(frame, change.place)
@@ -132,41 +112,40 @@ def _add(document: Any, change: Add) -> None:
     if change.ring is not None:
         key = "polygon" if change.to == "fence" else "footprint"
         table[key] = [local_of(frame, corner) for corner in change.ring]
-    tables = document.get(change.to)
-    at = len(tables) if tables is not None and change.at is None else change.at or 0
-    if tables is None:
-        document[change.to] = tables = tomlkit.aot()
+    if change.to not in document:
+        document[change.to] = tomlkit.aot()
+    tables = document[change.to]
     if isinstance(tables, Array):
         inline = tomlkit.inline_table()
         inline.update(table)
-        tables.insert(at, inline)
+        table = inline
     elif isinstance(tables, AoT):
-        formatted = tomlkit.table()
-        for key, value in table.items():
-            formatted.add(key, value)
-        formatted.add(tomlkit.nl())
-        tables.insert(at, formatted)
-    else:
-        tables.insert(at, table)
+        table = tomlkit.item(table)
+        table.add(tomlkit.nl())
+    tables.insert(len(tables) if change.at is None else change.at, table)
 
 
-def _move(table: Any, local: Move, geodetic: Move | None) -> None:
-    for keys, move in ((("east", "north"), local), (("latitude_deg", "longitude_deg"), geodetic)):
-        if move is not None and all(key in table for key in keys):
-            for key, value in zip(keys, move(*(table[key] for key in keys)), strict=True):
-                table[key] = value
-    rings: list[tuple[Any, Move | None]] = [(table.get(key), local) for key in ("footprint", "polygon")]
-    rings += [(table.get(f"{key}_geodetic"), geodetic) for key in ("footprint", "polygon")]
-    rings += [(hole, geodetic if "footprint_geodetic" in table else local) for hole in table.get("holes", ())]
-    for ring, ring_move in rings:
-        if ring is not None and ring_move is not None:
-            for corner in ring:
-                corner[0], corner[1] = ring_move(corner[0], corner[1])
-    if "center" in table:
-        _move(table["center"], local, geodetic)
+def _move(tables: Any, local: Move, geodetic: Move | None) -> None:
+    """Move the places of a table, or of several; places in degrees stay without `geodetic`."""
+    if isinstance(tables, list):
+        for table in tables:
+            _move(table, local, geodetic)
+        return
+    for (one, other), move in ((("east", "north"), local), (("latitude_deg", "longitude_deg"), geodetic)):
+        if move is not None and one in tables and other in tables:
+            tables[one], tables[other] = move(tables[one], tables[other])
+    keys = ("footprint", "polygon", "line", "entry", "exit", "starts")
+    moves: dict[str, Move | None] = dict.fromkeys(keys, local)
+    moves |= {"footprint_geodetic": geodetic, "polygon_geodetic": geodetic}
+    moves["holes"] = geodetic if "footprint_geodetic" in tables else local
+    for key, ring_move in moves.items():
+        if key in tables and ring_move is not None:
+            area_edits.move_nested(tables[key], ring_move)
+    for key in ("center", "peaks"):
+        _move(tables.get(key, []), local, geodetic)
 
 
-def _shift_home(document: MutableMapping[str, Any], change: Shift) -> None:
+def _shift_home(document: MutableMapping[str, Any], change: requests.Shift) -> None:
     """Move home alone, so that places in meters stay on the map; beyond 20 km they move along."""
     old, home = frame_of(document), document["home"]
     for key, n in (("longitude_deg", 0), ("latitude_deg", 1)):
@@ -174,27 +153,12 @@ def _shift_home(document: MutableMapping[str, Any], change: Shift) -> None:
     if apart(old.home, frame_of(document).home) > 20_000.0:
         return
     local, _ = moves_of(old, frame_of(document), np.zeros(2))
-    for key in ("start", "goal"):
-        _move(document.get(key, {}), local, None)
-    survey = document.get("survey", {})
-    for key in ("polygon", "line", "entry", "exit", "starts"):
-        if key in survey:
-            area_edits.move_nested(survey[key], local)
-    for key in ("via", "rally", "obstacles", "fence"):
-        for table in document.get(key, ()):
-            _move(table, local, None)
-    _shift_boxes(document, local)
-
-
-def _shift_boxes(document: Any, local: Move) -> None:
-    bounds, terrain = document.get("bounds", {}), document.get("terrain", {})
+    for key in ("start", "goal", "via", "rally", "obstacles", "fence", "terrain", "survey"):
+        _move(document.get(key, []), local, None)
+    bounds = document.get("bounds", {})
     for key, step in zip(("east", "north"), local(0.0, 0.0), strict=True):
-        if key in bounds:
-            for n, side in enumerate(bounds[key]):
-                bounds[key][n] = round(float(side) + step, DIGITS)
-    for table in (terrain, *terrain.get("peaks", ())):
-        if "east" in table and "north" in table:
-            _move(table, local, None)
+        for n, side in enumerate(bounds.get(key, ())):
+            bounds[key][n] = round(float(side) + step, DIGITS)
 
 
 def mission_changed(text: str, path: FilePath, changes: Iterable[Change], autopilot: str | None = None) -> str:
@@ -207,23 +171,21 @@ def mission_changed(text: str, path: FilePath, changes: Iterable[Change], autopi
 
 def _with_change(mission: Mission, change: Change) -> Mission:
     match change:
-        case PutItem():
+        case requests.PutItem():
             item = _with_value(_item(mission, change.seq), change, mission)
             return with_item(mission, change.seq, _with_frame(item, mission))
-        case MoveItem():
+        case requests.MoveItem():
             return with_item(mission, change.seq, _moved(_item(mission, change.seq), change.place))
-        case InsertItem():
+        case requests.InsertItem():
             return with_inserted(mission, change.seq, _with_frame(_new_item(mission, change), mission))
-        case TakeItem():
-            return without_item(mission, change.seq)
-        case PlainItems():
-            return with_plain_items(mission, change.seq)
-        case Shift(path=("home",)):
+        case requests.ItemStep():
+            return (without_item if change.op == "take_item" else with_plain_items)(mission, change.seq)
+        case requests.Shift(path=("home",)):
             return replace(mission, home=_moved(mission.home, change.put_down))
-        case Put(path=("home", "altitude_amsl")) if isinstance(change.value, int | float):
+        case requests.Put(path=("home", "altitude_amsl")) if isinstance(change.value, int | float):
             return replace(mission, home=replace(mission.home, altitude=float(change.value)))
     words = "expected a change of a mission's items"
-    raise BadInput(words, hint="this is a mission file, not a scenario", place=change.op)
+    raise BadInput(words, hint="this is a mission file, not a scenario", place=str(change.model_dump()["op"]))
 
 
 def _item(mission: Mission, seq: int) -> Item:
@@ -236,7 +198,7 @@ def _moved(thing: Placed, place: LngLat) -> Placed:
     return replace(thing, latitude_deg=round(place[1], DEGREES), longitude_deg=round(place[0], DEGREES))
 
 
-def _with_value(item: Item, change: PutItem, mission: Mission) -> Item:
+def _with_value(item: Item, change: requests.PutItem, mission: Mission) -> Item:
     """Keep the height, if known, when the frame changes."""
     value = math.nan if change.value is None else change.value
     if change.what in ("command", "frame"):
@@ -244,7 +206,10 @@ def _with_value(item: Item, change: PutItem, mission: Mission) -> Item:
             raise BadInput(f"expected a whole number, not {value:g}", place=f"item {change.seq}: {change.what}")
         if change.what == "command":
             return replace(item, command=int(value), params=(0.0, 0.0, 0.0, item.params[3]))
-        return _in_frame(item, int(value), mission)
+        above, amsl = mission.altitude_above_home(item), plain_frame(int(value)) == Frame.GLOBAL
+        known = math.isfinite(above) and value != Frame.GLOBAL_TERRAIN_ALT
+        altitude = round(above + (mission.home.altitude if amsl else 0.0), DIGITS) if known else item.altitude
+        return replace(item, frame=int(value), altitude=altitude)
     number = int(change.what.removeprefix("param"))
     if number > 4 and not math.isfinite(value):
         raise BadInput("expected a number", place=f"item {change.seq}: {change.what}")
@@ -253,36 +218,25 @@ def _with_value(item: Item, change: PutItem, mission: Mission) -> Item:
     return replace(item, params=(p1, p2, p3, p4), latitude_deg=latitude, longitude_deg=longitude, altitude=altitude)
 
 
-def _in_frame(item: Item, frame: int, mission: Mission) -> Item:
-    above, amsl = mission.altitude_above_home(item), plain_frame(frame) == Frame.GLOBAL
-    known = math.isfinite(above) and frame != Frame.GLOBAL_TERRAIN_ALT
-    altitude = round(above + (mission.home.altitude if amsl else 0.0), DIGITS) if known else item.altitude
-    return replace(item, frame=frame, altitude=altitude)
-
-
-def _new_item(mission: Mission, change: InsertItem) -> Item:
+def _new_item(mission: Mission, change: requests.InsertItem) -> Item:
     before = [item for item in mission.items[: change.seq - 1] if item.has_position and item.altitude > 0]
     like = before[-1] if before else Item(Command.NAV_WAYPOINT, Frame.GLOBAL_RELATIVE_ALT, altitude=20.0)
     firmware, home = mission.autopilot.firmware(mission.firmware_version), mission.home
     is_placed, is_landing = change.command in firmware.placed, change.command == Command.NAV_LAND
-    heading = math.nan if firmware.takes_nan is None else 0.0
-    item = Item(change.command, like.frame, (0.0, 0.0, 0.0, heading if is_placed else 0.0))
+    usual: dict[int, tuple[float, ...]] = {
+        Command.DO_CHANGE_SPEED: (1.0, mission.cruise_speed or 5.0, -1.0),
+        **dict.fromkeys((Command.DO_JUMP, Command.DO_JUMP_TAG), (1.0, 1.0)),
+        **dict.fromkeys((Command.NAV_LOITER_TIME, Command.NAV_DELAY, Command.CONDITION_DELAY), (5.0,)),
+        Command.NAV_LOITER_TURNS: (1.0,),
+    }
+    heading = math.nan if is_placed and firmware.takes_nan is None else 0.0
+    p1, p2, p3, *_ = *usual.get(change.command, ()), 0.0, 0.0, 0.0
+    item = Item(change.command, like.frame, (p1, p2, p3, heading))
     if not is_placed or change.command == Command.NAV_RETURN_TO_LAUNCH:
-        item = replace(item, frame=int(Frame.MISSION))
-    else:
-        place = change.place or (like.longitude_deg or home.longitude_deg, like.latitude_deg or home.latitude_deg)
-        frame = int(Frame.GLOBAL_RELATIVE_ALT) if is_landing else like.frame
-        item = _moved(replace(item, frame=frame, altitude=0.0 if is_landing else like.altitude), place)
-    match item.command:
-        case Command.DO_CHANGE_SPEED:
-            return replace(item, params=(1.0, mission.cruise_speed or 5.0, -1.0, 0.0))
-        case Command.DO_JUMP | Command.DO_JUMP_TAG:
-            return replace(item, params=(1.0, 1.0, 0.0, 0.0))
-        case Command.NAV_LOITER_TIME | Command.NAV_DELAY | Command.CONDITION_DELAY:
-            return replace(item, params=(5.0, *item.params[1:]))
-        case Command.NAV_LOITER_TURNS:
-            return replace(item, params=(1.0, *item.params[1:]))
-    return item
+        return replace(item, frame=int(Frame.MISSION))
+    place = change.place or (like.longitude_deg or home.longitude_deg, like.latitude_deg or home.latitude_deg)
+    frame = int(Frame.GLOBAL_RELATIVE_ALT) if is_landing else like.frame
+    return _moved(replace(item, frame=frame, altitude=0.0 if is_landing else like.altitude), place)
 
 
 def _with_frame(item: Item, mission: Mission) -> Item:

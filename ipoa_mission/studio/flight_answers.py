@@ -2,13 +2,14 @@
 
 from typing import Literal
 
+from ipoa_mission.finding import Finding
+from ipoa_mission.report.compare import LegTime
 from ipoa_mission.studio.vocabulary import InFlight, LngLat, MapLine, Number, PageMessage
 
 
-class Loaded(PageMessage):
+class Loaded(PageMessage, kind="loaded"):
     """The mission was read back equal. A start must name these values."""
 
-    kind: Literal["loaded"] = "loaded"
     revision: int
     vehicle: str
     system: int
@@ -39,10 +40,9 @@ class Reserve(PageMessage):
     required: Number = None
 
 
-class Seen(PageMessage):
+class Seen(PageMessage, kind="seen"):
     """The reported state; `expected_s`: estimate of the last item done. `said`: latest messages, newest first."""
 
-    kind: Literal["seen"] = "seen"
     time_s: float
     place: LngLat
     up: float
@@ -59,10 +59,9 @@ class Seen(PageMessage):
     deviations: tuple[str, ...] = ()
 
 
-class Landed(PageMessage):
+class Landed(PageMessage, kind="landed"):
     """The flight is over; `ordered`: the order by which it landed."""
 
-    kind: Literal["landed"] = "landed"
     completed: bool
     why_not: str
     ordered: Literal["rtl", "land"] | None = None
@@ -71,10 +70,9 @@ class Landed(PageMessage):
     log: str
 
 
-class State(PageMessage):
+class State(PageMessage, kind="state"):
     """The flight's phase. `lost_s`: duration of a lost link [s]."""
 
-    kind: Literal["state"] = "state"
     phase: Literal["idle", "uploading", "loaded", "preparing", "flying", "over"]
     words: str
     lost_s: Number = None
@@ -86,27 +84,16 @@ class HeardLink(PageMessage):
     words: str
 
 
-class Heard(PageMessage):
-    kind: Literal["heard"] = "heard"
+class Heard(PageMessage, kind="heard"):
     links: tuple[HeardLink, ...]
 
 
-class FlownItem(PageMessage):
-    """Estimated and flown time since the item before [s], and when it was done [s]."""
-
-    seq: int
-    estimated_s: float
-    flown_s: float
-    done_s: float
-
-
-class Replay(PageMessage):
-    kind: Literal["replay"] = "replay"
+class Replay(PageMessage, kind="replay"):
     revision: int
     log: str
     line: MapLine
     times: tuple[float, ...]
-    items: tuple[FlownItem, ...]
+    items: tuple[LegTime, ...]
     estimated_s: float
     flown_s: Number
     remarks: tuple[str, ...]
@@ -124,7 +111,6 @@ class ItemField(PageMessage):
 class ItemKind(PageMessage):
     command: int
     name: str
-    placed: bool
     fields: tuple[ItemField, ...]
 
 
@@ -141,10 +127,9 @@ class MissionItem(PageMessage):
     part_of: tuple[int, int] | None
 
 
-class OpenMission(PageMessage):
+class OpenMission(PageMessage, kind="mission"):
     """`worlds`: scenarios to check it in."""
 
-    kind: Literal["mission"] = "mission"
     revision: int
     autopilot: str
     autopilots: tuple[str, ...]
@@ -156,20 +141,10 @@ class OpenMission(PageMessage):
     lost: tuple[str, ...]
 
 
-class Flaw(PageMessage):
-    """A finding; an error prevents the flight."""
+class Checked(PageMessage, kind="checked"):
+    """Errors, which prevent the flight, come first; `timeless`: why there is no time estimate."""
 
-    severity: Literal["error", "warning"]
-    seq: int | None
-    words: str
-    hint: str | None
-
-
-class Checked(PageMessage):
-    """Errors first; `timeless`: why there is no time estimate."""
-
-    kind: Literal["checked"] = "checked"
     revision: int
-    flaws: tuple[Flaw, ...]
+    flaws: tuple[Finding, ...]
     timeless: str | None
     remarks: tuple[str, ...]

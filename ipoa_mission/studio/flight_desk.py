@@ -1,11 +1,10 @@
-"""Hand a plan to the flight worker; start it once a page has named it."""
+"""Uploads and flights of one document: one at a time, in a process of their own."""
 
 import asyncio
-import shutil
-import tempfile
 from collections.abc import Awaitable, Callable
 from contextlib import suppress
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 from ipoa_mission.errors import MissionError
@@ -20,26 +19,29 @@ from ipoa_mission.studio.vocabulary import PageMessage
 
 class FlightDesk:
     def __init__(self, document: Document, send: Callable[[PageMessage | dict[str, Any]], None]) -> None:
-        self._document = document
-        self._send = send
+        self._document, self._send = document, send
         self._process = Process("ipoa_mission.studio.flight_worker")
         self._task: asyncio.Task[None] | None = None
         self._loaded: dict[str, Any] | None = None
-        self._flies = self._is_over = False
-        self._folder = Path(tempfile.mkdtemp(prefix="ipoa-studio-"))  # readable by this user only
+        self._phase = "idle"
+        self._batteries = BatteryGuard()
 
-    def upload(self, request: Upload, hand_over: Callable[[Path], Awaitable[bool]], name: str) -> None:
+    def upload(
+        self, request: Upload, hand_over: Callable[[Path], Awaitable[bool]], name: str, is_survey: bool = False
+    ) -> None:
         """Upload the plan (first step); `hand_over` writes it to a file."""
-        if self.is_busy:
-            raise MissionError("a flight is under way", hint="let it end, or stop watching it", code="flight-under-way")
-        self._loaded, self._is_over = None, False
+        self._expect_free("a flight is under way", "let it end, or stop watching it")
+        request = self._batteries.expect_charged(request, is_survey)
+        self._loaded, self._phase = None, "uploading"
         self._task = asyncio.create_task(self._fly(request, hand_over, name))
 
     def listen(self, link: str) -> None:
-        if self.is_busy:
-            words = "a flight is under way: no other link can be heard"
-            raise MissionError(words, hint="let it end", code="flight-under-way")
+        self._expect_free("a flight is under way: no other link can be heard", "let it end")
         self._task = asyncio.create_task(self._listen(link))
+
+    def _expect_free(self, words: str, hint: str) -> None:
+        if self._task is not None and not self._task.done() and self._phase != "over":
+            raise MissionError(words, hint=hint, code="flight-under-way")
 
     async def start(self, request: Start) -> None:
         """Arm and fly (second step), if nothing has changed."""
@@ -57,14 +59,10 @@ class FlightDesk:
         await self._process.send(request.model_dump(mode="json"))
 
     async def order(self, request: Order) -> None:
-        if not self._flies:
+        if self._phase != "flying":
             name = {"rtl": "return", "land": "landing", "hold": "hold", "go_on": "going on"}[request.what]
             raise MissionError(f"no {name}: nothing flies", hint="start a flight first", code="not-in-the-air")
         await self._process.send(request.model_dump(mode="json"))
-
-    @property
-    def is_busy(self) -> bool:
-        return self._task is not None and not self._task.done() and not self._is_over
 
     def abandon(self) -> None:
         """Stop watching; a vehicle in the air flies on."""
@@ -77,45 +75,48 @@ class FlightDesk:
         await self._process.close()
         if self._task is not None:
             await asyncio.gather(self._task, return_exceptions=True)
-        shutil.rmtree(self._folder, ignore_errors=True)
 
     async def _listen(self, link: str) -> None:
         with suppress(ProcessDied):
             await self._process.ask({"job": "listen", "link": link}, self._send)
 
     async def _fly(self, request: Upload, hand_over: Callable[[Path], Awaitable[bool]], name: str) -> None:
-        file, document = self._folder / "flight.pickle", self._document
-        log = unused(document.path.with_name(f"{name}.tlog"))
-        revision = document.revision  # of this revision, even if the document changes
-        self._send(State(phase="uploading", words="getting the plan"))
-        if not await hand_over(file):
-            self._send(State(phase="idle", words=""))
-            return
-        about = {"job": "fly", "file": str(file), "revision": revision, "log": str(log)}
+        log = unused(self._document.path.with_name(f"{name}.tlog"))
+        revision = self._document.revision  # of this revision, even if the document changes
         troubled = False
 
         def hear(answer: dict[str, Any]) -> None:
             nonlocal troubled
             troubled = troubled or answer["kind"] == "trouble"
+            self._batteries.hear(answer)
             if answer["kind"] == "loaded":
                 self._loaded = answer
             if answer["kind"] == "state":
-                self._flies, self._is_over = answer["phase"] == "flying", answer["phase"] == "over"
+                self._phase = answer["phase"]
             self._send(answer)
 
-        try:
-            await self._process.ask(request.model_dump(mode="json") | about, hear)
-        except ProcessDied:
-            troubled = True
-            words = "the flight worker ended unexpectedly"
-            self._send(Trouble(of="flight", message=words, hint="look at the vehicle"))
-        except asyncio.CancelledError:
-            self._send(State(phase="idle", words="the flight is no longer watched"))
-            raise
-        finally:
-            self._flies = False
+        self._show(State(phase="uploading", words="getting the plan"))
+        with TemporaryDirectory(prefix="ipoa-studio-") as folder:  # readable by this user only
+            file = Path(folder) / "flight.pickle"
+            if not await hand_over(file):
+                self._show(State(phase="idle", words=""))
+                return
+            about = {"job": "fly", "file": str(file), "revision": revision, "log": str(log)}
+            try:
+                await self._process.ask(request.model_dump(mode="json") | about, hear)
+            except ProcessDied:
+                troubled = True
+                words = "the flight worker ended unexpectedly"
+                self._send(Trouble(of="flight", message=words, hint="look at the vehicle"))
+            except asyncio.CancelledError:
+                self._show(State(phase="idle", words="the flight is no longer watched"))
+                raise
         if troubled:
-            self._send(State(phase="idle", words=f"every frame up to there is in {log.name}" if log.exists() else ""))
+            self._show(State(phase="idle", words=f"every frame up to there is in {log.name}" if log.exists() else ""))
+
+    def _show(self, state: State) -> None:
+        self._phase = state.phase
+        self._send(state)
 
 
 class BatteryGuard:

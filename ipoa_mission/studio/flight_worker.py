@@ -13,7 +13,7 @@ import numpy as np
 
 from ipoa_mission.autopilot.returning import Contingency
 from ipoa_mission.errors import MissionError
-from ipoa_mission.flight.procedure import ProcedureOptions, Stage, begin_mission, load_mission
+from ipoa_mission.flight.procedure import ProcedureOptions, Stage, Stages, begin_mission, load_mission
 from ipoa_mission.forecast.contingency.contingencies import ContingencyRow
 from ipoa_mission.forecast.contingency.contingencies_now import ContingenciesNow
 from ipoa_mission.forecast.contingency.energy_budget import budget_of
@@ -58,13 +58,20 @@ class FlightWorker:
             raise
 
     def _fly(self, handed: HandedOver, order: JobOrder, answer: Answer) -> None:
-        link, log = order["link"], Path(order["log"])
-        system = order["system"]
-        with _built_in(handed.forecast, log) if link is None else connect(link, system=system, log=log) as vehicle:
+        link, log, mission, remarks = order["link"], Path(order["log"]), handed.forecast.mission, [*handed.remarks]
+        if link is None:
+            conditions = conditions_for(mission, handed.forecast.wind, handed.forecast.ground)
+            opened = board(mission, conditions, log=log)
+        else:
+            opened = connect(link, system=order["system"], log=log)
+        with opened as vehicle:
             forecast = handed.forecast.on(vehicle.firmware_version())
             items = len(forecast.mission_as_read.items)
             name = f"{'built-in ' if link is None else ''}{vehicle.autopilot}, system {vehicle.system}"
-            forecast, remarks = _upload(forecast, vehicle, order["set_params"], answer)
+            options = ProcedureOptions(
+                set_params=order["set_params"], stages=_stages("uploading", answer), remark=remarks.append
+            )
+            forecast = load_mission(vehicle, forecast, options)
             loaded = Loaded(
                 revision=order["revision"],
                 vehicle=name,
@@ -73,14 +80,15 @@ class FlightWorker:
                 proof=handed.proof,
                 items=items,
                 built_in=link is None,
-                remarks=tuple(dict.fromkeys((*handed.remarks, *remarks))),
+                remarks=tuple(dict.fromkeys(remarks)),
             )
             answer(loaded)
             answer(State(phase="loaded", words=f"{items} items are on {name}, read back and equal"))
             self._await_start(loaded)
-            speedup = order["speedup"] if link is None else None
-            record, ordered = _flown(forecast, vehicle, answer, speedup, self._inbox)
-        ordered = None if record.completed or record.armed or record.deviations else ordered
+            watch = Watch(forecast, vehicle, answer, order["speedup"] if link is None else None, self._inbox)
+            vehicle.conformance.ends_held = False
+            record = begin_mission(vehicle, forecast, ProcedureOptions(stages=watch.stages, remark=watch.remark))
+        ordered = None if record.completed or record.armed or record.deviations else watch.obeyed
         answer(
             Landed(
                 completed=record.completed,
@@ -107,48 +115,13 @@ class FlightWorker:
                 raise MissionError(words, hint="upload again", code="upload-again")
 
 
-def _built_in(forecast: Forecast, log: Path) -> Vehicle:
-    return board(forecast.mission, conditions_for(forecast.mission, forecast.wind, forecast.ground), log=log)
-
-
-def _upload(forecast: Forecast, vehicle: Vehicle, set_params: bool, answer: Answer) -> tuple[Forecast, tuple[str, ...]]:
-    def show(words: str) -> None:
-        answer(State(phase="uploading", words=words))
-
+def _stages(phase: Literal["uploading", "preparing"], answer: Answer) -> Stages:
     @contextmanager
     def stages(stage: Stage) -> Iterator[Progress]:
-        show(stage)
-        yield lambda _, words: show(words)
+        answer(State(phase=phase, words=stage))
+        yield lambda _, words: answer(State(phase=phase, words=words))
 
-    remarks: list[str] = []
-    own = load_mission(vehicle, forecast, ProcedureOptions(set_params=set_params, stages=stages, remark=remarks.append))
-    return own, tuple(remarks)
-
-
-def _flown(
-    forecast: Forecast, vehicle: Vehicle, answer: Answer, speedup: float | None, inbox: "queue.SimpleQueue[JobOrder]"
-) -> tuple[FlightRecord, Literal["rtl", "land"] | None]:
-    """Also return the order by which it landed."""
-    watch: Watch | None = None
-
-    def show(words: str) -> None:
-        answer(State(phase="preparing", words=words))
-
-    @contextmanager
-    def stages(stage: Stage) -> Iterator[Progress]:
-        nonlocal watch
-        if stage is Stage.START:
-            watch = Watch(forecast, vehicle, answer, speedup, inbox)
-            vehicle.overhearing = watch.hear
-        if stage is Stage.FLIGHT and watch is not None:
-            answer(State(phase="flying", words=Stage.START))
-            yield watch.look
-        else:
-            yield lambda _, words: show(words)
-
-    vehicle.conformance.ends_held = False
-    record = begin_mission(vehicle, forecast, ProcedureOptions(stages=stages, remark=show))
-    return record, None if watch is None else watch.obeyed
+    return stages
 
 
 def listen(order: JobOrder, answer: Answer) -> None:
@@ -202,10 +175,23 @@ class Watch:
         self.obeyed: Literal["rtl", "land"] | None = None
         """The page's order by which the vehicle ends its flight, if there is one."""
 
+    @contextmanager
+    def stages(self, stage: Stage) -> Iterator[Progress]:
+        if stage is Stage.START:
+            self._vehicle.overhearing = self.hear
+        if stage is Stage.FLIGHT:
+            self._answer(State(phase="flying", words=Stage.START))
+            yield self.look
+        else:
+            with _stages("preparing", self._answer)(stage) as progress:
+                yield progress
+
+    def remark(self, words: str) -> None:
+        self._answer(State(phase="preparing", words=words))
+
     def hear(self, message: Message) -> None:
         """Handle a message; one without a position may still require landing earlier."""
         self.look()
-        vehicle = self._vehicle
         match message:
             case Text(_, text):
                 self._texts.appendleft(text.strip())
@@ -215,10 +201,13 @@ class Watch:
                 self._wind = round(message.speed, 1), round(message.direction_deg % 360.0)
             case WindVelocity((north, east, _)):
                 self._wind = round(math.hypot(north, east), 1), round(math.degrees(math.atan2(-east, -north)) % 360.0)
-            case Position() if vehicle.state.armed and message.time_s - self._position_s >= POSITION_INTERVAL_S:
+            case Position() if self._vehicle.state.armed and message.time_s - self._position_s >= POSITION_INTERVAL_S:
                 self._position_s = message.time_s
-                self._keep_pace(message.time_s)
-                record = vehicle.record()
+                if self._speedup is not None:
+                    first_s, begun = self._begun = self._begun or (message.time_s, time.monotonic())
+                    ahead_s = (message.time_s - first_s) / self._speedup - (time.monotonic() - begun)
+                    time.sleep(max(ahead_s, 0.0))
+                record = self._vehicle.record()
                 if record.path:
                     self._answer(self._seen(message, record))
 
@@ -229,20 +218,16 @@ class Watch:
         words, lost_s = vehicle.changed or vehicle.order.words, None
         if link_loss.seconds is not None:
             words, lost_s = "; ".join(filter(None, (link_loss.words, words))), round(link_loss.seconds)
-        self.obeyed = self._obeyed(vehicle.state.custom_mode)
+        enders = {"rtl": vehicle.autopilot.modes.returns, "land": vehicle.autopilot.modes.lands}
+        if self._ordered is None or self.obeyed != self._ordered:
+            is_obeyed = self._ordered is not None and vehicle.state.custom_mode in enders[self._ordered]
+            self.obeyed = self._ordered if is_obeyed else None
         obeyed = {"rtl": "it returns, as ordered", "land": "it lands, as ordered", None: ""}[self.obeyed]
         words = words or vehicle.conformance.why_not or obeyed
-        words = words or ("it holds its position" if self._vehicle.order.is_held else vehicle.mode_change)
+        words = words or ("it holds its position" if vehicle.order.is_held else vehicle.mode_change)
         if (words, lost_s) != self._state:
             self._state = words, lost_s
             self._answer(State(phase="flying", words=words or Stage.START, lost_s=lost_s))
-
-    def _obeyed(self, mode: int | None) -> Literal["rtl", "land"] | None:
-        """Return the order that ends the flight, once the vehicle was in its mode."""
-        modes = self._vehicle.autopilot.modes
-        by = {"rtl": modes.returns, "land": modes.lands}
-        is_obeyed = self._ordered is not None and (mode in by[self._ordered] or self.obeyed == self._ordered)
-        return self._ordered if is_obeyed else None
 
     def _seen(self, at: Position, record: FlightRecord) -> Seen:
         reached, latest = record.item_reached_s, record.path[-1]
@@ -270,23 +255,24 @@ class Watch:
         if not state.in_air:
             return (), None if state.battery_left is None else Reserve(left=state.battery_left)
         if time_s - self._orders_s >= FORECAST_INTERVAL_S:
-            self._orders_s, now = time_s, time_s
-            unknown = self._unknown
+            self._orders_s, now, unknown = time_s, time_s, self._unknown
             if self._contingencies is not None:
                 now, aside = self._contingencies.time_at(self._local(at), time_s)
-                is_away = aside > ContingenciesNow.off_path or (
-                    self._vehicle.mode_change and not self._vehicle.order.is_held
-                )
+                leaves = self._vehicle.mode_change and not self._vehicle.order.is_held
+                is_away = aside > ContingenciesNow.off_path or leaves
                 unknown = "it is off its planned path: orders from here are not forecast" if is_away else ""
             self._orders = tuple(self._each_order(now, unknown, at)), self._reserve(now, bool(unknown))
         return self._orders
 
     def _each_order(self, now: float, unknown: str, at: Position) -> Iterator[OrderThen]:
         """Yield each order's effect, or why it is `unknown`; hold and land are checked from the actual position."""
-        mode, modes = self._vehicle.state.custom_mode, self._vehicle.autopilot.modes
-        done = {"hold": self._vehicle.order.is_held, "rtl": mode in modes.returns, "land": mode in modes.lands}
-        if self._vehicle.order.is_held:
-            yield self._go_on(now, unknown)
+        state, order, autopilot = self._vehicle.state, self._vehicle.order, self._vehicle.autopilot
+        mode, modes = state.custom_mode, autopilot.modes
+        done = {"hold": order.is_held, "rtl": mode in modes.returns, "land": mode in modes.lands}
+        if order.is_held:
+            item = "" if state.current is None else f" with item {state.current.seq + 1 - autopilot.counts_home}"
+            left = None if unknown else round(max(self._forecast.estimate.total_s - now, 0.0), 1)
+            yield OrderThen(what="go_on", clear=None, words=unknown or f"as planned{item}", seconds=left)
         rows: dict[Contingency, tuple[ContingencyRow, float | None]] = {}
         if self._contingencies is not None and unknown:
             place, velocity = self._local(at), np.array([at.velocity[1], at.velocity[0]])
@@ -294,23 +280,16 @@ class Watch:
                 rows[contingency] = self._contingencies.from_here(contingency, place, velocity), None
         elif self._contingencies is not None:
             rows = {row.contingency: (row, seconds) for row, seconds in self._contingencies.at(now)}
-        for order, contingency in ORDERED.items():
-            if not done[order] and contingency in rows:
+        for what, contingency in ORDERED.items():
+            if not done[what] and contingency in rows:
                 row, seconds = rows[contingency]
                 seconds = None if seconds is None else round(seconds, 1)
-                yield OrderThen(what=order, clear=row.clear, words=f"{row.leads}: {row.keeps}", seconds=seconds)
-            elif not done[order]:
-                yield OrderThen(what=order, clear=None, words=unknown, seconds=None)
+                yield OrderThen(what=what, clear=row.clear, words=f"{row.leads}: {row.keeps}", seconds=seconds)
+            elif not done[what]:
+                yield OrderThen(what=what, clear=None, words=unknown, seconds=None)
 
     def _local(self, at: Position) -> Vector:
         return self._forecast.frame.local(Geodetic(at.latitude_deg, at.longitude_deg, at.altitude))
-
-    def _go_on(self, now: float, unknown: str) -> OrderThen:
-        left = self._forecast.estimate.total_s - now
-        current = self._vehicle.state.current
-        item = "" if current is None else f" with item {current.seq + 1 - self._vehicle.autopilot.counts_home}"
-        seconds = None if unknown else round(max(left, 0.0), 1)
-        return OrderThen(what="go_on", clear=None, words=unknown or f"as planned{item}", seconds=seconds)
 
     def _reserve(self, now: float, is_elsewhere: bool) -> Reserve | None:
         left = self._vehicle.state.battery_left
@@ -319,14 +298,9 @@ class Watch:
         plan = None if self._budget is None or is_elsewhere else self._budget.against_plan(left, now)
         if plan is None:
             return Reserve(left=left)
-        return Reserve(
-            left=left,
-            planned=round(plan.planned, 3),
-            lands=round(plan.lands.likely, 3),
-            least=round(plan.lands.low, 3),
-            most=round(plan.lands.high, 3),
-            required=plan.reserve,
-        )
+        least, likely, most = (round(share, 3) for share in (plan.lands.low, plan.lands.likely, plan.lands.high))
+        planned = round(plan.planned, 3)
+        return Reserve(left=left, planned=planned, lands=likely, least=least, most=most, required=plan.reserve)
 
     def _order(self, name: InFlight) -> None:
         order, modes = self._vehicle.order, self._vehicle.autopilot.modes
@@ -340,11 +314,6 @@ class Watch:
                 order.give(modes.returning)
             case "land":
                 order.give(min(modes.lands))
-
-    def _keep_pace(self, now_s: float) -> None:
-        if self._speedup is not None:
-            first_s, begun = self._begun = self._begun or (now_s, time.monotonic())
-            time.sleep(max((now_s - first_s) / self._speedup - (time.monotonic() - begun), 0.0))
 
 
 if __name__ == "__main__":

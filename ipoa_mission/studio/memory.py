@@ -3,26 +3,32 @@
 Without the variable below `~/.local/state` or `%LOCALAPPDATA%`. It can be deleted at any time.
 """
 
-import json
 import os
 import secrets
 from contextlib import suppress
-from dataclasses import asdict, dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Annotated
+
+from pydantic import BaseModel, Field
 
 from ipoa_mission.files import write_atomically
 
 
-@dataclass(frozen=True)
-class Opened:
+class Opened(BaseModel, frozen=True):
     """A file once open, "" for the start page; `world` and `log` of a mission."""
 
     path: str
     port: int
-    token: str
+    token: Annotated[str, Field(pattern="^[!-~]{21,}$")]
     world: str = ""
     log: str = ""
+
+
+class Memory(BaseModel, frozen=True):
+    """`opened`: the latest first. `tiles`: source and attribution."""
+
+    opened: tuple[Opened, ...] = ()
+    tiles: tuple[str, str] | None = None
 
 
 def memory_file() -> Path:
@@ -30,49 +36,33 @@ def memory_file() -> Path:
     return Path(base) / "ipoa-mission" / "studio.json"
 
 
-def recent() -> list[Opened]:
-    opened = []
-    for entry in _read().get("opened", ()):
-        with suppress(AttributeError, KeyError, TypeError, ValueError):
-            about = (str(entry.get(key, "")) for key in ("world", "log"))
-            opened.append(Opened(str(entry["path"]), int(entry["port"]), str(entry["token"]), *about))
-    return [file for file in opened if file.token.isascii() and len(file.token) > 20]
+def known() -> Memory:
+    with suppress(OSError, ValueError):
+        return Memory.model_validate_json(memory_file().read_bytes())
+    return Memory()
 
 
 def address_of(path: Path | None) -> Opened:
     """Return a file's last address, else port 0 and a new token; None: the start page."""
     name = "" if path is None else str(path)
-    known = next((file for file in recent() if file.path == name), None)
-    return known or Opened(name, 0, secrets.token_urlsafe(24))
+    before = next((file for file in known().opened if file.path == name), None)
+    return before or Opened(path=name, port=0, token=secrets.token_urlsafe(24))
 
 
 def remember(opened: Opened, port: int) -> None:
-    others = [asdict(file) for file in recent() if file.path != opened.path]
-    _write({"opened": [asdict(replace(opened, port=port)), *others][:20]})
-
-
-def kept_tiles() -> tuple[str, str] | None:
-    known = _read().get("tiles")
-    return (str(known[0]), str(known[1])) if isinstance(known, list) and len(known) == 2 else None
+    others = [file for file in known().opened if file.path != opened.path]
+    _write("opened", (opened.model_copy(update={"port": port}), *others)[:20])
 
 
 def keep_tiles(tiles: tuple[str, str] | None) -> None:
-    _write({"tiles": tiles})
+    _write("tiles", tiles)
 
 
-def _read() -> dict[str, Any]:
-    try:
-        known = json.loads(memory_file().read_text(encoding="utf-8"))
-    except (OSError, ValueError):
-        return {}
-    return known if isinstance(known, dict) else {}
-
-
-def _write(changes: dict[str, Any]) -> None:
-    """Replace entries; ignore a file that cannot be written."""
+def _write(name: str, value: object) -> None:
+    """Replace a field; ignore a file that cannot be written."""
     file = memory_file()
     with suppress(OSError):
         file.parent.mkdir(parents=True, exist_ok=True)
         file.parent.chmod(0o700)
-        write_atomically(file, json.dumps(_read() | changes, indent=1) + "\n")
+        write_atomically(file, known().model_copy(update={name: value}).model_dump_json(indent=1) + "\n")
         file.chmod(0o600)

@@ -3,6 +3,7 @@
 import math
 import re
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -23,7 +24,7 @@ from ipoa_mission.mission.stored_mission import values_of
 from ipoa_mission.scenario.place_sections import FenceSection
 from ipoa_mission.studio import answers
 from ipoa_mission.studio.dropped import fences_of
-from ipoa_mission.studio.flight_answers import Checked, Flaw, ItemField, ItemKind, MissionItem, OpenMission
+from ipoa_mission.studio.flight_answers import Checked, ItemField, ItemKind, MissionItem, OpenMission
 from ipoa_mission.studio.plan_answers import UNKNOWN_EXTENT
 from ipoa_mission.studio.view import degree_of, fence_of, on_map, without_folders, world_of
 from ipoa_mission.studio.vocabulary import Number
@@ -65,7 +66,7 @@ FIELDS: Mapping[int, Mapping[int, tuple[str, str]]] = {
 
 def kind_of(command: int, placed: bool) -> ItemKind:
     name = "take off" if command == Command.NAV_TAKEOFF else short_name(command)
-    return ItemKind(command=command, name=name, placed=placed, fields=tuple(_fields(command, placed)))
+    return ItemKind(command=command, name=name, fields=tuple(_fields(command, placed)))
 
 
 def _fields(command: int, placed: bool) -> Iterator[ItemField]:
@@ -166,13 +167,8 @@ def check_answer(findings: Sequence[Finding], forecast: Forecast, revision: int)
         return words if forecast.scenario is None else without_folders(words, forecast.scenario)
 
     flaws = tuple(
-        Flaw(
-            severity=finding.severity.value,
-            seq=finding.seq,
-            words=shown(finding.message),
-            hint=finding.hint and shown(finding.hint),
-        )
-        for finding in findings
+        replace(each, message=shown(each.message), hint=each.hint and shown(each.hint), remedies=())
+        for each in findings
     )
     remarks = () if forecast.scenario is None else tuple(map(shown, forecast.scenario.remarks))
     return Checked(revision=revision, flaws=flaws, timeless=_why_timeless(forecast), remarks=remarks)

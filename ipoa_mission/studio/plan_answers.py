@@ -22,14 +22,8 @@ from ipoa_mission.geometry import Points
 from ipoa_mission.mission.item_words import item_words
 from ipoa_mission.planning.sketch import Sketch
 from ipoa_mission.planning.spline import Spline
-from ipoa_mission.report.drawn_flight import (
-    SampledTrack,
-    find_dangers,
-    outline_around,
-    placed_items,
-    sample_track,
-    shown_deviation_bound,
-)
+from ipoa_mission.report import drawn_flight
+from ipoa_mission.report.drawn_flight import SampledTrack
 from ipoa_mission.report.panels.contingency_panel import GRADE_LOOKS, contingency_bars, return_paths, stretches
 from ipoa_mission.report.panels.profile import near_track
 from ipoa_mission.scenario import Scenario
@@ -40,28 +34,27 @@ from ipoa_mission.studio.view import line_of, on_map, without_folders
 UNKNOWN_EXTENT = 1e7  # [m]
 
 
-def sketched(sketch: Sketch, scenario: Scenario, revision: int, number: int | None, took_s: float) -> answers.Sketch:
+def sketched(sketch: Sketch, scenario: Scenario, revision: int, number: int | None) -> answers.Sketch:
     """Show a coarse path; its time is a lower bound by the vehicle's limits."""
-    vehicle, frame, clearance = scenario.vehicle, scenario.frame, sketch.proof.clearance
-    points = _sampled(sketch.curve)
+    vehicle, clearance = scenario.vehicle, sketch.proof.clearance
+    points, *others = (_sampled(curve) for curve in (sketch.curve, *sketch.others))
     limits = kinematics(vehicle.autopilot, vehicle.autopilot_parameters(), vehicle.cruise_speed)
     return answers.Sketch(
         revision=revision,
         number=number,
-        line=line_of(frame, points),
-        others=tuple(line_of(frame, _sampled(other)) for other in sketch.others),
+        line=line_of(scenario.frame, points),
+        others=tuple(line_of(scenario.frame, other) for other in others),
         is_proved=sketch.proof.is_proved,
         verdict=without_folders(sketch.proof.words(), scenario),
         length=round(float(sketch.curve.length), 1),
         clearance=round(float(clearance.distance), 2),
         nearest=without_folders(clearance.what, scenario),
         seconds=round(least_time(points, limits).seconds, 1),
-        took_s=round(took_s, 3),
     )
 
 
-def planned(flight: Flight, revision: int, took_s: float) -> answers.Plan:
-    plan, scenario = expected(flight.forecast, flight.name, revision, took_s), flight.scenario
+def planned(flight: Flight, revision: int) -> answers.Plan:
+    plan, scenario = expected(flight.forecast, flight.name, revision), flight.scenario
     proved = {
         "of": "scenario",
         "proof": proof_digest(flight),
@@ -73,15 +66,19 @@ def planned(flight: Flight, revision: int, took_s: float) -> answers.Plan:
     return plan.model_copy(update=proved)
 
 
-def expected(forecast: Forecast, name: str, revision: int, took_s: float) -> answers.Plan:
+def expected(forecast: Forecast, name: str, revision: int) -> answers.Plan:
     """Show a forecast; its clearance only with a scenario."""
-    scenario, estimate, course = forecast.scenario, forecast.estimate, course_of(forecast)
+    scenario, estimate, course, frame = forecast.scenario, forecast.estimate, course_of(forecast), forecast.frame
     guarantee = None if scenario is None else forecast.guarantee_if_known
     kept = None if guarantee is None else guarantee.clearance
     budget = budget_of(forecast) if forecast.energy is not None else None
     left = None if budget is None else budget.left(budget.used.between)
-    ring = [] if guarantee is None else outline_around(course.points, shown_deviation_bound(forecast).level)
-    apart = [round(value, 2) if math.isfinite(value) else None for value in course.apart.tolist()]
+    ring = (
+        []
+        if guarantee is None
+        else drawn_flight.outline_around(course.points, drawn_flight.shown_deviation_bound(forecast).level)
+    )
+    homeward = [] if guarantee is None else return_paths(forecast)
     return answers.Plan(
         of="mission",
         revision=revision,
@@ -99,32 +96,34 @@ def expected(forecast: Forecast, name: str, revision: int, took_s: float) -> ans
         length=round(float(course.along[-1]), 1),
         energy_wh=None if budget is None else round(budget.used.energy_wh, 2),
         battery_left=None if left is None else round(left.likely, 3),
-        deviation_ring=tuple(on_map(forecast.frame, points) for points in ring),
+        deviation_ring=tuple(on_map(frame, points) for points in ring),
         course=answers.Course(
-            line=line_of(forecast.frame, course.points),
-            times=tuple(course.times.round(2).tolist()),
-            along=tuple(course.along.round(1).tolist()),
-            speeds=tuple(course.speeds.round(2).tolist()),
-            ground=tuple(course.ground.round(2).tolist()),
-            apart=tuple(apart),
+            line=line_of(frame, course.points),
+            times=course.times.round(2).tolist(),
+            along=course.along.round(1).tolist(),
+            speeds=course.speeds.round(2).tolist(),
+            ground=course.ground.round(2).tolist(),
+            apart=tuple(value if math.isfinite(value) else None for value in course.apart.round(2).tolist()),
             returns_at=_turns_home(course, forecast),
         ),
         nearby=() if scenario is None else tuple(_nearby(course, scenario)),
         stops=tuple(_stops(forecast, course)),
         bindings=(*_near_places(guarantee, course, scenario), *_slow_items(estimate, course)),
-        homeward=() if guarantee is None else tuple(_homeward(forecast)),
+        homeward=tuple(
+            answers.Homeward(from_s=way["from"], clear=way["clear"], line=line_of(frame, np.array(way["points"])))
+            for way in homeward
+        ),
         waypoints=None,
         limits=(),
         warnings=(),
         remarks=tuple(estimate.remarks),
-        took_s=round(took_s, 2),
     )
 
 
 def course_of(forecast: Forecast) -> SampledTrack:
     nowhere = Airspace(Bounds((-UNKNOWN_EXTENT,) * 3, (UNKNOWN_EXTENT,) * 3), Flat())
     airspace = nowhere if forecast.scenario is None else forecast.scenario.airspace
-    return sample_track(forecast.estimate.track, airspace, samples=500)
+    return drawn_flight.sample_track(forecast.estimate.track, airspace, samples=500)
 
 
 def _sampled(curve: Spline) -> Points:
@@ -139,14 +138,8 @@ def _turns_home(course: SampledTrack, forecast: Forecast) -> int | None:
     return course.nearest(before.done_s) if is_return else None
 
 
-def _homeward(forecast: Forecast) -> Iterator[answers.Homeward]:
-    for path in return_paths(forecast):
-        line = line_of(forecast.frame, np.array(path["points"]))
-        yield answers.Homeward(from_s=path["from"], clear=path["clear"], line=line)
-
-
 def _stops(forecast: Forecast, course: SampledTrack) -> Iterator[answers.Stop]:
-    scenario, items = forecast.scenario, placed_items(forecast)
+    scenario, items = forecast.scenario, drawn_flight.placed_items(forecast)
     for time in forecast.estimate.items:
         item, place = items[time.seq - 1]
         above = None
@@ -157,7 +150,6 @@ def _stops(forecast: Forecast, course: SampledTrack) -> Iterator[answers.Stop]:
             at=course.nearest(time.done_s),
             words=item_words(item),
             done_s=round(time.done_s, 1),
-            duration_s=round(time.duration_s, 1),
             place=None if place is None else on_map(forecast.frame, place[None, :])[0],
             up=None if place is None else round(float(place[2]), 1),
             above_ground=above,
@@ -167,10 +159,8 @@ def _stops(forecast: Forecast, course: SampledTrack) -> Iterator[answers.Stop]:
 def _nearby(course: SampledTrack, scenario: Scenario) -> Iterator[answers.NearbyObstacle]:
     for body, (begins, ends), look in near_track(course, scenario.airspace, scenario.limits.obstacle_distance):
         base, top = body.bounds[:, 2].round(2).tolist()
-        name = without_folders(body.name, scenario)
-        yield answers.NearbyObstacle(
-            name=name, look=look, begins=round(begins, 1), ends=round(ends, 1), base=base, top=top
-        )
+        name, along = without_folders(body.name, scenario), (round(begins, 1), round(ends, 1))
+        yield answers.NearbyObstacle(name=name, look=look, begins=along[0], ends=along[1], base=base, top=top)
 
 
 def _near_places(
@@ -179,7 +169,7 @@ def _near_places(
     """Yield places too near to the flight, and the five nearest, worst first."""
     if scenario is None:
         return
-    for danger in find_dangers(course, scenario):
+    for danger in drawn_flight.find_dangers(course, scenario):
         yield answers.Binding(what="danger", words=danger.words, at=int(np.argmin(course.apart)))
     if guarantee is None:
         return
@@ -215,22 +205,28 @@ def strips_of(forecast: Forecast, revision: int, flight: int) -> Iterator[answer
     """Yield the strip at once, and again with costs, which take simulated flights."""
     bars = () if forecast.scenario is None else contingency_bars(forecast)
     budget, course = budget_of(forecast) if bars else None, course_of(forecast)
+    drawn = [
+        answers.StripBar(
+            contingency=bar.contingency, stretches=tuple(_stretches(bar, course, forecast.world)), costs=()
+        )
+        for bar in bars
+    ]
     strip = answers.ContingencyStrip(
         revision=revision,
         flight=flight,
         reserve=None if budget is None or budget.battery is None else budget.battery.reserve,
-        bars=tuple(_bar(bar, course, forecast.world) for bar in bars),
+        bars=tuple(drawn),
     )
     yield strip
     if bars:
         costs = [tuple(_costs(bar, forecast, budget)) for bar in bars]
-        full = [bar.model_copy(update={"costs": cost}) for bar, cost in zip(strip.bars, costs, strict=True)]
+        full = [bar.model_copy(update={"costs": cost}) for bar, cost in zip(drawn, costs, strict=True)]
         yield strip.model_copy(update={"bars": tuple(full)})
 
 
-def _bar(bar: ContingencyBar, course: SampledTrack, scenario: Scenario) -> answers.StripBar:
-    shown = tuple(
-        answers.StripStretch(
+def _stretches(bar: ContingencyBar, course: SampledTrack, scenario: Scenario) -> Iterator[answers.StripStretch]:
+    for row, begins, ends in stretches(bar, course):
+        yield answers.StripStretch(
             look=GRADE_LOOKS[row.grade],
             from_s=round(row.from_s, 2),
             to_s=round(row.to_s, 2),
@@ -238,9 +234,6 @@ def _bar(bar: ContingencyBar, course: SampledTrack, scenario: Scenario) -> answe
             ends=round(ends, 1),
             words=without_folders(row.in_full, scenario),
         )
-        for row, begins, ends in stretches(bar, course)
-    )
-    return answers.StripBar(contingency=bar.contingency, stretches=shown, costs=())
 
 
 def _costs(bar: ContingencyBar, forecast: Forecast, budget: Budget | None) -> Iterator[answers.StripCost]:

@@ -16,7 +16,7 @@ from ipoa_mission.autopilot.autopilot import autopilot_named
 from ipoa_mission.checks.check import check
 from ipoa_mission.checks.unsafe import refuse_errors
 from ipoa_mission.errors import BadInput, MissionError
-from ipoa_mission.files import read_text, unused
+from ipoa_mission.files import read_text
 from ipoa_mission.flight.flight import Flight, plan_flight
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.mission.items import MissionFile
@@ -29,7 +29,7 @@ from ipoa_mission.scenario import Scenario, parse_scenario
 from ipoa_mission.scenario.scenario_file import parse_toml, scenario_of
 from ipoa_mission.studio.answers import Progress, Trouble, Written
 from ipoa_mission.studio.edits import apply_changes
-from ipoa_mission.studio.flight_answers import FlownItem, Replay
+from ipoa_mission.studio.flight_answers import Replay
 from ipoa_mission.studio.handed import HandedOver, mission_over, planned_over, survey_over
 from ipoa_mission.studio.mission_view import check_answer, mission_answer, mission_world
 from ipoa_mission.studio.plan_answers import expected, planned, sketched, strips_of
@@ -57,7 +57,7 @@ def look(order: JobOrder, answer: Answer) -> None:
 
 
 def sketch(order: JobOrder, answer: Answer) -> None:
-    begun, revision, number = time.perf_counter(), order["revision"], order["number"]
+    revision, number = order["revision"], order["number"]
     if order["changes"]:
         table = copy.deepcopy(_table(order["text"], order["path"]))
         apply_changes(table, CHANGES.validate_python(order["changes"]))
@@ -66,24 +66,22 @@ def sketch(order: JobOrder, answer: Answer) -> None:
         scenario = _scenario(order["text"], order["path"])
     try:
         if "survey" not in scenario.added:
-            path = sketch_path(scenario)
-            answer(sketched(path, scenario, revision, number, time.perf_counter() - begun))
+            answer(sketched(sketch_path(scenario), scenario, revision, number))
         else:
-            lines = sketch_survey(scenario)
-            answer(coarse_survey(lines, scenario, revision, number, time.perf_counter() - begun))
+            answer(coarse_survey(sketch_survey(scenario), scenario, revision, number))
     except MissionError as error:
         answer(plan_trouble(error, scenario, revision, of="sketch"))
 
 
 def judge(order: JobOrder, answer: Answer) -> None:
-    begun, revision, path = time.perf_counter(), order["revision"], Path(order["path"])
+    revision = order["revision"]
     file, forecast = _mission(order)
     answer(mission_world(forecast, revision))
     answer(mission_answer(file, forecast, revision, order["worlds"], order["world"]))
     checked = check_answer(check(forecast, read=file.findings), forecast, revision)
     answer(checked)
     if checked.timeless is None:
-        answer(expected(forecast, path.stem, revision, time.perf_counter() - begun))
+        answer(expected(forecast, Path(order["path"]).stem, revision))
         if order["log"] is not None:
             answer(replayed(Path(order["log"]), forecast, revision))
 
@@ -106,7 +104,7 @@ class PlanWorker:
         self._plan: Flight | Survey | None = None
 
     def plan(self, order: JobOrder, answer: Answer) -> None:
-        revision, begun, shown_at = order["revision"], time.perf_counter(), 0.0
+        revision, shown_at = order["revision"], 0.0
 
         def progress(share: float, words: str) -> None:
             nonlocal shown_at
@@ -119,10 +117,10 @@ class PlanWorker:
         try:
             if "survey" not in scenario.added:
                 self._plan = flight = plan_flight(scenario, seed=order["seed"], progress=progress)
-                answer(planned(flight, revision, time.perf_counter() - begun))
+                answer(planned(flight, revision))
             else:
                 self._plan, logs = _survey(scenario, order, progress, answer)
-                answer(planned_survey(self._plan, revision, time.perf_counter() - begun, logs))
+                answer(planned_survey(self._plan, revision, logs))
         except MissionError as error:
             answer(plan_trouble(error, scenario, revision))
 
@@ -143,10 +141,7 @@ class PlanWorker:
         answer(Written(files=tuple(file.name for file in files)))
 
     def detach(self, order: JobOrder, answer: Answer) -> None:
-        handed, folder = self._expect_flight(order), Path(order["folder"])
-        target = unused(folder / f"{handed.name}-edited.plan")
-        write_mission(handed.forecast.mission, target)
-        answer(Written(files=(target.name,)))
+        write_mission(self._expect_flight(order).forecast.mission, Path(order["file"]))
 
     def hand_over(self, order: JobOrder, answer: Answer) -> None:
         self._expect_flight(order).write(Path(order["file"]))
@@ -245,15 +240,7 @@ def replayed(log: Path, forecast: Forecast, revision: int) -> Replay:
         log=log.name,
         line=line_of(forecast.frame, track.points[shown]),
         times=tuple(track.times[shown].round(2).tolist()),
-        items=tuple(
-            FlownItem(
-                seq=leg.seq,
-                estimated_s=round(leg.estimated_s, 1),
-                flown_s=round(leg.flown_s, 1),
-                done_s=round(leg.flown_done_s, 1),
-            )
-            for leg in compared.legs
-        ),
+        items=compared.legs,
         estimated_s=round(compared.estimated_total_s, 1),
         flown_s=round(compared.flown_total_s, 1) if math.isfinite(compared.flown_total_s) else None,
         remarks=(*flown.remarks, *several),

@@ -12,7 +12,7 @@ import queue
 import signal
 import sys
 import threading
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from typing import Any, Literal, TypeAlias
 
@@ -24,6 +24,7 @@ JobOrder: TypeAlias = dict[str, Any]
 Answer: TypeAlias = Callable[[PageMessage], None]
 Job: TypeAlias = Callable[[JobOrder, Answer], None]
 Subject: TypeAlias = Literal["scenario", "sketch", "plan", "file", "flight"]
+MakeJobs: TypeAlias = "Callable[[queue.SimpleQueue[JobOrder]], Mapping[str, tuple[Job, Subject]]]"
 
 
 class ProcessDied(Exception):
@@ -34,39 +35,30 @@ class Process:
     """One job at a time; a worker that dies is restarted."""
 
     def __init__(self, module: str) -> None:
-        self._module = module
+        self._module, self._number = module, 0
         self._process: asyncio.subprocess.Process | None = None
         self._one_at_a_time = asyncio.Lock()
-        self._number = 0
 
-    async def start(self) -> asyncio.subprocess.Process:
+    async def start(self) -> None:
         if self._process is None or self._process.returncode is not None:
-            self._process = await asyncio.create_subprocess_exec(
-                sys.executable,
-                "-m",
-                self._module,
-                stdin=asyncio.subprocess.PIPE,
-                stdout=asyncio.subprocess.PIPE,
-                limit=256 * 1024 * 1024,  # of an answer [bytes]
-            )
-        return self._process
+            command, pipe = (sys.executable, "-m", self._module), asyncio.subprocess.PIPE
+            limit = 256 * 1024 * 1024  # of an answer [bytes]
+            self._process = await asyncio.create_subprocess_exec(*command, stdin=pipe, stdout=pipe, limit=limit)
 
     async def ask(self, order: dict[str, Any], hear: Callable[[dict[str, Any]], None]) -> None:
         """Send a job, and call `hear` with every answer; pass on cancellation."""
         async with self._one_at_a_time:
-            process = await self.start()
+            await self.start()
             self._number += 1
-            await _send(process, order | {"id": self._number})
+            await self.send(order | {"id": self._number})
             cancelled = False
             while True:
                 try:
-                    line = await _line(process)
+                    line = await self._line()
                 except asyncio.CancelledError:
                     cancelled = True
-                    await _send(process, {"cancel": self._number})
+                    await self.send({"cancel": self._number})
                     continue
-                if line is None:
-                    raise ProcessDied(self._module)
                 if line.get("id") == self._number:
                     if "done" in line:
                         break
@@ -76,8 +68,10 @@ class Process:
                 raise asyncio.CancelledError
 
     async def send(self, order: dict[str, Any]) -> None:
-        if self._process is not None:
-            await _send(self._process, order)
+        if self._process is not None and self._process.stdin is not None:
+            with suppress(ConnectionError):
+                self._process.stdin.write(json.dumps(order).encode() + b"\n")
+                await self._process.stdin.drain()
 
     async def close(self) -> None:
         process, self._process = self._process, None
@@ -86,21 +80,14 @@ class Process:
                 process.kill()
             await process.wait()
 
-
-async def _send(process: asyncio.subprocess.Process, order: dict[str, Any]) -> None:
-    assert process.stdin is not None
-    with suppress(ConnectionError):
-        process.stdin.write(json.dumps(order).encode() + b"\n")
-        await process.stdin.drain()
-
-
-async def _line(process: asyncio.subprocess.Process) -> Any:
-    assert process.stdout is not None
-    while text := await process.stdout.readline():
-        if text.startswith(b"{"):  # a library's prints
-            return json.loads(text)
-    await process.wait()
-    return None
+    async def _line(self) -> Any:
+        process = self._process
+        if process is not None and process.stdout is not None:
+            while text := await process.stdout.readline():
+                if text.startswith(b"{"):  # a library's prints
+                    return json.loads(text)
+            await process.wait()
+        raise ProcessDied(self._module)
 
 
 class JobCancelled(BaseException):
@@ -110,30 +97,32 @@ class JobCancelled(BaseException):
 class Worker:
     """Do jobs one after the other in the main thread; another thread reads cancellations."""
 
-    def __init__(self, write: Callable[[JobOrder], None]) -> None:
-        self.known: Mapping[str, tuple[Job, Subject]] = {}
-        self._write = write
-        self._jobs: queue.SimpleQueue[JobOrder | None] = queue.SimpleQueue()
-        self.inbox: queue.SimpleQueue[JobOrder] = queue.SimpleQueue()
+    def __init__(self, make_jobs: MakeJobs) -> None:
+        self._channel = os.fdopen(os.dup(sys.stdout.fileno()), "w", encoding="utf-8", newline="\n")
+        os.dup2(sys.stderr.fileno(), sys.stdout.fileno())  # a library's prints are no answers
+        self._orders: queue.SimpleQueue[JobOrder | None] = queue.SimpleQueue()
+        self._inbox: queue.SimpleQueue[JobOrder] = queue.SimpleQueue()
+        self._jobs = make_jobs(self._inbox)
         self._current: int | None = None
         self._is_cancelled = False
-        self._lock = threading.Lock()
+        self._lock, self._writes = threading.Lock(), threading.Lock()
 
-    def listen(self, lines: Iterable[str]) -> None:
-        for line in lines:
+    def listen(self) -> None:
+        for line in sys.stdin:
             order = json.loads(line)
             if "cancel" in order:
                 self._cancel(order["cancel"])
             elif "job" in order:
-                self._jobs.put(order)
+                self._orders.put(order)
             else:
-                self.inbox.put(order)
-        self._jobs.put(None)
+                self._inbox.put(order)
+        self._orders.put(None)
         self._cancel(self._current)
 
     def run(self) -> None:
         signal.signal(signal.SIGINT, self._interrupted)
-        while (order := self._jobs.get()) is not None:
+        threading.Thread(target=self.listen, daemon=True).start()
+        while (order := self._orders.get()) is not None:
             try:
                 with self._lock:
                     self._current, self._is_cancelled = order["id"], False
@@ -160,25 +149,18 @@ class Worker:
         def answer(message: PageMessage) -> None:
             self._write({"id": order["id"], "answer": message.model_dump(mode="json")})
 
-        job, subject = self.known[order["job"]]
+        job, subject = self._jobs[order["job"]]
         try:
             job(order, answer)
         except MissionError as error:
             answer(Trouble(of=subject, message=as_on_map(str(error)), hint=error.hint, revision=order.get("revision")))
 
+    def _write(self, message: JobOrder) -> None:
+        with self._writes:
+            self._channel.write(json.dumps(message, allow_nan=False) + "\n")
+            self._channel.flush()
 
-def work(make_jobs: Callable[[queue.SimpleQueue[JobOrder]], Mapping[str, tuple[Job, Subject]]]) -> None:
+
+def work(make_jobs: MakeJobs) -> None:
     """Work for the parent process; `make_jobs` gets the queue of lines for the running job."""
-    channel = os.fdopen(os.dup(sys.stdout.fileno()), "w", encoding="utf-8", newline="\n")
-    os.dup2(sys.stderr.fileno(), sys.stdout.fileno())  # a library's prints are no answers
-    lock = threading.Lock()
-
-    def write(message: JobOrder) -> None:
-        with lock:
-            channel.write(json.dumps(message, allow_nan=False) + "\n")
-            channel.flush()
-
-    worker = Worker(write)
-    worker.known = make_jobs(worker.inbox)
-    threading.Thread(target=worker.listen, args=(sys.stdin,), daemon=True).start()
-    worker.run()
+    Worker(make_jobs).run()

@@ -12,12 +12,12 @@ from ipoa_mission.geometry import Points
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.studio.answers import Remedy, Trouble
 from ipoa_mission.studio.requests import Add, Change, Put, Take
-from ipoa_mission.studio.survey_view import in_words, ring_name
+from ipoa_mission.studio.survey_view import in_words, numbers_in_full, ring_name
 from ipoa_mission.studio.view import fences_drawn, without_folders
 from ipoa_mission.studio.vocabulary import as_on_map
 from ipoa_mission.survey.keep_out import SPARE, keep_out, survey_bound
 from ipoa_mission.survey.sight import sight_of
-from ipoa_mission.survey.survey_area import depth_of
+from ipoa_mission.survey.survey_area import parts_of
 from ipoa_mission.survey.survey_section import survey_of
 from ipoa_mission.survey.survey_task import expect_survey
 
@@ -195,5 +195,7 @@ def _without_rings(error: MissionError, table: Mapping[str, Any]) -> Iterator[Re
     for change in error.remedies:
         if change.field[:2] == ("survey", "polygon"):
             polygon = table["survey"]["polygon"]
-            name = ring_name((*change.field, *([0] * (depth_of(polygon) - len(change.field)))), polygon)
-            yield Remedy(label=f"Take {name} out", changes=(Take(path=change.field),))
+            numbers = numbers_in_full([int(step) for step in change.field[2:]], polygon)
+            area, ring = (*numbers, 0)[:2]
+            taken = Take(path=("survey", "polygon", area, ring))
+            yield Remedy(label=f"Take {ring_name(area, ring, len(parts_of(polygon)))} out", changes=(taken,))

@@ -4,9 +4,9 @@ Each line is a JSON object: the initial text, then splices, and marks for undo, 
 """
 
 import codecs
-import datetime
 import json
 from collections.abc import Iterable, Iterator
+from contextlib import suppress
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
@@ -17,7 +17,7 @@ from ipoa_mission.files import MISSIONS, read_text, unused, write_atomically
 from ipoa_mission.mission.mission_io import parse_mission, write_mission
 from ipoa_mission.studio import answers
 from ipoa_mission.studio.edits import changed, mission_changed, parse_table
-from ipoa_mission.studio.requests import Add, Change, InsertItem, PlainItems, Take, TakeItem
+from ipoa_mission.studio.requests import Add, Change, InsertItem, ItemStep, Take
 
 EDIT_LIMIT = 400  # kept when opened
 
@@ -65,7 +65,12 @@ class Journal:
     @classmethod
     def open(cls, path: Path, on_disk: str) -> "Journal":
         """Open a file's journal, or begin one. Changes by another program become an edit."""
-        journal = _replayed(path) or cls(path, on_disk, on_disk)
+        first, *lines = [*_lines(path)] or [{}]
+        journal = cls(path, on_disk, on_disk)
+        if "text" in first:
+            journal = cls(path, first["text"], first.get("saved_text", first["text"]))
+            for line in lines:
+                journal._apply(line)
         if journal.done > EDIT_LIMIT:
             journal._rewrite()
         if journal.saved != on_disk:
@@ -75,21 +80,18 @@ class Journal:
     def write(self, text: str, label: str, renumbers: bool = True) -> bool:
         if text == self.text:
             return False
-        self._splice(splice := splice_between(self.text, text, label, renumbers))
-        self._append(asdict(splice))
+        self._do(asdict(splice_between(self.text, text, label, renumbers)))
         return True
 
     def step(self, by: int) -> Splice | None:
         """-1: undo, 1: redo; return the edit."""
         if not 0 <= self.done + by <= len(self.edits):
             return None
-        self._step(by)
-        self._append({"step": by})
+        self._do({"step": by})
         return self.edits[min(self.done, self.done - by)]
 
     def mark_saved(self) -> None:
-        self.saved = self.text
-        self._append({"saved": self.done})
+        self._do({"saved": self.done})
 
     def take_from_disk(self, text: str) -> None:
         """Take another program's text as an edit that can be undone."""
@@ -104,21 +106,24 @@ class Journal:
     def redo_label(self) -> str | None:
         return self.edits[self.done].label if self.done < len(self.edits) else None
 
-    def _splice(self, splice: Splice) -> None:
-        self.edits[self.done :] = [splice]
-        self._step(1)
-
-    def _step(self, by: int) -> None:
-        redo = by > 0
-        self.text = self.edits[self.done].redone(self.text) if redo else self.edits[self.done - 1].undone(self.text)
-        self.done += by
-
-    def _append(self, line: dict[str, Any]) -> None:
+    def _do(self, line: dict[str, Any]) -> None:
+        self._apply(line)
         if self.path.exists():
             with self.path.open("a", encoding="utf-8", newline="\n") as file:
                 file.write(json.dumps(line, ensure_ascii=False) + "\n")
         else:
             self._rewrite()
+
+    def _apply(self, line: dict[str, Any]) -> None:
+        if "saved" in line:
+            self.saved = self.text
+        elif "start" in line:
+            self.edits[self.done :] = [Splice(**line)]
+            self._apply({"step": 1})
+        elif "step" in line and 0 <= self.done + line["step"] <= len(self.edits):
+            edit = self.edits[min(self.done, self.done + line["step"])]
+            self.text = edit.redone(self.text) if line["step"] > 0 else edit.undone(self.text)
+            self.done += line["step"]
 
     def _rewrite(self) -> None:
         first = max(0, self.done - EDIT_LIMIT)
@@ -129,22 +134,6 @@ class Journal:
         steps = [{"step": -1}] * (len(self.edits) - self.done)
         lines = [{"text": text, "saved_text": self.saved}, *map(asdict, self.edits), *steps]
         write_atomically(self.path, "".join(json.dumps(line, ensure_ascii=False) + "\n" for line in lines))
-
-
-def _replayed(path: Path) -> Journal | None:
-    lines = _lines(path)
-    first = next(lines, {})
-    if "text" not in first:
-        return None
-    journal = Journal(path, first["text"], first.get("saved_text", first["text"]))
-    for line in lines:
-        if "saved" in line:
-            journal.saved = journal.text
-        elif "step" in line and 0 <= journal.done + line["step"] <= len(journal.edits):
-            journal._step(line["step"])
-        elif "start" in line:
-            journal._splice(Splice(**line))
-    return journal
 
 
 def _lines(path: Path) -> Iterator[dict[str, Any]]:
@@ -189,7 +178,7 @@ class Document:
             text = mission_changed(self.text, self.path, changes, self.autopilot)
         else:
             text = changed(self.text, changes)
-        renumbers = any(isinstance(change, Take | Add | InsertItem | TakeItem | PlainItems) for change in changes)
+        renumbers = any(isinstance(change, Take | Add | InsertItem | ItemStep) for change in changes)
         return self._revised(self._journal.write(text, label, renumbers), renumbers)
 
     def rewrite(self, text: str, seen: int) -> bool:
@@ -205,7 +194,7 @@ class Document:
 
     def step(self, by: int) -> bool:
         edit = self._journal.step(by)
-        return self._revised(edit is not None, edit is not None and edit.renumbers)
+        return edit is not None and self._revised(True, edit.renumbers)
 
     def save(self, over: bool = False) -> None:
         """Write the file; `over` replaces changes by another program."""
@@ -240,8 +229,8 @@ class Document:
             return True
         if self.text == self._journal.saved:
             return self.take_theirs()
-        before, self.changed_outside = self.changed_outside, True
-        return not before
+        was_known, self.changed_outside = self.changed_outside, True
+        return not was_known
 
     def take_theirs(self) -> bool:
         self._journal.take_from_disk(read_text(self.path))
@@ -250,10 +239,10 @@ class Document:
 
     def as_answer(self) -> answers.Document:
         journal = self._journal
-        try:
-            table = {} if self.is_mission else _plain(parse_table(self.text).unwrap())
-        except BadInput:
-            table = {}
+        table = dict[str, Any]()
+        with suppress(BadInput):
+            if not self.is_mission:  # dates, infinity and NaN as words, which JSON lacks
+                table = json.loads(json.dumps(parse_table(self.text).unwrap(), default=str), parse_constant=str)
         return answers.Document(
             of="mission" if self.is_mission else "scenario",
             revision=self.revision,
@@ -272,13 +261,3 @@ class Document:
         if renumbers:
             self._renumbered_at = self.revision
         return different
-
-
-def _plain(value: Any) -> Any:
-    if isinstance(value, dict):
-        return {key: _plain(item) for key, item in value.items()}
-    if isinstance(value, list):
-        return [_plain(item) for item in value]
-    if isinstance(value, datetime.date | datetime.time):
-        return value.isoformat()
-    return str(value) if isinstance(value, float) and not abs(value) < float("inf") else value

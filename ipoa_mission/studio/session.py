@@ -7,42 +7,27 @@ from pathlib import Path
 from typing import Any, Literal, TypeAlias
 
 from ipoa_mission.errors import MissionError
-from ipoa_mission.files import MISSIONS
+from ipoa_mission.files import MISSIONS, unused
+from ipoa_mission.studio import requests
 from ipoa_mission.studio.answers import Found, Redirect, Trouble, Written
 from ipoa_mission.studio.dropped import log_named
-from ipoa_mission.studio.flight_desk import BatteryGuard, FlightDesk
-from ipoa_mission.studio.place import place_of
+from ipoa_mission.studio.flight_desk import FlightDesk
 from ipoa_mission.studio.processes import Process, ProcessDied
-from ipoa_mission.studio.requests import (
-    Do,
-    Drag,
-    Edit,
-    Find,
-    Listen,
-    Open,
-    Order,
-    Rest,
-    Rewrite,
-    SaveAs,
-    SetScenario,
-    Start,
-    Upload,
-)
 from ipoa_mission.studio.scenario_document import Document
-from ipoa_mission.studio.vocabulary import PageMessage, Window, as_json
+from ipoa_mission.studio.vocabulary import PageMessage, Window, as_json, place_of
 
 SETTLE_TIME_S = 0.6  # before the proved path is planned
-FILE_CHECK_S = 1.0
 KEPT = (
-    *("tiles", "area", "world", "mission", "checked", "replay", "sketch", "coarse_survey", "plan", "survey"),
-    *("contingencies", "loaded", "state", "trouble"),
+    *("area", "world", "mission", "checked", "replay", "sketch", "coarse_survey", "plan", "survey", "contingencies"),
+    *("loaded", "state", "trouble"),
 )
 FOLLOWS = (
     *("sketch", "coarse_survey", "plan", "survey", "contingencies", "checked", "replay"),
     *(f"trouble of {what}" for what in ("scenario", "sketch", "plan")),
 )
 PLANNER = "ipoa_mission.studio.plan_worker"
-OpenFile: TypeAlias = Callable[[Path, Path | None], str]  # returns the address relative to this page's
+#: of a file, given a mission's scenario or log; returns the token
+OpenFile: TypeAlias = Callable[[Path, Path | None, Path | None], str]
 Work: TypeAlias = Callable[[], Coroutine[Any, Any, object]]
 
 
@@ -57,31 +42,28 @@ class Session:
     ) -> None:
         self.document, self.folder = Document(path), path.parent
         self._open_file, self._world, self._log = open_file, world, log
-        self.windows: set[Window] = set()
+        self._windows: set[Window] = set()
         self._seed, self._flown = seed, tuple[Path, ...]()
         self._quick, self._thorough = Process(PLANNER), Process(PLANNER)
         self._flights = FlightDesk(self.document, self.send_all)
         self._jobs: dict[str, asyncio.Task[object]] = {}
-        self._drags: dict[Window, Drag] = {}
+        self._drags: dict[Window, requests.Drag] = {}
         self._latest: dict[str, dict[str, Any]] = {}
-        self._batteries = BatteryGuard()
 
     def join(self, window: Window) -> None:
-        self.windows.add(window)
-        window.send(self.document.as_answer())
-        for message in self._latest.values():
-            window.send(message)
+        self._windows.add(window)
+        for message in (as_json(self.document.as_answer()), *self._latest.values()):
+            window.put_nowait(message)
         if "world" not in self._latest:
             self._follow()
 
     def leave(self, window: Window) -> None:
-        self.windows.discard(window)
+        self._windows.discard(window)
         self._drags.pop(window, None)
 
     def send_all(self, message: PageMessage | dict[str, Any]) -> None:
         """Send to every window; keep the latest answer of each kind for later ones."""
         answer = as_json(message)
-        self._batteries.hear(answer)
         kind = answer["kind"]
         if kind in KEPT and (slot := _slot(answer)) != "trouble of edit":
             self._latest[slot] = answer
@@ -89,53 +71,57 @@ class Session:
             self._forget("loaded")
         if kind == "survey" and not answer["flown"]:
             self._flown = ()  # of another survey
-        for window in self.windows:
-            window.send(answer)
+        for window in self._windows:
+            window.put_nowait(answer)
 
     async def handle(self, request: Any, window: Window) -> None:
         try:
             match request:
-                case Edit():
+                case requests.Edit():
                     self._changed(self.document.edit(request.changes, request.label, request.seen))
-                case Rewrite():
+                case requests.Rewrite():
                     self._changed(self.document.rewrite(request.text, request.seen))
-                case Drag():
+                case requests.Drag():
                     self._drags[window] = request
                     self._job("drag", self._answer_drags)
-                case Do():
+                case requests.Do():
                     self._do(request)
-                case Rest():
+                case requests.Rest():
                     self._flown = tuple(self.folder / log_named(log) for log in request.logs)
                     self._start("plan", self._plan)
-                case Open():
-                    self._open_dropped(request.path, window)
-                case SaveAs():
+                case requests.Open():
+                    path = self.folder / Path(request.path).name
+                    if path.suffix.lower() not in MISSIONS:
+                        raise MissionError("expected a mission", place=path.name)
+                    window.put_nowait(as_json(self._opened(path)))
+                case requests.SaveAs():
                     file, remarks = self.document.save_as(request.suffix)
                     self.send_all(Written(files=(file.name,), remarks=remarks))
-                case SetScenario():
+                case requests.SetScenario():
                     self._world = None if request.scenario is None else Path(request.scenario)
                     self.document.read_for(request.autopilot)
                     self._changed(True)
-                case Upload():
+                case requests.Upload():
                     self._expect_ready()
                     self._forget("trouble of flight")
-                    upload = self._batteries.expect_charged(request, is_survey="survey" in self._latest)
-                    self._flights.upload(upload, partial(self._hand_over, upload.flight), self._name_of(upload.flight))
-                case Start():
+                    name, hand_over = self._name_of(request.flight), partial(self._hand_over, request.flight)
+                    self._flights.upload(request, hand_over, name, "survey" in self._latest)
+                case requests.Start():
                     await self._flights.start(request)
-                case Find():
+                case requests.Find():
                     latitude, longitude = place_of(request.place)
-                    window.send(Found(place=(longitude, latitude), words=request.place.strip()))
-                case Listen():
+                    window.put_nowait(as_json(Found(place=(longitude, latitude), words=request.place.strip())))
+                case requests.Listen():
                     self._flights.listen(request.link)
-                case Order():
+                case requests.Order():
                     await self._flights.order(request)
         except MissionError as error:
-            of: Literal["flight", "edit"] = "flight" if isinstance(request, Upload | Start | Order | Listen) else "edit"
-            window.send(Trouble(of=of, message=str(error), hint=error.hint))
-            window.send(self.document.as_answer())
+            of_flight = isinstance(request, requests.Upload | requests.Start | requests.Order | requests.Listen)
+            of: Literal["flight", "edit"] = "flight" if of_flight else "edit"
+            window.put_nowait(as_json(Trouble(of=of, message=str(error), hint=error.hint)))
+            window.put_nowait(as_json(self.document.as_answer()))
 
-    def _do(self, request: Do) -> None:
+    def _do(self, request: requests.Do) -> None:
         document = self.document
         match request.what:
             case "undo" | "redo":
@@ -160,12 +146,10 @@ class Session:
             case "abandon":
                 self._flights.abandon()
 
-    def _open_dropped(self, name: str, window: Window) -> None:
-        path = self.folder / Path(name).name
-        if self._open_file is None or path.suffix.lower() not in MISSIONS:
-            raise MissionError("expected a mission", place=path.name)
-        address = self._open_file(path, None if self.document.is_mission else self.document.path)
-        window.send(Redirect(address=address))
+    def _opened(self, mission: Path) -> Redirect:
+        assert self._open_file is not None, "the server opens files"
+        token = self._open_file(mission, None if self.document.is_mission else self.document.path, None)
+        return Redirect(address=f"../{token}/")
 
     def _changed(self, different: bool) -> None:
         if different:
@@ -177,31 +161,29 @@ class Session:
         self._forget(*FOLLOWS)
         self._stop("plan")
         self._stop("contingencies")
-        if self.document.is_mission:
-            self._job("look", self._judge)
-        else:
-            self._job("look", self._look)
+        self._job("look", self._look)
+        if not self.document.is_mission:
             self._start("plan", self._plan_when_idle)
 
     async def _look(self) -> None:
         shown = -1
         while shown != self.document.revision:
             shown = self.document.revision
-            is_valid = await self._ask(self._quick, {"job": "look"})
-            if not is_valid:
+            if self.document.is_mission:
+                await self._judge()
+            elif not await self._ask(self._quick, {"job": "look"}):
                 self._stop("plan")
             elif shown == self.document.revision:
                 await self._ask(self._quick, {"job": "sketch", "number": None, "changes": []})
+        if self.document.is_mission and "plan" in self._latest:
+            self._start("contingencies", self._show_contingencies)
 
     async def _judge(self) -> None:
-        checked = -1
-        while checked != self.document.revision:
-            checked = self.document.revision
-            worlds = await asyncio.to_thread(_scenarios_in, self.folder, self._world)
-            log = None if self._log is None else str(self._log)
-            await self._ask(self._quick, self._judged_by() | {"job": "judge", "worlds": worlds, "log": log})
-        if "plan" in self._latest:
-            self._start("contingencies", self._show_contingencies)
+        worlds = sorted(str(path) for path in await asyncio.to_thread(list, self.folder.glob("*.toml")))
+        if self._world is not None and str(self._world) not in worlds:
+            worlds = [str(self._world), *worlds]
+        log = None if self._log is None else str(self._log)
+        await self._ask(self._quick, self._judged_by() | {"job": "judge", "worlds": worlds, "log": log})
 
     def _judged_by(self) -> dict[str, Any]:
         return {"world": None if self._world is None else str(self._world), "autopilot": self.document.autopilot}
@@ -211,7 +193,7 @@ class Session:
             window, drag = self._drags.popitem()
             changes = [change.model_dump(mode="json") for change in drag.changes]
             order = {"job": "sketch", "number": drag.number, "changes": changes}
-            await self._ask(self._quick, order, window.send)
+            await self._ask(self._quick, order, window.put_nowait)
 
     async def _plan_when_idle(self) -> None:
         await self._thorough.start()
@@ -234,17 +216,9 @@ class Session:
             await self._ask(self._thorough, {"job": "end", "flight": flight})
 
     async def _detach(self, flight: int) -> None:
-        folder, written = self.folder, list[str]()
-
-        def hear(answer: dict[str, Any]) -> None:
-            written.extend(answer.get("files", ()))
-            if answer["kind"] == "trouble":
-                self.send_all(answer)
-
-        await self._ask(self._thorough, {"job": "detach", "folder": str(folder), "flight": flight}, hear)
-        if written and self._open_file is not None:
-            address = self._open_file(folder / written[0], self.document.path)
-            self.send_all(Redirect(address=address))
+        target = unused(self.folder / f"{self._name_of(flight)}-edited.plan")
+        if await self._ask(self._thorough, {"job": "detach", "file": str(target), "flight": flight}):
+            self.send_all(self._opened(target))
 
     async def _hand_over(self, flight: int, file: Path) -> bool:
         if self.document.is_mission:
@@ -307,31 +281,18 @@ class Session:
         if name in self._jobs:
             self._jobs[name].cancel()
 
-    async def run(self) -> None:
-        alone_s, limit_s = 0.0, 120.0  # without window and flight
-        try:
-            while True:
-                await asyncio.sleep(FILE_CHECK_S)
-                alone_s = 0.0 if self.windows or self._flights.is_busy else alone_s + FILE_CHECK_S
-                if limit_s <= alone_s < limit_s + FILE_CHECK_S:
-                    await self._rest()
-                revision = self.document.revision
-                if self.document.look_at_disk():
-                    self.send_all(self.document.as_answer())
-                    if self.document.revision != revision:
-                        self._follow()
-        finally:
-            for name in self._jobs:
-                self._stop(name)
-            await asyncio.gather(self._flights.close(), self._quick.close(), self._thorough.close())
-            await asyncio.gather(*self._jobs.values(), return_exceptions=True)
+    def look_at_disk(self) -> None:
+        revision = self.document.revision
+        if self.document.look_at_disk():
+            self.send_all(self.document.as_answer())
+            if self.document.revision != revision:
+                self._follow()
 
-    async def _rest(self) -> None:
+    async def close(self) -> None:
         for name in self._jobs:
             self._stop(name)
+        await asyncio.gather(self._flights.close(), self._quick.close(), self._thorough.close())
         await asyncio.gather(*self._jobs.values(), return_exceptions=True)
-        await asyncio.gather(self._quick.close(), self._thorough.close())
-        self._forget(*FOLLOWS, "world", "mission")
 
     def _forget(self, *names: str) -> None:
         kept = self._latest.items()
@@ -341,8 +302,3 @@ class Session:
 def _slot(answer: dict[str, Any]) -> str:
     of = {"trouble": "of", "contingencies": "flight"}.get(answer["kind"])
     return str(answer["kind"]) if of is None else f"{answer['kind']} of {answer[of]}"
-
-
-def _scenarios_in(folder: Path, also: Path | None) -> list[str]:
-    scenarios = sorted(str(path) for path in folder.glob("*.toml"))
-    return scenarios if also is None or str(also) in scenarios else [str(also), *scenarios]

@@ -2,7 +2,7 @@
 
 import asyncio
 import hmac
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
@@ -18,32 +18,24 @@ from ipoa_mission.scenario.new import new_scenario
 from ipoa_mission.studio import memory
 from ipoa_mission.studio.answers import Beginning, Redirect, StartFile, Trouble
 from ipoa_mission.studio.dropped import LOGS, keep
-from ipoa_mission.studio.place import place_of
 from ipoa_mission.studio.requests import Begin, Open
-from ipoa_mission.studio.session import Session
-from ipoa_mission.studio.vocabulary import PageMessage, Window
+from ipoa_mission.studio.session import OpenFile, Session
+from ipoa_mission.studio.vocabulary import Window, as_json, place_of
 
 OPENED = (".toml", *MISSIONS, *LOGS)
-#: of a file, given a mission's scenario or log; returns the token
-OpenAt: TypeAlias = Callable[[Path, Path | None, Path | None], str]
+FILE_CHECK_S = 1.0
 
 
 class Lobby:
     """Recent files, this folder, a new scenario."""
 
-    def __init__(self, folder: Path, open_file: OpenAt) -> None:
+    def __init__(self, folder: Path, open_file: OpenFile) -> None:
         self.folder, self._open_file = folder, open_file
 
     def join(self, window: Window) -> None:
-        window.send(self._start())
+        window.put_nowait(as_json(self._start()))
 
     def leave(self, window: Window) -> None:
-        pass
-
-    def send_all(self, message: PageMessage | dict[str, Any]) -> None:
-        """Do nothing: the start page has no map."""
-
-    async def run(self) -> None:
         pass
 
     async def handle(self, request: Any, window: Window) -> None:
@@ -52,12 +44,14 @@ class Lobby:
                 case Open():
                     token = await asyncio.to_thread(self.opened, self._offered(request.path))
                 case Begin():
-                    token = await asyncio.to_thread(self._begin, request)
+                    target = unused(self.folder / "mission.toml")
+                    begin_scenario(target, (*place_of(request.place), request.altitude))
+                    token = self._open_file(target, None, None)
                 case _:
                     raise BadInput("expected a file that is open", hint="open one first")
-            window.send(Redirect(address=f"../{token}/"))
+            window.put_nowait(as_json(Redirect(address=f"../{token}/")))
         except MissionError as error:
-            window.send(Trouble(of="file", message=str(error), hint=error.hint))
+            window.put_nowait(as_json(Trouble(of="file", message=str(error), hint=error.hint)))
 
     def opened(self, path: Path, world: Path | None = None) -> str:
         """Open a scenario, a mission, or a log with its mission; return its token."""
@@ -69,13 +63,8 @@ class Lobby:
         """Keep a dropped file and open it; return its relative address."""
         return f"../{self.opened(keep(name, content, self.folder, OPENED))}/"
 
-    def _begin(self, request: Begin) -> str:
-        target = unused(self.folder / "mission.toml")
-        begin_scenario(target, (*place_of(request.place), request.altitude))
-        return self._open_file(target, None, None)
-
     def _start(self) -> Beginning:
-        recent = [Path(opened.path) for opened in memory.recent() if opened.path]
+        recent = [Path(opened.path) for opened in memory.known().opened if opened.path]
         here = sorted(path for path in self.folder.iterdir() if path.suffix.lower() in OPENED)[:40]
         return Beginning(
             folder=str(self.folder),
@@ -102,62 +91,43 @@ class Sessions:
 
     def __init__(self, port: int = 0, seed: int = 0) -> None:
         self._port, self._seed = port, seed
-        self._hosts: dict[str, Host] = {}
-        self._tasks: dict[str, asyncio.Task[None]] = {}
-        self._sent: list[PageMessage] = []
-        self._more = asyncio.Event()
-
-    def add(self, token: str, host: Host) -> None:
-        self._hosts[token] = host
-        for message in self._sent:
-            host.send_all(message)
-        self._more.set()
-
-    def send_everyone(self, message: PageMessage) -> None:
-        self._sent.append(message)
-        for host in self._hosts.values():
-            host.send_all(message)
+        self.hosts: dict[str, Host] = {}
 
     def open_file(self, path: Path, world: Path | None = None, log: Path | None = None) -> str:
-        known = memory.address_of(path.resolve())
-        known = replace(known, world=str((world or Path(known.world)).resolve()) if world or known.world else "")
-        known = replace(known, log=str(log.resolve()) if log else known.log)
-        if known.token not in self._hosts:
-            self.add(known.token, self._session(known))
+        beside = {"world": world, "log": log}
+        changes = {name: str(file.resolve()) for name, file in beside.items() if file is not None}
+        known = memory.address_of(path.resolve()).model_copy(update=changes)
+        if known.token not in self.hosts:
+            self.hosts[known.token] = self._session(known)
         memory.remember(known, self._port)
         return known.token
 
     def at(self, token: str) -> Host | None:
         """Return the host at a token; reopen one of an earlier run."""
-        for known, host in self._hosts.items():
+        for known, host in self.hosts.items():
             if hmac.compare_digest(known.encode(), token.encode()):
                 return host
-        for opened in memory.recent():
+        for opened in memory.known().opened:
             if opened.path and hmac.compare_digest(opened.token.encode(), token.encode()):
                 with suppress(MissionError):
-                    self.add(opened.token, self._session(opened))
-                    return self._hosts[opened.token]
+                    return self.hosts.setdefault(opened.token, self._session(opened))
         return None
 
     async def run(self) -> None:
         try:
             while True:
-                for token, host in self._hosts.items():
-                    if token not in self._tasks:
-                        self._tasks[token] = asyncio.create_task(host.run())
-                self._more.clear()
-                await self._more.wait()
+                await asyncio.sleep(FILE_CHECK_S)
+                for session in self._sessions():
+                    session.look_at_disk()
         finally:
-            for task in self._tasks.values():
-                task.cancel()
-            await asyncio.gather(*self._tasks.values(), return_exceptions=True)
+            await asyncio.gather(*(session.close() for session in self._sessions()))
+
+    def _sessions(self) -> list[Session]:
+        return [host for host in self.hosts.values() if isinstance(host, Session)]
 
     def _session(self, opened: memory.Opened) -> Session:
-        def open_beside(path: Path, world: Path | None) -> str:
-            return f"../{self.open_file(path, world)}/"
-
         world, log = (Path(name) if name and Path(name).is_file() else None for name in (opened.world, opened.log))
-        return Session(Path(opened.path), self._seed, open_beside, world, log)
+        return Session(Path(opened.path), self._seed, self.open_file, world, log)
 
 
 def begin_scenario(target: Path, home: tuple[float, float, float]) -> None:

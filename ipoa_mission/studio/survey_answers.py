@@ -15,10 +15,9 @@ class AreaRing(PageMessage):
     places: tuple[LngLat, ...]
 
 
-class SurveyArea(PageMessage):
+class SurveyArea(PageMessage, kind="area"):
     """The area as in the file, valid or not; no rings without a survey."""
 
-    kind: Literal["area"] = "area"
     revision: int
     rings: tuple[AreaRing, ...]
     cameras: tuple[str, ...]
@@ -56,7 +55,6 @@ class SurveyLayout(PageMessage):
     share: float
     gaps_m2: float
     area_m2: float
-    outside_m: float
     spacing: float
     trigger: Number
     photos: int
@@ -68,12 +66,10 @@ class SurveyLayout(PageMessage):
     degrees: float
 
 
-class CoarseSurvey(PageMessage):
+class CoarseSurvey(PageMessage, kind="coarse_survey"):
     """Unproved lines; `seconds` without take-off, transit and landing; `number` of the drag it answers."""
 
-    kind: Literal["coarse_survey"] = "coarse_survey"
     revision: int
     number: int | None
     layout: SurveyLayout
     seconds: float
-    took_s: float

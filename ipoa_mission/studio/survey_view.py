@@ -12,7 +12,7 @@ import shapely
 from ipoa_mission.geodesy import LocalFrame
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.studio import answers
-from ipoa_mission.studio.area_edits import rings_in
+from ipoa_mission.studio.area_edits import areas_of
 from ipoa_mission.studio.edits import frame_of
 from ipoa_mission.studio.handed import survey_over
 from ipoa_mission.studio.plan_answers import expected
@@ -26,7 +26,7 @@ from ipoa_mission.studio.survey_answers import (
     SurveyLine,
 )
 from ipoa_mission.studio.view import on_map, without_folders
-from ipoa_mission.studio.vocabulary import Path, renamed
+from ipoa_mission.studio.vocabulary import renamed
 from ipoa_mission.survey.camera import CAMERAS
 from ipoa_mission.survey.overlap import Overlap, Overlaps, laid_lines, photo_places, smallest_overlaps
 from ipoa_mission.survey.sight import Sight
@@ -51,19 +51,18 @@ def area_of(table: Mapping[str, Any], scenario: Scenario | None, revision: int) 
 def _drawn(survey: Mapping[str, Any], frame: LocalFrame) -> Iterator[AreaRing]:
     if "line" in survey:
         yield AreaRing(name="corridor", path=("survey", "line"), what="line", places=_places(survey["line"], frame))
-    polygon = survey.get("polygon", [])
-    for path, ring in rings_in(polygon):
-        is_hole = len(path) > 2 and path[-1] != 0
-        corners = ring[:-1] if len(ring) > 3 and list(ring[0]) == list(ring[-1]) else ring
-        places = _places(corners, frame)
-        yield AreaRing(name=ring_name(path, polygon), path=path, what="hole" if is_hole else "outer", places=places)
+    areas = areas_of(survey.get("polygon", []))
+    for n, rings in enumerate(areas):
+        for m, ring in enumerate(rings):
+            name, path, places = ring_name(n, m, len(areas)), ("survey", "polygon", n, m), _places(ring, frame)
+            yield AreaRing(name=name, path=path, what="hole" if m else "outer", places=places)
 
 
 def _mapped(area: Area, frame: LocalFrame) -> Iterator[AreaRing]:
     parts = shapely.get_parts(area.shape)
     for n, part in enumerate(parts):
         for m, ring in enumerate((part.exterior, *part.interiors)):
-            name = _name(n, m, len(parts))
+            name = ring_name(n, m, len(parts))
             places = on_map(frame, shapely.get_coordinates(ring)[:-1])
             yield AreaRing(name=name, path=None, what="hole" if m else "outer", places=places)
 
@@ -72,15 +71,14 @@ def _places(corners: Any, frame: LocalFrame) -> Any:
     return on_map(frame, np.array(corners, float).reshape(-1, 2))
 
 
-def ring_name(path: Path, polygon: Any) -> str:
-    numbers = [int(step) for step in path[2:]]
-    part, ring = numbers if len(numbers) == 2 else (0, *numbers) if numbers else (0, 0)
-    return _name(part, ring, len(polygon) if depth_of(polygon) == 4 else 1)
+def ring_name(area: int, ring: int, areas: int) -> str:
+    name = "area" if areas == 1 else f"area {area + 1}"
+    return name if ring == 0 else f"hole {ring}" + (f" of {name}" if areas > 1 else "")
 
 
-def _name(part: int, ring: int, parts: int) -> str:
-    area = "area" if parts == 1 else f"area {part + 1}"
-    return area if ring == 0 else f"hole {ring}" + (f" of {area}" if parts > 1 else "")
+def numbers_in_full(numbers: Sequence[int], polygon: Any) -> list[int]:
+    """Return the numbers of area, ring and corner of the indices in `survey.polygon` as it is written."""
+    return [*[0] * min(4 - depth_of(polygon), 2), *numbers]
 
 
 def in_words(message: str, table: Mapping[str, Any] | None = None) -> str:
@@ -94,12 +92,12 @@ def in_words(message: str, table: Mapping[str, Any] | None = None) -> str:
     """
     survey = (table or {}).get("survey")
     polygon = survey.get("polygon", []) if isinstance(survey, Mapping) else []
-    deep = max(depth_of(polygon) - 2, 0)
 
     def name(numbers: list[int]) -> str:
-        ring, corner = numbers[:deep], numbers[deep : deep + 1]
-        path: Path = ("survey", "polygon", *ring, *([0] * (deep - len(ring))))
-        return ring_name(path, polygon) + "".join(f", corner {n + 1}" for n in corner)
+        numbers = numbers_in_full(numbers, polygon)
+        area, ring = (*numbers, 0, 0)[:2]
+        areas = len(polygon) if depth_of(polygon) == 4 else 1
+        return ring_name(area, ring, areas) + "".join(f", corner {n + 1}" for n in numbers[2:3])
 
     labels = {"gsd_cm": "ground sampling distance", "direction_deg": "direction", "area": "the area's map"}
     for key in sorted(SurveySection.model_fields.keys() - {"polygon", "line"}, key=len, reverse=True):
@@ -108,9 +106,7 @@ def in_words(message: str, table: Mapping[str, Any] | None = None) -> str:
     return renamed(message, "survey.polygon", name)
 
 
-def coarse_survey(
-    sketch: SurveySketch, scenario: Scenario, revision: int, number: int | None, took_s: float
-) -> CoarseSurvey:
+def coarse_survey(sketch: SurveySketch, scenario: Scenario, revision: int, number: int | None) -> CoarseSurvey:
     sight, ground = sketch.sight, scenario.airspace.ground
     free = sketch.area.without(sketch.keep_out)
     lines = [*laid_lines(sketch.tour, sight, ground)]
@@ -120,13 +116,10 @@ def coarse_survey(
         number=number,
         layout=_layout(scenario, sketch, (sketch.tour,), overlaps),
         seconds=round(sketch.seconds, 1),
-        took_s=round(took_s, 3),
     )
 
 
-def planned_survey(
-    survey: Survey, revision: int, took_s: float, flown: Sequence[FilePath] = ()
-) -> answers.PlannedSurvey:
+def planned_survey(survey: Survey, revision: int, flown: Sequence[FilePath] = ()) -> answers.PlannedSurvey:
     plan, parts = survey.plan, []
     remarks = tuple(without_folders(words, plan.scenario) for words in survey.notes)
     for n, (name, flight) in enumerate(zip(survey.names, plan.flights, strict=True)):
@@ -138,7 +131,7 @@ def planned_survey(
                 file=f"{name}.plan",
                 lines=len(flight.tour.swaths),
                 photos=plan.sight.photos_of(flight.tour),
-                plan=expected(flight.forecast, name, revision, took_s).model_copy(update=proved),
+                plan=expected(flight.forecast, name, revision).model_copy(update=proved),
             )
         )
     energy = [part.plan.energy_wh for part in parts if part.plan.energy_wh is not None]
@@ -150,7 +143,6 @@ def planned_survey(
         flown=tuple(log.name for log in flown),
         total_s=round(survey.total_s, 2),
         energy_wh=round(sum(energy), 2) if len(energy) == len(parts) else None,
-        took_s=round(took_s, 2),
     )
 
 
@@ -175,7 +167,6 @@ def _layout(
         share=coverage.share,
         gaps_m2=round(float(sum(part.area for part in gaps)), 2),
         area_m2=round(float(shape.area), 1),
-        outside_m=round(coverage.outside_m, 2),
         spacing=round(sight.spacing, 2),
         trigger=None if sight.trigger is None else round(sight.trigger, 2),
         photos=sum(sight.photos(swath.length) for swath in swaths),

@@ -38,7 +38,7 @@ def chosen_tiles(asked: str | None, attribution: str | None) -> TileSource | Non
         tiles = open_tiles(source, attribution)
         memory.keep_tiles((source, tiles.shown.attribution))
         return tiles
-    if (known := memory.kept_tiles()) is None:
+    if (known := memory.known().tiles) is None:
         return None
     try:
         return open_tiles(*known)

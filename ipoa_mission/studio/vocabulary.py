@@ -1,17 +1,51 @@
 """Positions are [longitude, latitude] in degrees, as in GeoJSON."""
 
 import asyncio
+import re
 from collections.abc import Callable
-from functools import partial
 from typing import Annotated, Any, Literal, TypeAlias
 
 from pydantic import BaseModel, ConfigDict, WithJsonSchema
+
+from ipoa_mission.errors import BadInput, imported
 
 LngLat: TypeAlias = tuple[float, float]
 Path: TypeAlias = tuple[str | int, ...]
 Number: TypeAlias = float | None
 InFlight: TypeAlias = Literal["hold", "go_on", "rtl", "land"]
 Json: TypeAlias = Annotated[Any, WithJsonSchema({})]
+Window: TypeAlias = "asyncio.Queue[dict[str, Any]]"  # messages to an open page, in order
+
+
+def place_of(words: str) -> tuple[float, float]:
+    """Parse latitude and longitude, MGRS, or a plus code; return latitude and longitude [deg].
+
+    >>> place_of("47.397742, 8.545594"), place_of("47.4 S 8.5 W")
+    ((47.397742, 8.545594), (-47.4, -8.5))
+    """
+    text, square = words.strip(), "".join(words.split())
+    expected = "expected degrees (47.3977, 8.5456), MGRS (32TMT6569649438) or a whole plus code (8FVC9GXW+36)"
+    number = r"([-+]?\d+(?:\.\d*)?)\s*°?\s*"
+    if degrees := re.fullmatch(rf"{number}([NS]?)[\s,;]+{number}([EW]?)", text, re.IGNORECASE):
+        latitude, longitude = float(degrees[1]), float(degrees[3])
+        latitude = -latitude if degrees[2].upper() == "S" else latitude
+        longitude = -longitude if degrees[4].upper() == "W" else longitude
+    elif re.fullmatch(r"\d{1,2}[C-HJ-NP-X][A-HJ-NP-Z]{2}(\d\d){0,5}", square, re.IGNORECASE):
+        mgrs = imported("mgrs", "MGRS needs the library mgrs", "studio")
+        try:
+            latitude, longitude = map(float, mgrs.MGRS().toLatLon(square.upper()))
+        except Exception as error:  # the library's own classes
+            raise BadInput(f"{expected}, not {text!r}", place="place") from error
+    elif re.fullmatch(r"[23456789CFGHJMPQRVWX]{8}\+[23456789CFGHJMPQRVWX]{2,7}", text, re.IGNORECASE):
+        codes = imported("openlocationcode.openlocationcode", "plus codes need openlocationcode", "studio")
+        area = codes.decode(text.upper())
+        latitude, longitude = float(area.latitudeCenter), float(area.longitudeCenter)
+    else:
+        raise BadInput(f"{expected}, not {text[:60]!r}", place="place")
+    if not (abs(latitude) <= 85 and abs(longitude) <= 180):
+        message = f"expected a latitude from -85 to 85 and a longitude from -180 to 180 degrees, not {text}"
+        raise BadInput(message, place="place")
+    return latitude, longitude
 
 
 def as_on_map(words: str) -> str:
@@ -20,43 +54,32 @@ def as_on_map(words: str) -> str:
     >>> as_on_map("via[0]: expected a place outside fence[1]")
     'via 1: expected a place outside fence 2'
     """
-    for key in ("via", "fence", "rally", "obstacles", "maps"):
-        words = renamed(words, key, partial(_counted, key))
-    return words
-
-
-def _counted(key: str, numbers: list[int]) -> str:
-    return f"{key.removesuffix('s')} {numbers[0] + 1}" if numbers else key
+    indexed = r"(via|fence|rally|obstacle|map)s?\[(\d+)\](?:\[\d+\])*"
+    return re.sub(indexed, lambda found: f"{found[1]} {int(found[2]) + 1}", words)
 
 
 def renamed(words: str, key: str, called: Callable[[list[int]], str]) -> str:
     """Replace a key and its indices: `key[1][2]` by `called([1, 2])`."""
-    text, *rest = words.split(key)
-    for part in rest:
-        numbers = list[int]()
-        while (number := part.removeprefix("[").partition("]")[0]).isdigit() and part[0] == "[":
-            numbers.append(int(number))
-            part = part.partition("]")[2]
-        text += called(numbers) + part
-    return text
+
+    def name(found: re.Match[str]) -> str:
+        return called([int(number) for number in re.findall(r"\d+", found[1])])
+
+    return re.sub(rf"{re.escape(key)}((?:\[\d+\])*)", name, words)
 
 
 class PageMessage(BaseModel):
+    """A class argument identifies the message in a union: `class Put(PageMessage, op="put")` has a constant `op`."""
+
     model_config = ConfigDict(extra="forbid", allow_inf_nan=False)
+
+    def __init_subclass__(cls, **constants: str) -> None:
+        for key, value in constants.items():
+            cls.__annotations__[key] = Literal[value]
+            setattr(cls, key, value)
 
 
 def as_json(message: PageMessage | dict[str, Any]) -> dict[str, Any]:
     return message if isinstance(message, dict) else message.model_dump(mode="json")
-
-
-class Window:
-    """An open page; a task of its own sends messages in order from the `queue`."""
-
-    def __init__(self) -> None:
-        self.queue: asyncio.Queue[dict[str, Any]] = asyncio.Queue()
-
-    def send(self, message: PageMessage | dict[str, Any]) -> None:
-        self.queue.put_nowait(as_json(message))
 
 
 class MapLine(PageMessage):

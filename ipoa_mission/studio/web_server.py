@@ -26,7 +26,7 @@ from ipoa_mission.studio.memory import address_of, remember
 from ipoa_mission.studio.requests import REQUESTS
 from ipoa_mission.studio.sessions import Host, Lobby, Sessions
 from ipoa_mission.studio.tiles import DEEPEST, TileSource, headers_of
-from ipoa_mission.studio.vocabulary import Window
+from ipoa_mission.studio.vocabulary import Window, as_json
 
 POLICY = (
     "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; font-src 'self'; "
@@ -137,8 +137,10 @@ class _Handlers:
 
     async def talk(self, socket: WebSocket) -> None:
         await socket.accept()
-        window, host = Window(), self._at(socket)
-        sending = asyncio.create_task(_send(socket, window))
+        window: Window = asyncio.Queue()
+        host, sending = self._at(socket), asyncio.create_task(_send(socket, window))
+        if self.tiles is not None:
+            window.put_nowait(as_json(self.tiles.shown))
         host.join(window)
         try:
             while True:
@@ -147,7 +149,7 @@ class _Handlers:
                     request = REQUESTS.validate_json(text)
                 except ValidationError as error:
                     words = f"expected a valid message: {error.error_count()} errors"
-                    window.send(Trouble(of="edit", message=words))
+                    window.put_nowait(as_json(Trouble(of="edit", message=words)))
                 else:
                     await host.handle(request, window)
         except WebSocketDisconnect:
@@ -166,8 +168,6 @@ class _Handlers:
 
 
 def application(sessions: Sessions, bundle: Path, host: str, tiles: TileSource | None = None) -> Starlette:
-    if tiles is not None:
-        sessions.send_everyone(tiles.shown)
     handlers = _Handlers(sessions, bundle, tiles)
     routes: list[BaseRoute] = [
         WebSocketRoute("/talk", handlers.talk),
@@ -203,7 +203,7 @@ def serve(
         number = listener.getsockname()[1]
         sessions = Sessions(number, options.seed)
         lobby, start = Lobby(Path.cwd(), sessions.open_file), address_of(None)
-        sessions.add(start.token, lobby)
+        sessions.hosts[start.token] = lobby
         remember(start, number)
         token = start.token if path is None else lobby.opened(path, world)
         host = f"127.0.0.1:{number}"
@@ -230,4 +230,4 @@ def _listen(asked: int, before: int) -> socket.socket:
 async def _send(socket: WebSocket, window: Window) -> None:
     with suppress(WebSocketDisconnect, RuntimeError):
         while True:
-            await socket.send_text(json.dumps(await window.queue.get(), allow_nan=False))
+            await socket.send_text(json.dumps(await window.get(), allow_nan=False))

@@ -82,7 +82,7 @@ def running(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Studio]:
     with pytest.MonkeyPatch.context() as patch:
         hasten(patch.setattr)
         sessions = Sessions()
-        sessions.add(TOKEN, Session(scenario))
+        sessions.hosts[TOKEN] = Session(scenario)
         app = application(sessions, bundle, HOST)
         with testclient.TestClient(app, base_url=f"http://{HOST}") as client:
             yield Studio(client, scenario)

@@ -7,8 +7,13 @@ from tests.quick_search import put
 
 
 def hasten(patch: Callable[[str, object], None] = put) -> None:
-    for name, value in (("PLANNER", "tests.studio.quick_planner"), ("SETTLE_TIME_S", 0.2), ("FILE_CHECK_S", 0.2)):
-        patch(f"ipoa_mission.studio.session.{name}", value)
+    places = {
+        "session.PLANNER": "tests.studio.quick_planner",
+        "session.SETTLE_TIME_S": 0.2,
+        "sessions.FILE_CHECK_S": 0.2,
+    }
+    for name, value in places.items():
+        patch(f"ipoa_mission.studio.{name}", value)
 
 
 if __name__ == "__main__":

@@ -34,7 +34,7 @@ def test_the_strip_has_the_rows_of_the_forecast_as_the_report_has(
     forecast: Forecast, strips: tuple[ContingencyStrip, ...]
 ) -> None:
     strip, page, course = strips[0], page_of(forecast), course_of(forecast)
-    assert [(strip.kind, strip.revision, strip.flight) for strip in strips] == [("contingencies", 7, 2)] * 2
+    assert [(strip.revision, strip.flight) for strip in strips] == [(7, 2)] * 2
     rows = Contingencies(forecast).all_rows(timed=False)
     stretches = [(bar.contingency, stretch) for bar in strip.bars for stretch in bar.stretches]
     assert len(stretches) == len(rows) > len(strip.bars) == 3

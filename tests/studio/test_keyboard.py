@@ -106,7 +106,7 @@ def test_an_area_to_be_surveyed_is_drawn_and_its_corner_moved(own_page: Any) -> 
     wait_for_words(page, "30 m east, 0 m north of home")
     press(page, f"Shift+{LEFT}*3", "Enter", f"Shift+{RIGHT}*2", "Enter", f"Shift+{UP}*2", "Enter", "Enter")
     undone(page, "area drawn")
-    corner = page.locator("[data-grip='survey.polygon.0.1']")
+    corner = page.locator("[data-grip='survey.polygon.0.0.1']")
     corner.focus()
     press(page, f"Shift+{RIGHT}")
     until(page, "document.querySelector('[title^=Undo]').title.includes('corner moved')")

@@ -21,7 +21,7 @@ def test_a_file_has_the_address_that_it_had() -> None:
     memory.remember(second, 4712)
     again = memory.address_of(Path("/a.toml"))
     assert (again.port, again.token) == (4711, first.token)
-    assert [entry.path for entry in memory.recent()] == ["/b.toml", "/a.toml"]
+    assert [entry.path for entry in memory.known().opened] == ["/b.toml", "/a.toml"]
 
 
 def test_only_this_user_reads_what_is_kept() -> None:
@@ -34,7 +34,7 @@ def test_only_this_user_reads_what_is_kept() -> None:
 def test_senseless_entries_are_forgotten(text: str) -> None:
     memory.memory_file().parent.mkdir()
     memory.memory_file().write_text(text)
-    assert memory.recent() == []
+    assert memory.known().opened == ()
     assert len(memory.address_of(Path("/a.toml")).token) > 20
 
 

@@ -24,7 +24,7 @@ def opened(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Studio]:
     for name in ("sitl.plan", "sitl.toml"):
         shutil.copy(MISSIONS / name, folder / name)
     sessions = Sessions()
-    sessions.add(TOKEN, Session(folder / "sitl.plan"))
+    sessions.hosts[TOKEN] = Session(folder / "sitl.plan")
     with testclient.TestClient(application(sessions, folder, HOST), base_url=f"http://{HOST}") as client:
         yield Studio(client, folder / "sitl.plan")
 
@@ -214,7 +214,7 @@ def test_one_with_an_error_is_not_uploaded(opened: Studio) -> None:
         talk.say(kind="upload", link=None, system=None, speedup=1000.0)
         assert "not checked yet" in talk.wait_for_trouble("flight")["message"]
         checked = talk.wait("checked", lambda message: message["revision"] == changed["revision"])
-        wrong = [flaw["words"] for flaw in checked["flaws"] if flaw["severity"] == "error"]
+        wrong = [flaw["message"] for flaw in checked["flaws"] if flaw["severity"] == "error"]
         assert wrong
         assert checked["timeless"] is None
         talk.say(kind="upload", link=None, system=None, speedup=1000.0)

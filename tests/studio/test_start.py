@@ -5,8 +5,8 @@ from pathlib import Path
 import pytest
 
 from ipoa_mission import read_scenario
-from ipoa_mission.studio.place import place_of
 from ipoa_mission.studio.sessions import Lobby, Sessions
+from ipoa_mission.studio.vocabulary import place_of
 from ipoa_mission.studio.web_server import application
 from tests.refused import refuses
 from tests.studio.conftest import HOST, TOKEN, Studio, testclient
@@ -21,7 +21,7 @@ def start(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Studio]:
     monkeypatch.setattr("ipoa_mission.studio.session.PLANNER", "ipoa_mission.studio.plan_worker")
     shutil.copy(MISSIONS / "sitl.plan", tmp_path / "sitl.plan")
     sessions = Sessions()
-    sessions.add(TOKEN, Lobby(tmp_path, sessions.open_file))
+    sessions.hosts[TOKEN] = Lobby(tmp_path, sessions.open_file)
     with testclient.TestClient(application(sessions, tmp_path, HOST), base_url=f"http://{HOST}") as client:
         yield Studio(client, tmp_path)
 

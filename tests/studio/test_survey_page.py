@@ -36,7 +36,7 @@ def test_an_area_is_drawn_bent_turned_split_and_flown(own_page: Any, address: tu
     page.get_by_role("button", name="Bounds that hold the survey").click()  # it is flown higher than the meadow's
     planned(page, 1)
     before = page.locator(".map").bounding_box()
-    dragged(page, "survey.polygon.0.2", 40, -30)
+    dragged(page, "survey.polygon.0.0.2", 40, -30)
     until(page, "document.querySelector('[title^=Undo]').title.includes('corner moved')")
     dragged(page, "survey direction", -60, -60)
     until(page, "document.querySelector('textarea').value.includes('direction_deg')")

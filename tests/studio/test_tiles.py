@@ -115,7 +115,7 @@ def test_vector_tiles_are_recognized_by_format_and_served_compressed(tmp_path: P
     file = tiles.open_tiles(str(mbtiles(tmp_path / "a.mbtiles", "pbf", layers=layers, tile=packed)))
     assert (file.shown.vector, file.shown.layers) == (True, ("water", "roads"))
     sessions = Sessions()
-    sessions.add(TOKEN, Session(MEADOW))
+    sessions.hosts[TOKEN] = Session(MEADOW)
     client = testclient.TestClient(application(sessions, tmp_path, HOST, file), base_url=f"http://{HOST}")
     answer = client.get(f"/{TOKEN}/tiles/3/4/2")
     assert (answer.headers["content-encoding"], answer.content) == ("gzip", b"a tile")
@@ -156,7 +156,7 @@ def test_the_last_ones_are_kept_until_they_are_not_wanted(tmp_path: Path) -> Non
 def test_the_page_gets_tiles_of_the_file_and_nothing_more(tmp_path: Path) -> None:
     source = tiles.open_tiles(str(mbtiles(tmp_path / "a.mbtiles")))
     sessions = Sessions()
-    sessions.add(TOKEN, Session(MEADOW))
+    sessions.hosts[TOKEN] = Session(MEADOW)
     client = testclient.TestClient(application(sessions, tmp_path, HOST, source), base_url=f"http://{HOST}")
     answer = client.get(f"/{TOKEN}/tiles/3/4/2")
     assert (answer.content, answer.headers["content-type"]) == (PICTURE, "image/png")

@@ -1,5 +1,5 @@
 // What is known of a mission file that is open: what the check finds, how long it flies, in whose world; and its log.
-import type { Checked, Flaw, Plan } from "./messages";
+import type { Checked, Finding, Plan } from "./messages";
 import { chooseItem, isMission, proved, send, type Studio } from "./store";
 import { meters, seconds, share } from "./words";
 
@@ -10,8 +10,8 @@ export function MissionVerdict({ now, checked }: { now: Studio; checked: Checked
   if (!checked) return <p class="coarse">Looking at the mission …</p>;
   const errors = checked.flaws.filter(flaw => flaw.severity === "error"), warnings = checked.flaws.length - errors.length;
   const isUnsure = warnings > 0 || !now.mission?.scenario;  // nothing is green of which no clearance is known
-  const isOf = (flaw: Flaw) => now.item !== null && flaw.seq === now.item, flaws = [...checked.flaws.filter(isOf), ...checked.flaws.filter(flaw => !isOf(flaw))]; // the chosen item's first
-  const shown = flaws.slice(0, MOST), rest = flaws.slice(MOST), line = (flaw: Flaw) => <Line key={flaw.words} flaw={flaw} chosen={isOf(flaw)} />;
+  const isOf = (flaw: Finding) => now.item !== null && flaw.seq === now.item, flaws = [...checked.flaws.filter(isOf), ...checked.flaws.filter(flaw => !isOf(flaw))]; // the chosen item's first
+  const shown = flaws.slice(0, MOST), rest = flaws.slice(MOST), line = (flaw: Finding) => <Line key={flaw.message} flaw={flaw} chosen={isOf(flaw)} />;
   return (
     <>
       <p class={errors.length ? "bad" : isUnsure ? "amber" : "good"}><b aria-hidden="true">{errors.length ? "✕" : isUnsure ? "!" : "✓"}</b> {
@@ -32,8 +32,8 @@ function kept(now: Studio, plan: Plan | null): string {
   return plan.confidence === null ? `Predicted ${words}.` : `${share(plan.confidence)} of flights keep ${words}.`;
 }
 
-function Line({ flaw, chosen }: { flaw: Flaw; chosen: boolean }) {
-  const sign = <b aria-hidden="true">{flaw.severity === "error" ? "✕" : "!"}</b>, words = `${flaw.words}${flaw.hint ? `; ${flaw.hint}` : ""}`;
+function Line({ flaw, chosen }: { flaw: Finding; chosen: boolean }) {
+  const sign = <b aria-hidden="true">{flaw.severity === "error" ? "✕" : "!"}</b>, words = `${flaw.message}${flaw.hint ? `; ${flaw.hint}` : ""}`;
   return <li class={`${flaw.severity === "error" ? "bad" : "amber"}${chosen ? " chosen" : ""}`}>{flaw.seq ? <button type="button" class="plain-button" onClick={() => chooseItem(flaw.seq!)}>{sign} {words}</button> : <>{sign} {words}</>}</li>;
 }
 
