@@ -8,7 +8,7 @@ from ipoa_mission.report.panels.contingency_panel import GradeLook
 from ipoa_mission.studio.flight_answers import Checked, Heard, Landed, Loaded, OpenMission, Replay, Seen, State
 from ipoa_mission.studio.requests import Change
 from ipoa_mission.studio.survey_answers import CoarseSurvey, SurveyArea, SurveyLayout
-from ipoa_mission.studio.vocabulary import LngLat, MapLine, Number, PageMessage, Path
+from ipoa_mission.studio.vocabulary import LngLat, MapLine, Number, OfRevision, PageMessage, Path
 
 
 class StripStretch(PageMessage):
@@ -41,10 +41,9 @@ class StripBar(PageMessage):
     costs: tuple[StripCost, ...]
 
 
-class ContingencyStrip(PageMessage, kind="contingencies"):
+class ContingencyStrip(OfRevision, kind="contingencies"):
     """Outcomes of one flight of a survey (from 0), first without `costs`; `reserve`: share that must be left."""
 
-    revision: int
     flight: int
     reserve: Number
     bars: tuple[StripBar, ...]
@@ -153,10 +152,9 @@ class Heights(PageMessage):
     up: tuple[float, ...]
 
 
-class World(PageMessage, kind="world"):
+class World(OfRevision, kind="world"):
     """`box`: west, south, east, north of the bounds. `degree_m`: meters per degree of longitude and latitude."""
 
-    revision: int
     box: tuple[float, float, float, float]
     around: tuple[LngLat, ...]
     degree_m: tuple[float, float]
@@ -172,10 +170,9 @@ class World(PageMessage, kind="world"):
     remarks: tuple[str, ...]
 
 
-class Sketch(PageMessage, kind="sketch"):
+class Sketch(OfRevision, kind="sketch"):
     """A coarse first path; `others`: other ways round. `number`: of the drag it answers, None for the document."""
 
-    revision: int
     number: int | None
     line: MapLine
     others: tuple[MapLine, ...]
@@ -187,8 +184,7 @@ class Sketch(PageMessage, kind="sketch"):
     seconds: float
 
 
-class Progress(PageMessage, kind="progress"):
-    revision: int
+class Progress(OfRevision, kind="progress"):
     share: float
     words: str
 
@@ -253,14 +249,13 @@ class Homeward(PageMessage):
     line: MapLine
 
 
-class Plan(PageMessage, kind="plan"):
+class Plan(OfRevision, kind="plan"):
     """The proved plan; of a mission only `kept` is proved.
 
     `warnings` matter before the flight. `proof`: digest of mission and guarantee, which a start must name.
     """
 
     of: Literal["scenario", "mission"] = "scenario"
-    revision: int
     name: str
     proof: str
     verdict: str
@@ -294,10 +289,9 @@ class SurveyPart(PageMessage):
     plan: Plan
 
 
-class PlannedSurvey(PageMessage, kind="survey"):
+class PlannedSurvey(OfRevision, kind="survey"):
     """The proved flights, without the parts already `flown` in these logs."""
 
-    revision: int
     layout: SurveyLayout
     flights: tuple[SurveyPart, ...]
     flown: tuple[str, ...]

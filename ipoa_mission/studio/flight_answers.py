@@ -4,13 +4,12 @@ from typing import Literal
 
 from ipoa_mission.finding import Finding
 from ipoa_mission.report.compare import LegTime
-from ipoa_mission.studio.vocabulary import InFlight, LngLat, MapLine, Number, PageMessage
+from ipoa_mission.studio.vocabulary import InFlight, LngLat, MapLine, Number, OfRevision, PageMessage
 
 
-class Loaded(PageMessage, kind="loaded"):
+class Loaded(OfRevision, kind="loaded"):
     """The mission was read back equal. A start must name these values."""
 
-    revision: int
     vehicle: str
     system: int
     mission: str
@@ -88,8 +87,7 @@ class Heard(PageMessage, kind="heard"):
     links: tuple[HeardLink, ...]
 
 
-class Replay(PageMessage, kind="replay"):
-    revision: int
+class Replay(OfRevision, kind="replay"):
     log: str
     line: MapLine
     times: tuple[float, ...]
@@ -127,10 +125,9 @@ class MissionItem(PageMessage):
     part_of: tuple[int, int] | None
 
 
-class OpenMission(PageMessage, kind="mission"):
+class OpenMission(OfRevision, kind="mission"):
     """`worlds`: scenarios to check it in."""
 
-    revision: int
     autopilot: str
     autopilots: tuple[str, ...]
     firmware: str
@@ -141,10 +138,9 @@ class OpenMission(PageMessage, kind="mission"):
     lost: tuple[str, ...]
 
 
-class Checked(PageMessage, kind="checked"):
+class Checked(OfRevision, kind="checked"):
     """Errors, which prevent the flight, come first; `timeless`: why there is no time estimate."""
 
-    revision: int
     flaws: tuple[Finding, ...]
     timeless: str | None
     remarks: tuple[str, ...]

@@ -73,7 +73,6 @@ class FlightWorker:
             )
             forecast = load_mission(vehicle, forecast, options)
             loaded = Loaded(
-                revision=order["revision"],
                 vehicle=name,
                 system=vehicle.system,
                 mission=handed.name,

@@ -85,9 +85,7 @@ def _shortened(words: str) -> str:
     return first if len(first) <= 32 else first[:32].rsplit(" ", 1)[0] + " …"
 
 
-def mission_answer(
-    file: MissionFile, forecast: Forecast, revision: int, worlds: Sequence[str], world: str | None
-) -> OpenMission:
+def mission_answer(file: MissionFile, forecast: Forecast, worlds: Sequence[str], world: str | None) -> OpenMission:
     mission = forecast.mission_as_read
     firmware = mission.autopilot.firmware(mission.firmware_version)
     commands = (firmware.placed.keys() | firmware.plain.keys()) - firmware.fence.keys() - firmware.rally.keys()
@@ -96,7 +94,6 @@ def mission_answer(
         kinds.setdefault(item.command, kind_of(item.command, item.has_position))
     parts = complex_at(mission)
     return OpenMission(
-        revision=revision,
         autopilot=str(mission.autopilot),
         autopilots=tuple(map(str, registered())),
         firmware=mission.autopilot.checked_for(mission.firmware_version),
@@ -127,14 +124,14 @@ def _known(value: float) -> Number:
     return round(value, 9) if math.isfinite(value) else None
 
 
-def mission_world(forecast: Forecast, revision: int) -> answers.World:
+def mission_world(forecast: Forecast) -> answers.World:
     mission, scenario, frame = forecast.mission_as_read, forecast.scenario, LocalFrame(forecast.mission_as_read.home)
     here = round(mission.home.longitude_deg, 7), round(mission.home.latitude_deg, 7)
     spot = answers.Spot(name="home", path=("home",), place=here, up=0.0, above_ground=0.0)
     sections = map(FenceSection.model_validate, fences_of(mission))
     fences = tuple(fence_of(n, section, frame) for n, section in enumerate(sections))
     if scenario is not None and scenario.why_elsewhere(mission.home) is None:
-        world = world_of(scenario, revision)
+        world = world_of(scenario)
         bodies = tuple(body.model_copy(update={"path": None}) for body in world.bodies)
         return world.model_copy(update={"spots": (spot,), "bodies": bodies, "fences": fences})
     places = [place[:2] for place in item_places(mission, frame, forecast.ground) if place is not None]
@@ -145,7 +142,6 @@ def mission_world(forecast: Forecast, revision: int) -> answers.World:
     corners = np.array([low, (high[0], low[1]), high, (low[0], high[1])])
     (west, south), _, (east, north), _ = around = on_map(frame, corners)
     return answers.World(
-        revision=revision,
         box=(west, south, east, north),
         around=around,
         degree_m=degree_of(frame),
@@ -162,7 +158,7 @@ def mission_world(forecast: Forecast, revision: int) -> answers.World:
     )
 
 
-def check_answer(findings: Sequence[Finding], forecast: Forecast, revision: int) -> Checked:
+def check_answer(findings: Sequence[Finding], forecast: Forecast) -> Checked:
     def shown(words: str) -> str:
         return words if forecast.scenario is None else without_folders(words, forecast.scenario)
 
@@ -171,7 +167,7 @@ def check_answer(findings: Sequence[Finding], forecast: Forecast, revision: int)
         for each in findings
     )
     remarks = () if forecast.scenario is None else tuple(map(shown, forecast.scenario.remarks))
-    return Checked(revision=revision, flaws=flaws, timeless=_why_timeless(forecast), remarks=remarks)
+    return Checked(flaws=flaws, timeless=_why_timeless(forecast), remarks=remarks)
 
 
 def _why_timeless(forecast: Forecast) -> str | None:

@@ -34,13 +34,12 @@ from ipoa_mission.studio.view import line_of, on_map, without_folders
 UNKNOWN_EXTENT = 1e7  # [m]
 
 
-def sketched(sketch: Sketch, scenario: Scenario, revision: int, number: int | None) -> answers.Sketch:
+def sketched(sketch: Sketch, scenario: Scenario, number: int | None) -> answers.Sketch:
     """Show a coarse path; its time is a lower bound by the vehicle's limits."""
     vehicle, clearance = scenario.vehicle, sketch.proof.clearance
     points, *others = (_sampled(curve) for curve in (sketch.curve, *sketch.others))
     limits = kinematics(vehicle.autopilot, vehicle.autopilot_parameters(), vehicle.cruise_speed)
     return answers.Sketch(
-        revision=revision,
         number=number,
         line=line_of(scenario.frame, points),
         others=tuple(line_of(scenario.frame, other) for other in others),
@@ -53,8 +52,8 @@ def sketched(sketch: Sketch, scenario: Scenario, revision: int, number: int | No
     )
 
 
-def planned(flight: Flight, revision: int) -> answers.Plan:
-    plan, scenario = expected(flight.forecast, flight.name, revision), flight.scenario
+def planned(flight: Flight) -> answers.Plan:
+    plan, scenario = expected(flight.forecast, flight.name), flight.scenario
     proved = {
         "of": "scenario",
         "proof": proof_digest(flight),
@@ -66,7 +65,7 @@ def planned(flight: Flight, revision: int) -> answers.Plan:
     return plan.model_copy(update=proved)
 
 
-def expected(forecast: Forecast, name: str, revision: int) -> answers.Plan:
+def expected(forecast: Forecast, name: str) -> answers.Plan:
     """Show a forecast; its clearance only with a scenario."""
     scenario, estimate, course, frame = forecast.scenario, forecast.estimate, course_of(forecast), forecast.frame
     guarantee = None if scenario is None else forecast.guarantee_if_known
@@ -81,7 +80,6 @@ def expected(forecast: Forecast, name: str, revision: int) -> answers.Plan:
     homeward = [] if guarantee is None else return_paths(forecast)
     return answers.Plan(
         of="mission",
-        revision=revision,
         name=name,
         proof="",
         verdict="" if scenario is None or not forecast.cruise else without_folders(forecast.proof.words(), scenario),
@@ -201,7 +199,7 @@ def _limits(flight: Flight) -> Iterator[answers.Limit]:
             )
 
 
-def strips_of(forecast: Forecast, revision: int, flight: int) -> Iterator[answers.ContingencyStrip]:
+def strips_of(forecast: Forecast, flight: int) -> Iterator[answers.ContingencyStrip]:
     """Yield the strip at once, and again with costs, which take simulated flights."""
     bars = () if forecast.scenario is None else contingency_bars(forecast)
     budget, course = budget_of(forecast) if bars else None, course_of(forecast)
@@ -212,7 +210,6 @@ def strips_of(forecast: Forecast, revision: int, flight: int) -> Iterator[answer
         for bar in bars
     ]
     strip = answers.ContingencyStrip(
-        revision=revision,
         flight=flight,
         reserve=None if budget is None or budget.battery is None else budget.battery.reserve,
         bars=tuple(drawn),

@@ -45,19 +45,18 @@ CHANGES: TypeAdapter[tuple[Change, ...]] = TypeAdapter(tuple[Change, ...])
 
 
 def look(order: JobOrder, answer: Answer) -> None:
-    table, revision = _table(order["text"], order["path"]), order["revision"]
+    table = _table(order["text"], order["path"])
     try:
         scenario = _scenario(order["text"], order["path"])
     except MissionError as error:
-        answer(area_of(table, None, revision))
-        answer(text_trouble(error, table, order["path"], revision))
+        answer(area_of(table, None))
+        answer(text_trouble(error, table, order["path"]))
     else:
-        answer(area_of(table, scenario, revision))
-        answer(world_of(scenario, revision))
+        answer(area_of(table, scenario))
+        answer(world_of(scenario))
 
 
 def sketch(order: JobOrder, answer: Answer) -> None:
-    revision, number = order["revision"], order["number"]
     if order["changes"]:
         table = copy.deepcopy(_table(order["text"], order["path"]))
         apply_changes(table, CHANGES.validate_python(order["changes"]))
@@ -66,29 +65,28 @@ def sketch(order: JobOrder, answer: Answer) -> None:
         scenario = _scenario(order["text"], order["path"])
     try:
         if "survey" not in scenario.added:
-            answer(sketched(sketch_path(scenario), scenario, revision, number))
+            answer(sketched(sketch_path(scenario), scenario, order["number"]))
         else:
-            answer(coarse_survey(sketch_survey(scenario), scenario, revision, number))
+            answer(coarse_survey(sketch_survey(scenario), scenario, order["number"]))
     except MissionError as error:
-        answer(plan_trouble(error, scenario, revision, of="sketch"))
+        answer(plan_trouble(error, scenario, of="sketch"))
 
 
 def judge(order: JobOrder, answer: Answer) -> None:
-    revision = order["revision"]
     file, forecast = _mission(order)
-    answer(mission_world(forecast, revision))
-    answer(mission_answer(file, forecast, revision, order["worlds"], order["world"]))
-    checked = check_answer(check(forecast, read=file.findings), forecast, revision)
+    answer(mission_world(forecast))
+    answer(mission_answer(file, forecast, order["worlds"], order["world"]))
+    checked = check_answer(check(forecast, read=file.findings), forecast)
     answer(checked)
     if checked.timeless is None:
-        answer(expected(forecast, Path(order["path"]).stem, revision))
+        answer(expected(forecast, Path(order["path"]).stem))
         if order["log"] is not None:
-            answer(replayed(Path(order["log"]), forecast, revision))
+            answer(replayed(Path(order["log"]), forecast))
 
 
 def end_mission(order: JobOrder, answer: Answer) -> None:
     _, forecast = _mission(order)
-    for strip in strips_of(forecast, order["revision"], 0):
+    for strip in strips_of(forecast, 0):
         answer(strip)
 
 
@@ -104,30 +102,30 @@ class PlanWorker:
         self._plan: Flight | Survey | None = None
 
     def plan(self, order: JobOrder, answer: Answer) -> None:
-        revision, shown_at = order["revision"], 0.0
+        shown_at = 0.0
 
         def progress(share: float, words: str) -> None:
             nonlocal shown_at
             if time.perf_counter() - shown_at > 0.1:  # [s]
                 shown_at = time.perf_counter()
-                answer(Progress(revision=revision, share=share, words=words))
+                answer(Progress(share=share, words=words))
 
         self._plan = None
         scenario = _scenario(order["text"], order["path"])
         try:
             if "survey" not in scenario.added:
                 self._plan = flight = plan_flight(scenario, seed=order["seed"], progress=progress)
-                answer(planned(flight, revision))
+                answer(planned(flight))
             else:
                 self._plan, logs = _survey(scenario, order, progress, answer)
-                answer(planned_survey(self._plan, revision, logs))
+                answer(planned_survey(self._plan, logs))
         except MissionError as error:
-            answer(plan_trouble(error, scenario, revision))
+            answer(plan_trouble(error, scenario))
 
     def end(self, order: JobOrder, answer: Answer) -> None:
         plan, n = self._expect_plan(), order["flight"]
         forecast = plan.flights[n] if isinstance(plan, Survey) else plan.forecast
-        for strip in strips_of(forecast, order["revision"], n):
+        for strip in strips_of(forecast, n):
             answer(strip)
 
     def write(self, order: JobOrder, answer: Answer) -> None:
@@ -221,7 +219,7 @@ def _scenario(text: str, path: str) -> Scenario:
 _read_flights = lru_cache(maxsize=2)(read_flights)
 
 
-def replayed(log: Path, forecast: Forecast, revision: int) -> Replay:
+def replayed(log: Path, forecast: Forecast) -> Replay:
     """Compare the log's first flight in mission mode."""
     flown = _read_flights(log)
     flight = next((flight for flight in flown.flights if flight.in_mission), None)
@@ -236,7 +234,6 @@ def replayed(log: Path, forecast: Forecast, revision: int) -> Replay:
     shown = np.unique(np.linspace(0, count - 1, min(1000, count)).round().astype(int))
     several = [f"the first of {len(flown.flights)} flights in it"] if len(flown.flights) > 1 else []
     return Replay(
-        revision=revision,
         log=log.name,
         line=line_of(forecast.frame, track.points[shown]),
         times=tuple(track.times[shown].round(2).tolist()),

@@ -147,13 +147,16 @@ class Worker:
 
     def _do(self, order: JobOrder) -> None:
         def answer(message: PageMessage) -> None:
-            self._write({"id": order["id"], "answer": message.model_dump(mode="json")})
+            answered = message.model_dump(mode="json")
+            if "revision" in answered:
+                answered["revision"] = order.get("revision")
+            self._write({"id": order["id"], "answer": answered})
 
         job, subject = self._jobs[order["job"]]
         try:
             job(order, answer)
         except MissionError as error:
-            answer(Trouble(of=subject, message=as_on_map(str(error)), hint=error.hint, revision=order.get("revision")))
+            answer(Trouble(of=subject, message=as_on_map(str(error)), hint=error.hint))
 
     def _write(self, message: JobOrder) -> None:
         with self._writes:

@@ -22,9 +22,7 @@ from ipoa_mission.survey.survey_section import survey_of
 from ipoa_mission.survey.survey_task import expect_survey
 
 
-def plan_trouble(
-    error: MissionError, scenario: Scenario, revision: int, of: Literal["plan", "sketch"] = "plan"
-) -> Trouble:
+def plan_trouble(error: MissionError, scenario: Scenario, of: Literal["plan", "sketch"] = "plan") -> Trouble:
     if survey_of(scenario) is None:
         own = (*_higher(error, scenario), *_return_remedies(error, scenario))
     else:
@@ -34,18 +32,16 @@ def plan_trouble(
         message=in_words(without_folders(str(error), scenario)),
         of_home=_is_of_home(error),
         hint=error.hint and in_words(without_folders(error.hint, scenario)),
-        revision=revision,
         remedies=(*_tried(error), *_unread(error, scenario), *_map_heights(error, scenario), *own),
     )
 
 
-def text_trouble(error: MissionError, table: Mapping[str, Any], path: str, revision: int) -> Trouble:
+def text_trouble(error: MissionError, table: Mapping[str, Any], path: str) -> Trouble:
     return Trouble(
         of="scenario",
         message=in_words(as_on_map(str(error).removeprefix(f"{path}: ")), table),
         of_home=_is_of_home(error, f"{path}: "),
         hint=error.hint,
-        revision=revision,
         remedies=tuple(_without_rings(error, table)),
         fences=tuple(fences_drawn(table)),
     )

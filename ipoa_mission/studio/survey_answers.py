@@ -1,6 +1,6 @@
 from typing import Literal, TypeAlias
 
-from ipoa_mission.studio.vocabulary import LngLat, Number, PageMessage, Path
+from ipoa_mission.studio.vocabulary import LngLat, Number, OfRevision, PageMessage, Path
 
 #: rings, the outer one first
 Polygons: TypeAlias = tuple[tuple[tuple[LngLat, ...], ...], ...]
@@ -15,10 +15,9 @@ class AreaRing(PageMessage):
     places: tuple[LngLat, ...]
 
 
-class SurveyArea(PageMessage, kind="area"):
+class SurveyArea(OfRevision, kind="area"):
     """The area as in the file, valid or not; no rings without a survey."""
 
-    revision: int
     rings: tuple[AreaRing, ...]
     cameras: tuple[str, ...]
 
@@ -66,10 +65,9 @@ class SurveyLayout(PageMessage):
     degrees: float
 
 
-class CoarseSurvey(PageMessage, kind="coarse_survey"):
+class CoarseSurvey(OfRevision, kind="coarse_survey"):
     """Unproved lines; `seconds` without take-off, transit and landing; `number` of the drag it answers."""
 
-    revision: int
     number: int | None
     layout: SurveyLayout
     seconds: float

@@ -38,14 +38,14 @@ from ipoa_mission.survey.survey_task import SurveySketch
 from ipoa_mission.survey.tour import Tour
 
 
-def area_of(table: Mapping[str, Any], scenario: Scenario | None, revision: int) -> SurveyArea:
+def area_of(table: Mapping[str, Any], scenario: Scenario | None) -> SurveyArea:
     """Return a scenario's drawn area, valid or not; an area of a map only if valid."""
     rings = list[AreaRing]()
     with suppress(KeyError, TypeError, ValueError, IndexError):
         rings = list(_drawn(table["survey"], frame_of(dict(table))))
     if not rings and scenario is not None and (area := surveyed_area(scenario)) is not None:
         rings = list(_mapped(area, scenario.frame))
-    return SurveyArea(revision=revision, rings=tuple(rings), cameras=tuple(CAMERAS))
+    return SurveyArea(rings=tuple(rings), cameras=tuple(CAMERAS))
 
 
 def _drawn(survey: Mapping[str, Any], frame: LocalFrame) -> Iterator[AreaRing]:
@@ -106,20 +106,17 @@ def in_words(message: str, table: Mapping[str, Any] | None = None) -> str:
     return renamed(message, "survey.polygon", name)
 
 
-def coarse_survey(sketch: SurveySketch, scenario: Scenario, revision: int, number: int | None) -> CoarseSurvey:
+def coarse_survey(sketch: SurveySketch, scenario: Scenario, number: int | None) -> CoarseSurvey:
     sight, ground = sketch.sight, scenario.airspace.ground
     free = sketch.area.without(sketch.keep_out)
     lines = [*laid_lines(sketch.tour, sight, ground)]
     overlaps = smallest_overlaps(lines, sight, ground, free) if lines else None
     return CoarseSurvey(
-        revision=revision,
-        number=number,
-        layout=_layout(scenario, sketch, (sketch.tour,), overlaps),
-        seconds=round(sketch.seconds, 1),
+        number=number, layout=_layout(scenario, sketch, (sketch.tour,), overlaps), seconds=round(sketch.seconds, 1)
     )
 
 
-def planned_survey(survey: Survey, revision: int, flown: Sequence[FilePath] = ()) -> answers.PlannedSurvey:
+def planned_survey(survey: Survey, flown: Sequence[FilePath] = ()) -> answers.PlannedSurvey:
     plan, parts = survey.plan, []
     remarks = tuple(without_folders(words, plan.scenario) for words in survey.notes)
     for n, (name, flight) in enumerate(zip(survey.names, plan.flights, strict=True)):
@@ -131,13 +128,12 @@ def planned_survey(survey: Survey, revision: int, flown: Sequence[FilePath] = ()
                 file=f"{name}.plan",
                 lines=len(flight.tour.swaths),
                 photos=plan.sight.photos_of(flight.tour),
-                plan=expected(flight.forecast, name, revision).model_copy(update=proved),
+                plan=expected(flight.forecast, name).model_copy(update=proved),
             )
         )
     energy = [part.plan.energy_wh for part in parts if part.plan.energy_wh is not None]
     tours = tuple(flight.tour for flight in plan.flights)
     return answers.PlannedSurvey(
-        revision=revision,
         layout=_layout(plan.scenario, plan, tours, plan.overlaps),
         flights=tuple(parts),
         flown=tuple(log.name for log in flown),

@@ -25,12 +25,11 @@ from ipoa_mission.studio.vocabulary import LngLat, MapLine, as_on_map
 CELLS = 96  # of the ground, along the longer side
 
 
-def world_of(scenario: Scenario, revision: int) -> World:
+def world_of(scenario: Scenario) -> World:
     frame, bounds = scenario.frame, scenario.airspace.bounds
     (left, below), (right, above) = bounds.lower[:2], bounds.upper[:2]
     around = on_map(frame, np.array([(left, below), (right, below), (right, above), (left, above)]))
     return World(
-        revision=revision,
         box=(*around[0], *around[2]),
         around=around,
         degree_m=degree_of(frame),

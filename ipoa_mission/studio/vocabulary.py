@@ -78,6 +78,12 @@ class PageMessage(BaseModel):
             setattr(cls, key, value)
 
 
+class OfRevision(PageMessage):
+    """About a revision of the document; a worker process sets that of its order."""
+
+    revision: int = 0
+
+
 def as_json(message: PageMessage | dict[str, Any]) -> dict[str, Any]:
     return message if isinstance(message, dict) else message.model_dump(mode="json")
 

@@ -27,14 +27,14 @@ def forecast(tmp_path_factory: pytest.TempPathFactory) -> Forecast:
 
 @pytest.fixture(scope="module")
 def strips(forecast: Forecast) -> tuple[ContingencyStrip, ...]:
-    return tuple(strips_of(forecast, 7, 2))
+    return tuple(strips_of(forecast, 2))
 
 
 def test_the_strip_has_the_rows_of_the_forecast_as_the_report_has(
     forecast: Forecast, strips: tuple[ContingencyStrip, ...]
 ) -> None:
     strip, page, course = strips[0], page_of(forecast), course_of(forecast)
-    assert [(strip.revision, strip.flight) for strip in strips] == [(7, 2)] * 2
+    assert [strip.flight for strip in strips] == [2] * 2
     rows = Contingencies(forecast).all_rows(timed=False)
     stretches = [(bar.contingency, stretch) for bar in strip.bars for stretch in bar.stretches]
     assert len(stretches) == len(rows) > len(strip.bars) == 3
@@ -85,13 +85,13 @@ def test_one_that_does_not_land_has_no_cost(strips: tuple[ContingencyStrip, ...]
 
 def test_unknown_destination_is_told(forecast: Forecast) -> None:
     elsewhere = replace(forecast.mission_as_read, parameters={**forecast.mission_as_read.parameters, "RTL_TYPE": 1.0})
-    *_, strip = strips_of(Forecast(elsewhere, forecast.scenario), 1, 0)
+    *_, strip = strips_of(Forecast(elsewhere, forecast.scenario), 0)
     bar = strip.bars[0]
     assert (bar.contingency, [stretch.look for stretch in bar.stretches], bar.costs) == ("rtl", ["unknown"], ())
     assert "goal unknown: not clear: returns to the mission's landing" in bar.stretches[0].words
 
 
 def test_mission_without_a_world_has_no_bar(forecast: Forecast) -> None:
-    (strip,) = strips_of(Forecast(forecast.mission_as_read), 1, 0)
+    (strip,) = strips_of(Forecast(forecast.mission_as_read), 0)
     assert strip.bars == ()
     assert strip.reserve is None

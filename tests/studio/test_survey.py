@@ -210,7 +210,7 @@ def test_a_survey_that_is_refused_is_planned_with_its_remedy(
         hurried.setattr("ipoa_mission.survey.survey_plan.ROUNDS", 1)  # give no more room
         with pytest.raises(MissionError) as error:
             plan_survey(scenario=wanted)
-    trouble = plan_trouble(error.value, wanted, 1)
+    trouble = plan_trouble(error.value, wanted)
     mended = parse_scenario(changed(text, remedy(trouble, label).changes), MEADOW)
     assert plan_survey(scenario=mended).plan.coverage.share > 0.999
 
