@@ -1,6 +1,5 @@
 """The parts of a forecast that report and studio draw: track samples, legs to the items, dangers, the map's extent."""
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -15,12 +14,12 @@ from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.itinerary.flown_legs import item_places, join
 from ipoa_mission.forecast.timing.estimate import ItemTime
 from ipoa_mission.forecast.timing.track import Track
-from ipoa_mission.geometry import Points, Vector, arc_lengths, polyline_length
+from ipoa_mission.geometry import Points, Vector, arc_lengths
 from ipoa_mission.mission.item_words import item_words
 from ipoa_mission.mission.items import Item
 from ipoa_mission.mission.program import as_flown
 from ipoa_mission.planning.proof import Proof, prove
-from ipoa_mission.report.table import MIN_HEADING_LENGTH
+from ipoa_mission.report.table import Row, rows_of
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.world.airspace import Airspace
 from ipoa_mission.world.obstacles import Obstacle
@@ -43,17 +42,14 @@ class SampledTrack(Track):
 
 @dataclass(frozen=True)
 class ItemLeg:
-    """One item as flown, and its leg; `heading` clockwise [rad] (NaN: vertical); `proof`: between two waypoints."""
+    """One item as flown, and its leg; `proof`: between two waypoints."""
 
     item: Item
     time: ItemTime
+    row: Row
     name: str
     place: Vector | None
-    above_ground: float
     path: Points
-    length: float
-    heading: float
-    climb: float
     proof: Proof | None
 
 
@@ -143,8 +139,7 @@ def placed_items(forecast: Forecast) -> list[tuple[Item, Vector | None]]:
 
 
 def item_legs(forecast: Forecast) -> tuple[ItemLeg, ...]:
-    scenario = forecast.world
-    legs, airspace, items = [], scenario.airspace, placed_items(forecast)
+    legs, items, rows = [], placed_items(forecast), rows_of(forecast)
     bent = {leg.seq for leg in forecast.cruise if leg.stray > 0}
     curves = {seq: join([leg for leg in forecast.cruise if leg.seq == seq]) for seq in bent}
     before, flying = np.zeros(3), False
@@ -153,22 +148,9 @@ def item_legs(forecast: Forecast) -> tuple[ItemLeg, ...]:
         leg = (place if place is not None else before) - before
         path, stray = curves.get(time.seq, (before + np.array([[0.0], [1.0]]) * leg, 0.0))
         moves = item.command in {*WAYPOINTS, Command.NAV_TAKEOFF} and np.linalg.norm(leg) > 0
-        is_level = float(np.hypot(*leg[:2])) > MIN_HEADING_LENGTH
         is_proved = place is not None and flying and moves and not forecast.unknown
-        legs.append(
-            ItemLeg(
-                item=item,
-                time=time,
-                name=item_words(item),
-                place=place,
-                above_ground=math.nan if place is None else float(place[2] - airspace.ground(place[None, :])[0]),
-                path=path,
-                length=polyline_length(path),
-                heading=math.atan2(leg[0], leg[1]) % (2 * math.pi) if is_level else math.nan,
-                climb=float(leg[2]),
-                proof=prove(path, scenario, stray) if is_proved else None,
-            )
-        )
+        proof = prove(path, forecast.world, stray) if is_proved else None
+        legs.append(ItemLeg(item, time, rows[time.seq], item_words(item), place, path, proof))
         if place is not None:
             before, flying = place, True
     return tuple(legs)

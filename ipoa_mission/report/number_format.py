@@ -18,9 +18,11 @@ def meters(value: float, digits: int = 2) -> str:
     return f"{number(value, digits)}\N{NO-BREAK SPACE}m" if math.isfinite(value) else "free"
 
 
-def number(value: float, digits: int) -> str:
-    """Empty if not finite."""
-    return f"{round(value, digits) + 0.0:.{digits}f}".replace("-", "−") if math.isfinite(value) else ""
+def number(value: float | None, digits: int) -> str:
+    """Empty if unknown or not finite."""
+    if value is None or not math.isfinite(value):
+        return ""
+    return f"{round(value, digits) + 0.0:.{digits}f}".replace("-", "−")
 
 
 def share(value: float, of: float) -> str:

@@ -23,8 +23,6 @@ from ipoa_mission.mission.positions import refusals
 if TYPE_CHECKING:
     from ipoa_mission.scenario import Scenario
 
-MIN_HEADING_LENGTH = 0.5  # horizontal [m]
-
 
 @dataclass(frozen=True)
 class Row:
@@ -155,6 +153,6 @@ def _above_ground(item: Item, mission: Mission, height: float, scenario: "Scenar
 def _heading(legs: list[Leg]) -> float | None:
     for leg in reversed(legs):
         for step in np.diff(leg.points, axis=0)[::-1]:
-            if np.hypot(step[0], step[1]) > MIN_HEADING_LENGTH:
+            if np.hypot(step[0], step[1]) > 0.5:  # [m]
                 return float(np.degrees(np.arctan2(step[0], step[1])) % 360.0)
     return None

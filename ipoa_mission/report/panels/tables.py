@@ -4,12 +4,9 @@ import math
 from collections.abc import Mapping, Sequence
 from html import escape
 
-import numpy as np
-
 from ipoa_mission.forecast.contingency.energy_budget import budget_of
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.planning.proof import Proof
-from ipoa_mission.report.chart import Graph, GraphAxis
 from ipoa_mission.report.compare import Comparison
 from ipoa_mission.report.drawn_flight import ItemLeg
 from ipoa_mission.report.number_format import number, seconds, signed
@@ -34,9 +31,8 @@ def legs_table(legs: Sequence[ItemLeg], flown_s: Mapping[int, float] | None) -> 
 
 
 def _leg(n: int, leg: ItemLeg, flown_s: float | None) -> str:
-    """`flown_s`: when it was done in flight, NaN if unknown; None without a flight."""
     time, place = leg.time, leg.place
-    heading, clearance = number(math.degrees(leg.heading) % 360, 0), ""
+    row, clearance = leg.row, ""
     if leg.proof is not None:
         least = leg.proof.clearance
         mark = f'<span title="to {escape(least.what)}">'
@@ -45,8 +41,7 @@ def _leg(n: int, leg: ItemLeg, flown_s: float | None) -> str:
         clearance = f"{mark}{number(least.distance, 2)}</span>"
     cells = [
         *((number(float(v), 1) for v in place) if place is not None else ("", "", "")),
-        number(leg.above_ground, 1),
-        *((number(leg.length, 1), heading, number(leg.climb, 1)) if place is not None else ("", "", "")),
+        *(number(row.height_above_ground, 1), number(row.length, 1), number(row.heading_deg, 0), number(row.climb, 1)),
         clearance,
         f"<b>{number(time.done_s, 1)}</b>",
         number(time.duration_s, 1) if time.duration_s > 0 else "",
@@ -73,23 +68,7 @@ def flown_panel(comparison: Comparison) -> str:
         route = f"From the first place to the last: estimated {estimated}, flown {flown}, an error of {error}."
     worst = max(legs, key=lambda leg: abs(leg.error_s))
     farthest = f"The leg that is farthest off leads to item {worst.seq}: {signed(worst.error_s, 1, 's')}."
-    times = np.array([leg.flown_done_s for leg in legs])
-    late = np.array([leg.estimated_done_s - leg.flown_done_s for leg in legs])
-    most = max(float(np.abs(late).max()) * 1.15, 1.0)
-    chart = Graph(
-        GraphAxis(0.0, max(float(times[-1]) * 1.015, 1.0), "flown time from arming [s]"),
-        GraphAxis(min(-most * (late < 0).any(), -0.15 * most), most, "estimate − flight [s]"),
-    )
-    spots = "".join(
-        f'<i class="dot" style="{chart.spot(t, d)}" title="item {leg.seq}: {signed(d, 1, "s")}"></i>'
-        for leg, t, d in zip(legs, times.tolist(), late.tolist(), strict=True)
-    )
-    drift = chart.html("drift", [chart.level(0.0, "limit"), chart.curve(times, late, "planned")], spots)
-    return (
-        f'<section><h2>Estimate against flight</h2><p class="note">{route} {farthest}</p>'
-        f'{drift}<p class="legend"><span class="key planned">above zero: the estimate is late, '
-        "the flight was quicker</span></p></section>"
-    )
+    return f'<section><h2>Estimate against flight</h2><p class="note">{route} {farthest}</p></section>'
 
 
 def limits_table(proof: Proof) -> str:
