@@ -12,18 +12,15 @@ from pathlib import Path
 import numpy as np
 from scipy.optimize import least_squares
 
-from ipoa_mission import Geodetic, Mission
-from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission import Autopilot, Forecast, Geodetic, Mission, Wind
 from ipoa_mission.autopilot.commands import MULTICOPTER_LANDINGS
 from ipoa_mission.autopilot.learned import Learned, LearnedVehicle
 from ipoa_mission.errors import LogUseless, MissionError
-from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.timing.flight_model import FlightModel
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.learn.flight_measurements import FlightMeasurements, hover_power, measure_flight
 from ipoa_mission.learn.powers import DEVIATIONS_OF_90_PERCENT, learned_powers
 from ipoa_mission.logs.flight_log import LoggedFlight, read_flights
-from ipoa_mission.wind import Wind
 
 #: Of logarithms, and of delays [s].
 PRIOR_DEVIATIONS = {"drag": 0.7, "lag": 0.7, "lift_delay": 1.5, "landing_delay": 4.0}

@@ -7,8 +7,10 @@ from pydantic import Field, TypeAdapter
 from ipoa_mission.report.panels.contingency_panel import GradeLook
 from ipoa_mission.studio.flight_answers import Checked, Heard, Landed, Loaded, OpenMission, Replay, Seen, State
 from ipoa_mission.studio.requests import Change
-from ipoa_mission.studio.survey_answers import CoarseSurvey, SurveyArea, SurveyLayout
 from ipoa_mission.studio.vocabulary import LngLat, MapLine, Number, OfRevision, PageMessage, Path
+
+#: rings, the outer one first
+Polygons: TypeAlias = tuple[tuple[tuple[LngLat, ...], ...], ...]
 
 
 class StripStretch(PageMessage):
@@ -129,7 +131,7 @@ class Terrace(PageMessage):
     """Ground at least at `up` [m]: polygons as rings, the outer one first."""
 
     up: float
-    polygons: tuple[tuple[tuple[LngLat, ...], ...], ...]
+    polygons: Polygons
 
 
 class Tiles(PageMessage, kind="tiles"):
@@ -158,16 +160,16 @@ class World(OfRevision, kind="world"):
     box: tuple[float, float, float, float]
     around: tuple[LngLat, ...]
     degree_m: tuple[float, float]
-    floor: float
-    ceiling: float
-    bodies: tuple[Body, ...]
+    floor: float = 0.0
+    ceiling: float = 500.0
+    bodies: tuple[Body, ...] = ()
     spots: tuple[Spot, ...]
     fences: tuple[Fence, ...]
-    ground: tuple[Terrace, ...]
+    ground: tuple[Terrace, ...] = ()
     heights: Heights
     home_amsl: float
-    required: float
-    remarks: tuple[str, ...]
+    required: float = 0.0
+    remarks: tuple[str, ...] = ()
 
 
 class Sketch(OfRevision, kind="sketch"):
@@ -255,9 +257,9 @@ class Plan(OfRevision, kind="plan"):
     `warnings` matter before the flight. `proof`: digest of mission and guarantee, which a start must name.
     """
 
-    of: Literal["scenario", "mission"] = "scenario"
+    of: Literal["scenario", "mission"] = "mission"
     name: str
-    proof: str
+    proof: str = ""
     verdict: str
     confidence: Number
     kept: Number
@@ -276,10 +278,77 @@ class Plan(OfRevision, kind="plan"):
     stops: tuple[Stop, ...]
     bindings: tuple[Binding, ...]
     homeward: tuple[Homeward, ...]
-    waypoints: int | None
-    limits: tuple[Limit, ...]
-    warnings: tuple[str, ...]
+    waypoints: int | None = None
+    limits: tuple[Limit, ...] = ()
+    warnings: tuple[str, ...] = ()
     remarks: tuple[str, ...]
+
+
+class AreaRing(PageMessage):
+    """An open ring of the area, or a corridor's middle line; `path` if the scenario draws it."""
+
+    name: str
+    path: Path | None
+    what: Literal["outer", "hole", "line"]
+    places: tuple[LngLat, ...]
+
+
+class SurveyArea(OfRevision, kind="area"):
+    """The area as in the file, valid or not; no rings without a survey."""
+
+    rings: tuple[AreaRing, ...]
+    cameras: tuple[str, ...]
+
+
+class SurveyLine(PageMessage):
+    """A line: its flight (from 0), heights of its ends, photos."""
+
+    flight: int
+    begin: LngLat
+    end: LngLat
+    up: tuple[float, float]
+    photos: tuple[LngLat, ...]
+
+
+class LeastOverlap(PageMessage):
+    share: float
+    place: LngLat
+
+
+class SurveyLayout(PageMessage):
+    """Lines, connections and coverage: `share` of the visible area that is seen, and its `gaps`.
+
+    `height`: least and most above the highest ground seen. `footprint`: of a photo across and along, or the sensor's
+    width. `trigger`: largest distance of photos. `front` and `side`: smallest overlaps. `starts`: alternatives to home.
+    `short`: photos with too little overlap, in words. `degrees`: of the longest line.
+    """
+
+    starts: tuple[LngLat, ...]
+    lines: tuple[SurveyLine, ...]
+    ways: tuple[tuple[LngLat, ...], ...]
+    seen: Polygons
+    gaps: Polygons
+    kept_out: Polygons
+    share: float
+    gaps_m2: float
+    area_m2: float
+    spacing: float
+    trigger: Number
+    photos: int
+    height: tuple[float, float]
+    footprint: tuple[float, float]
+    front: LeastOverlap | None
+    side: LeastOverlap | None
+    short: tuple[str, ...]
+    degrees: float
+
+
+class CoarseSurvey(OfRevision, kind="coarse_survey"):
+    """Unproved lines; `seconds` without take-off, transit and landing; `number` of the drag it answers."""
+
+    number: int | None
+    layout: SurveyLayout
+    seconds: float
 
 
 class SurveyPart(PageMessage):

@@ -139,7 +139,7 @@ class OpenMission(OfRevision, kind="mission"):
 
 
 class Checked(OfRevision, kind="checked"):
-    """Errors, which prevent the flight, come first; `timeless`: why there is no time estimate."""
+    """Errors first; `timeless`: why there is no time estimate."""
 
     flaws: tuple[Finding, ...]
     timeless: str | None

@@ -11,22 +11,18 @@ from typing import Literal
 
 import numpy as np
 
+from ipoa_mission import FlightRecord, Forecast, Geodetic, MissionError, Vehicle
 from ipoa_mission.autopilot.returning import Contingency
-from ipoa_mission.errors import MissionError
 from ipoa_mission.flight.procedure import ProcedureOptions, Stage, Stages, begin_mission, load_mission
 from ipoa_mission.forecast.contingency.contingencies import ContingencyRow
 from ipoa_mission.forecast.contingency.contingencies_now import ContingenciesNow
 from ipoa_mission.forecast.contingency.energy_budget import budget_of
-from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.geometry import Vector
 from ipoa_mission.link.channel import serial_ports
 from ipoa_mission.link.connect import connect, open_line
 from ipoa_mission.link.discovery import scan
 from ipoa_mission.link.messages import Message, Text
 from ipoa_mission.link.telemetry import Gps, Position, WindEstimate, WindVelocity
-from ipoa_mission.link.vehicle import Vehicle
-from ipoa_mission.mission.flight_record import FlightRecord
 from ipoa_mission.progress import Progress
 from ipoa_mission.simulator.fly import board, conditions_for
 from ipoa_mission.studio.flight_answers import Heard, HeardLink, Landed, Loaded, OrderThen, Reserve, Seen, State

@@ -7,11 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from ipoa_mission.finding import Finding
-from ipoa_mission.flight.flight import Flight
-from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.mission.items import Mission
-from ipoa_mission.survey.survey_flight import Survey
+from ipoa_mission import Finding, Flight, Forecast, Mission, Survey
 
 
 @dataclass(frozen=True)
@@ -33,7 +29,7 @@ class HandedOver:
 
 
 def planned_over(flight: Flight) -> HandedOver:
-    return HandedOver(flight.name, flight.forecast, proof_digest(flight))
+    return HandedOver(flight.name, flight.forecast, _digest(flight.mission, flight.summary()))
 
 
 def survey_over(survey: Survey, n: int) -> HandedOver:
@@ -50,10 +46,6 @@ def mission_over(name: str, forecast: Forecast, warnings: Sequence[Finding]) -> 
         remarks.append("no scenario gives the obstacles: neither clearance nor contingencies were checked")
     known = Forecast(replace(forecast.mission_as_read, parameters=mission.parameters), scenario, forecast.wind)
     return HandedOver(name, known, _digest(mission, about), tuple(remarks))
-
-
-def proof_digest(flight: Flight) -> str:
-    return _digest(flight.mission, flight.summary())
 
 
 def _digest(mission: Mission, about: object) -> str:

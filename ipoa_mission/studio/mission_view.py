@@ -7,18 +7,15 @@ from dataclasses import replace
 
 import numpy as np
 
+from ipoa_mission import Finding, Forecast, Item, Mission, MissionError, MissionFile
 from ipoa_mission.autopilot.autopilot import registered
 from ipoa_mission.autopilot.commands import Command, short_name
 from ipoa_mission.checks.firmware_check import is_too_long
-from ipoa_mission.errors import MissionError
-from ipoa_mission.finding import Finding
-from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.itinerary.flown_legs import item_places
 from ipoa_mission.geodesy import LocalFrame
 from ipoa_mission.link.definitions import params_in_words
 from ipoa_mission.mission.item_edits import complex_at
 from ipoa_mission.mission.item_words import item_words
-from ipoa_mission.mission.items import Item, Mission, MissionFile
 from ipoa_mission.mission.positions import refusals
 from ipoa_mission.mission.stored_mission import values_of
 from ipoa_mission.scenario.place_sections import FenceSection
@@ -145,16 +142,10 @@ def mission_world(forecast: Forecast) -> answers.World:
         box=(west, south, east, north),
         around=around,
         degree_m=degree_of(frame),
-        floor=0.0,
-        ceiling=500.0,
-        bodies=(),
         spots=(spot,),
         fences=fences,
-        ground=(),
         heights=answers.Heights(corner=(west, south), step=(1.0, 1.0), columns=1, up=()),
         home_amsl=mission.home.altitude,
-        required=0.0,
-        remarks=(),
     )
 
 

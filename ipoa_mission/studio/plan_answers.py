@@ -6,16 +6,13 @@ from itertools import pairwise
 
 import numpy as np
 
-from ipoa_mission import Airspace, Bounds, Flat
-from ipoa_mission.autopilot.commands import Command
+from ipoa_mission import Airspace, Bounds, Command, Flat, Flight, Forecast, Scenario
 from ipoa_mission.autopilot.returning import TIMED, Contingency
 from ipoa_mission.centimeters import down, up
-from ipoa_mission.flight.flight import Flight
 from ipoa_mission.forecast.contingency.contingencies import Contingencies, ContingencyBar, Grade, PredictedContingency
 from ipoa_mission.forecast.contingency.contingencies_now import DURATIONS
 from ipoa_mission.forecast.contingency.energy_budget import Budget, budget_of
 from ipoa_mission.forecast.deviation.clearance_guarantee import ClearanceGuarantee
-from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.timing.bound import least_time
 from ipoa_mission.forecast.timing.estimate import Estimate, kinematics
 from ipoa_mission.geometry import Points
@@ -26,9 +23,8 @@ from ipoa_mission.report import drawn_flight
 from ipoa_mission.report.drawn_flight import SampledTrack
 from ipoa_mission.report.panels.contingency_panel import GRADE_LOOKS, contingency_bars, return_paths, stretches
 from ipoa_mission.report.panels.profile import near_track
-from ipoa_mission.scenario import Scenario
 from ipoa_mission.studio import answers
-from ipoa_mission.studio.handed import proof_digest
+from ipoa_mission.studio.handed import planned_over
 from ipoa_mission.studio.view import line_of, on_map, without_folders
 
 UNKNOWN_EXTENT = 1e7  # [m]
@@ -56,7 +52,7 @@ def planned(flight: Flight) -> answers.Plan:
     plan, scenario = expected(flight.forecast, flight.name), flight.scenario
     proved = {
         "of": "scenario",
-        "proof": proof_digest(flight),
+        "proof": planned_over(flight).proof,
         "waypoints": len(flight.chosen.route.points),
         "limits": tuple(_limits(flight)),
         "warnings": tuple(without_folders(finding.message, scenario) for finding in flight.findings),
@@ -79,9 +75,7 @@ def expected(forecast: Forecast, name: str) -> answers.Plan:
     )
     homeward = [] if guarantee is None else return_paths(forecast)
     return answers.Plan(
-        of="mission",
         name=name,
-        proof="",
         verdict="" if scenario is None or not forecast.cruise else without_folders(forecast.proof.words(), scenario),
         confidence=None if guarantee is None else guarantee.confidence,
         kept=None if kept is None else down(kept.guaranteed),
@@ -111,9 +105,6 @@ def expected(forecast: Forecast, name: str) -> answers.Plan:
             answers.Homeward(from_s=way["from"], clear=way["clear"], line=line_of(frame, np.array(way["points"])))
             for way in homeward
         ),
-        waypoints=None,
-        limits=(),
-        warnings=(),
         remarks=tuple(estimate.remarks),
     )
 

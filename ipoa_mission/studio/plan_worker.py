@@ -16,7 +16,7 @@ from ipoa_mission.autopilot.autopilot import autopilot_named
 from ipoa_mission.checks.check import check
 from ipoa_mission.checks.unsafe import refuse_errors
 from ipoa_mission.errors import BadInput, MissionError
-from ipoa_mission.files import read_text
+from ipoa_mission.files import MISSIONS, read_text
 from ipoa_mission.flight.flight import Flight, plan_flight
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.mission.items import MissionFile
@@ -84,19 +84,6 @@ def judge(order: JobOrder, answer: Answer) -> None:
             answer(replayed(Path(order["log"]), forecast))
 
 
-def end_mission(order: JobOrder, answer: Answer) -> None:
-    _, forecast = _mission(order)
-    for strip in strips_of(forecast, 0):
-        answer(strip)
-
-
-def hand_over_mission(order: JobOrder, answer: Answer) -> None:
-    file, forecast = _mission(order)
-    warnings = refuse_errors(check(forecast, read=file.findings))
-    refuse_unsound(forecast.mission_as_read)
-    mission_over(Path(order["path"]).stem, forecast, warnings).write(Path(order["file"]))
-
-
 class PlanWorker:
     def __init__(self) -> None:
         self._plan: Flight | Survey | None = None
@@ -123,8 +110,12 @@ class PlanWorker:
             answer(plan_trouble(error, scenario))
 
     def end(self, order: JobOrder, answer: Answer) -> None:
-        plan, n = self._expect_plan(), order["flight"]
-        forecast = plan.flights[n] if isinstance(plan, Survey) else plan.forecast
+        n = order["flight"]
+        if _is_mission(order):
+            _, forecast = _mission(order)
+        else:
+            plan = self._expect_plan()
+            forecast = plan.flights[n] if isinstance(plan, Survey) else plan.forecast
         for strip in strips_of(forecast, n):
             answer(strip)
 
@@ -150,7 +141,9 @@ class PlanWorker:
         return self._plan
 
     def _expect_flight(self, order: JobOrder) -> HandedOver:
-        plan, n = self._expect_plan(), order.get("flight", 0)
+        if _is_mission(order):
+            return _judged(order)
+        plan, n = self._expect_plan(), order["flight"]
         if not isinstance(plan, Survey):
             return planned_over(plan)
         if not 0 <= n < len(plan.flights):
@@ -162,8 +155,6 @@ class PlanWorker:
             "look": (look, "scenario"),
             "sketch": (sketch, "sketch"),
             "judge": (judge, "scenario"),
-            "end mission": (end_mission, "scenario"),
-            "hand over mission": (hand_over_mission, "flight"),
             "detach": (self.detach, "file"),
             "plan": (self.plan, "plan"),
             "end": (self.end, "plan"),
@@ -187,6 +178,17 @@ def _survey(
             message = message.replace(str(log), log.name)
         answer(Trouble(of="edit", message=message, hint="all of the survey is planned again"))
     return plan_survey(scenario=scenario, seed=order["seed"], progress=progress), ()
+
+
+def _is_mission(order: JobOrder) -> bool:
+    return Path(order["path"]).suffix.lower() in MISSIONS
+
+
+def _judged(order: JobOrder) -> HandedOver:
+    file, forecast = _mission(order)
+    warnings = refuse_errors(check(forecast, read=file.findings))
+    refuse_unsound(forecast.mission_as_read)
+    return mission_over(Path(order["path"]).stem, forecast, warnings)
 
 
 def _mission(order: JobOrder) -> tuple[MissionFile, Forecast]:

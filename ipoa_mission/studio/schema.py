@@ -34,10 +34,9 @@ def _plain(node: Any) -> Any:
     node = {key: _plain(value) for key, value in node.items() if key != "title" or not isinstance(value, str)}
     if "prefixItems" in node:
         node["items"] = node.pop("prefixItems")
-    properties = {name: one for name, one in node.get("properties", {}).items() if isinstance(one, dict)}
-    always = [name for name, one in properties.items() if "const" in one or name == "revision"]
-    if always:
-        node["required"] = sorted({*node.get("required", []), *always})
+    constant = [name for name, one in node.get("properties", {}).items() if isinstance(one, dict) and "const" in one]
+    if constant:  # it identifies a message
+        node["required"] = sorted({*node.get("required", []), *constant})
     return node
 
 

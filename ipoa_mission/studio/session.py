@@ -183,10 +183,11 @@ class Session:
         if self._world is not None and str(self._world) not in worlds:
             worlds = [str(self._world), *worlds]
         log = None if self._log is None else str(self._log)
-        await self._ask(self._quick, self._judged_by() | {"job": "judge", "worlds": worlds, "log": log})
+        await self._ask(self._quick, {"job": "judge", "worlds": worlds, "log": log})
 
-    def _judged_by(self) -> dict[str, Any]:
-        return {"world": None if self._world is None else str(self._world), "autopilot": self.document.autopilot}
+    @property
+    def _planner(self) -> Process:
+        return self._quick if self.document.is_mission else self._thorough
 
     async def _answer_drags(self) -> None:
         while self._drags:
@@ -208,12 +209,9 @@ class Session:
             self._start("contingencies", self._show_contingencies)
 
     async def _show_contingencies(self) -> None:
-        if self.document.is_mission:
-            await self._ask(self._quick, self._judged_by() | {"job": "end mission"})
-            return
         flights = self._latest["survey"]["flights"] if "survey" in self._latest else [None]
         for flight in range(len(flights)):
-            await self._ask(self._thorough, {"job": "end", "flight": flight})
+            await self._ask(self._planner, {"job": "end", "flight": flight})
 
     async def _detach(self, flight: int) -> None:
         target = unused(self.folder / f"{self._name_of(flight)}-edited.plan")
@@ -221,10 +219,7 @@ class Session:
             self.send_all(self._opened(target))
 
     async def _hand_over(self, flight: int, file: Path) -> bool:
-        if self.document.is_mission:
-            order = self._judged_by() | {"job": "hand over mission", "file": str(file)}
-            return await self._ask(self._quick, order)
-        return await self._ask(self._thorough, {"job": "hand over", "file": str(file), "flight": flight})
+        return await self._ask(self._planner, {"job": "hand over", "file": str(file), "flight": flight})
 
     def _name_of(self, flight: int) -> str:
         if "survey" not in self._latest:
@@ -260,9 +255,10 @@ class Session:
             kinds.append("" if answer.get("of") == "edit" else answer["kind"])
             (send or self.send_all)(answer)
 
-        order = {"text": document.text, "path": str(document.path), "revision": document.revision} | order
+        about = {"text": document.text, "path": str(document.path), "revision": document.revision}
+        judged_by = {"world": None if self._world is None else str(self._world), "autopilot": document.autopilot}
         try:
-            await process.ask(order, hear)
+            await process.ask(about | judged_by | order, hear)
         except ProcessDied:
             kinds.append("trouble")
             message = "the planner ended unexpectedly; nothing of the scenario is lost"

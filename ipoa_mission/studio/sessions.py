@@ -8,10 +8,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any, TypeAlias
 
-from ipoa_mission import read_flights
-from ipoa_mission.errors import BadInput, MissionError
+from ipoa_mission import BadInput, MissionError, read_flights, write_mission
 from ipoa_mission.files import MISSIONS, packed, unused, write_atomically
-from ipoa_mission.mission.mission_io import write_mission
 from ipoa_mission.mission.written_files import plan_text
 from ipoa_mission.report.compare import compare_logged
 from ipoa_mission.scenario.new import new_scenario

@@ -16,15 +16,6 @@ from ipoa_mission.studio.area_edits import areas_of
 from ipoa_mission.studio.edits import frame_of
 from ipoa_mission.studio.handed import survey_over
 from ipoa_mission.studio.plan_answers import expected
-from ipoa_mission.studio.survey_answers import (
-    AreaRing,
-    CoarseSurvey,
-    LeastOverlap,
-    Polygons,
-    SurveyArea,
-    SurveyLayout,
-    SurveyLine,
-)
 from ipoa_mission.studio.view import on_map, without_folders
 from ipoa_mission.studio.vocabulary import renamed
 from ipoa_mission.survey.camera import CAMERAS
@@ -38,33 +29,35 @@ from ipoa_mission.survey.survey_task import SurveySketch
 from ipoa_mission.survey.tour import Tour
 
 
-def area_of(table: Mapping[str, Any], scenario: Scenario | None) -> SurveyArea:
+def area_of(table: Mapping[str, Any], scenario: Scenario | None) -> answers.SurveyArea:
     """Return a scenario's drawn area, valid or not; an area of a map only if valid."""
-    rings = list[AreaRing]()
+    rings = list[answers.AreaRing]()
     with suppress(KeyError, TypeError, ValueError, IndexError):
         rings = list(_drawn(table["survey"], frame_of(dict(table))))
     if not rings and scenario is not None and (area := surveyed_area(scenario)) is not None:
         rings = list(_mapped(area, scenario.frame))
-    return SurveyArea(rings=tuple(rings), cameras=tuple(CAMERAS))
+    return answers.SurveyArea(rings=tuple(rings), cameras=tuple(CAMERAS))
 
 
-def _drawn(survey: Mapping[str, Any], frame: LocalFrame) -> Iterator[AreaRing]:
+def _drawn(survey: Mapping[str, Any], frame: LocalFrame) -> Iterator[answers.AreaRing]:
     if "line" in survey:
-        yield AreaRing(name="corridor", path=("survey", "line"), what="line", places=_places(survey["line"], frame))
+        yield answers.AreaRing(
+            name="corridor", path=("survey", "line"), what="line", places=_places(survey["line"], frame)
+        )
     areas = areas_of(survey.get("polygon", []))
     for n, rings in enumerate(areas):
         for m, ring in enumerate(rings):
             name, path, places = ring_name(n, m, len(areas)), ("survey", "polygon", n, m), _places(ring, frame)
-            yield AreaRing(name=name, path=path, what="hole" if m else "outer", places=places)
+            yield answers.AreaRing(name=name, path=path, what="hole" if m else "outer", places=places)
 
 
-def _mapped(area: Area, frame: LocalFrame) -> Iterator[AreaRing]:
+def _mapped(area: Area, frame: LocalFrame) -> Iterator[answers.AreaRing]:
     parts = shapely.get_parts(area.shape)
     for n, part in enumerate(parts):
         for m, ring in enumerate((part.exterior, *part.interiors)):
             name = ring_name(n, m, len(parts))
             places = on_map(frame, shapely.get_coordinates(ring)[:-1])
-            yield AreaRing(name=name, path=None, what="hole" if m else "outer", places=places)
+            yield answers.AreaRing(name=name, path=None, what="hole" if m else "outer", places=places)
 
 
 def _places(corners: Any, frame: LocalFrame) -> Any:
@@ -106,12 +99,12 @@ def in_words(message: str, table: Mapping[str, Any] | None = None) -> str:
     return renamed(message, "survey.polygon", name)
 
 
-def coarse_survey(sketch: SurveySketch, scenario: Scenario, number: int | None) -> CoarseSurvey:
+def coarse_survey(sketch: SurveySketch, scenario: Scenario, number: int | None) -> answers.CoarseSurvey:
     sight, ground = sketch.sight, scenario.airspace.ground
     free = sketch.area.without(sketch.keep_out)
     lines = [*laid_lines(sketch.tour, sight, ground)]
     overlaps = smallest_overlaps(lines, sight, ground, free) if lines else None
-    return CoarseSurvey(
+    return answers.CoarseSurvey(
         number=number, layout=_layout(scenario, sketch, (sketch.tour,), overlaps), seconds=round(sketch.seconds, 1)
     )
 
@@ -144,7 +137,7 @@ def planned_survey(survey: Survey, flown: Sequence[FilePath] = ()) -> answers.Pl
 
 def _layout(
     scenario: Scenario, laid: SurveySketch | SurveyPlan, tours: Sequence[Tour], overlaps: Overlaps | None
-) -> SurveyLayout:
+) -> answers.SurveyLayout:
     frame, shape, sight, coverage = scenario.frame, laid.area.shape, laid.sight, laid.coverage
     swaths = [swath for tour in tours for swath in tour.swaths]
     around = shape.buffer(sight.spacing)
@@ -153,7 +146,7 @@ def _layout(
     east, north = longest.end - longest.begin
     gaps = [part for part in shapely.get_parts(coverage.gaps) if part.area > 0.01]  # [m^2], else of rounding
     front, side = (None, None) if overlaps is None else (overlaps.front, overlaps.side)
-    return SurveyLayout(
+    return answers.SurveyLayout(
         starts=on_map(frame, np.array(laid.section.start_places).reshape(-1, 2)),
         lines=tuple(_lines(scenario, sight, tours)),
         ways=tuple(on_map(frame, way) for tour in tours for way in tour.transits if len(way) > 1),
@@ -175,20 +168,20 @@ def _layout(
     )
 
 
-def _least(overlap: Overlap, frame: LocalFrame) -> LeastOverlap:
-    return LeastOverlap(share=overlap.share, place=on_map(frame, np.array([overlap.at]))[0])
+def _least(overlap: Overlap, frame: LocalFrame) -> answers.LeastOverlap:
+    return answers.LeastOverlap(share=overlap.share, place=on_map(frame, np.array([overlap.at]))[0])
 
 
-def _lines(scenario: Scenario, sight: Sight, tours: Sequence[Tour]) -> Iterator[SurveyLine]:
+def _lines(scenario: Scenario, sight: Sight, tours: Sequence[Tour]) -> Iterator[answers.SurveyLine]:
     for n, tour in enumerate(tours):
         for swath in tour.swaths:
             places = np.vstack([swath.begin, swath.end, photo_places(swath, sight).reshape(-1, 2)])
             begin, end, *photos = on_map(scenario.frame, places)
             low, high = (scenario.airspace.ground(np.array([swath.begin, swath.end])) + sight.middle).round(1).tolist()
-            yield SurveyLine(flight=n, begin=begin, end=end, up=(low, high), photos=tuple(photos))
+            yield answers.SurveyLine(flight=n, begin=begin, end=end, up=(low, high), photos=tuple(photos))
 
 
-def _polygons(scenario: Scenario, shape: Any) -> Polygons:
+def _polygons(scenario: Scenario, shape: Any) -> answers.Polygons:
     simple = shapely.simplify(shape, tolerance=0.1)
     return tuple(_polygon(scenario, part) for part in shapely.get_parts(simple) if part.geom_type == "Polygon")
 

@@ -8,7 +8,7 @@ from collections.abc import Callable
 from contextlib import closing, suppress
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 from urllib.parse import quote, urlsplit
 
 from ipoa_mission.errors import BadInput, NothingThere, WrongFormat, imported
@@ -54,7 +54,23 @@ def open_tiles(source: str, attribution: str | None = None) -> TileSource:
     if path.suffix.lower() not in formats or not path.is_file():
         words = f"expected an address with {{z}}, {{x}} and {{y}}, or a file: {' or '.join(formats)}"
         raise BadInput(words, place=f"--tiles: {source}")
-    return formats[path.suffix.lower()](path, attribution)
+    file = formats[path.suffix.lower()](path)
+    if file.kind not in ("png", "jpg", "jpeg", "webp", *VECTOR):
+        words = (
+            f"expected pictures (png, jpg, webp, or vector tiles: pbf), not {file.kind or 'tiles of no stated format'}"
+        )
+        raise WrongFormat(words, place=f"--tiles: {path}")
+    layers = file.about.get("vector_layers") if file.kind in VECTOR else None
+    names = [layer.get("id") for layer in layers if isinstance(layer, dict)] if isinstance(layers, list) else []
+    shown = answers.Tiles(
+        address="tiles/{z}/{x}/{y}",
+        attribution=_plain(attribution or str(file.about.get("attribution") or path.name)),
+        min_zoom=file.zooms[0],
+        max_zoom=file.zooms[1],
+        vector=file.kind in VECTOR,
+        layers=tuple(name for name in names if isinstance(name, str)),
+    )
+    return TileSource(shown, read=file.read)
 
 
 def headers_of(tile: bytes, vector: bool) -> dict[str, str] | None:
@@ -64,6 +80,10 @@ def headers_of(tile: bytes, vector: bool) -> dict[str, str] | None:
     kinds = {b"\x89PNG": "image/png", b"\xff\xd8\xff": "image/jpeg", b"RIFF": "image/webp"}
     kind = next((kind for begin, kind in kinds.items() if tile.startswith(begin)), None)
     return None if kind is None else {"Content-Type": kind}
+
+
+def _plain(attribution: str) -> str:
+    return html.unescape(re.sub(r"<[^>]*>", "", attribution))
 
 
 def _of_server(address: str, attribution: str | None) -> TileSource:
@@ -76,10 +96,19 @@ def _of_server(address: str, attribution: str | None) -> TileSource:
         raise BadInput("expected http(s)://HOST/... with {z}, {x} and {y} in it", place=f"--tiles: {address}")
     is_vector = parts.path.rpartition(".")[2].lower() in VECTOR
     deepest = 14 if is_vector else DEEPEST  # the page enlarges vector tiles beyond
-    return TileSource(_shown(address, attribution or parts.netloc, (0, deepest), is_vector), origin=origin)
+    words = _plain(attribution or parts.netloc)
+    shown = answers.Tiles(address=address, attribution=words, min_zoom=0, max_zoom=deepest, vector=is_vector)
+    return TileSource(shown, origin=origin)
 
 
-def _of_mbtiles(path: Path, attribution: str | None) -> TileSource:
+class _TileFile(NamedTuple):
+    kind: str
+    zooms: tuple[int, int]
+    about: dict[str, Any]
+    read: Read
+
+
+def _of_mbtiles(path: Path) -> _TileFile:
     def ask(question: str, *values: int) -> list[Any]:
         try:
             with closing(sqlite3.connect(f"file:{quote(str(path))}?mode=ro", uri=True)) as file:
@@ -92,19 +121,16 @@ def _of_mbtiles(path: Path, attribution: str | None) -> TileSource:
         rows = ask(f"select tile_data from tiles where {where}", zoom, column, 2**zoom - 1 - row)
         return bytes(rows[0][0]) if rows else None
 
-    about = {str(name): str(value) for name, value in ask("select name, value from metadata")}
+    about: dict[str, Any] = {str(name): str(value) for name, value in ask("select name, value from metadata")}
     least, most = ask("select min(zoom_level), max(zoom_level) from tiles")[0]
     if least is None:
         raise NothingThere("expected tiles, not an empty file", place=f"--tiles: {path}")
-    is_vector = _is_vector(path, about.get("format", ""))
-    layers: tuple[str, ...] = ()
-    with suppress(ValueError):
-        layers = _layers(json.loads(about.get("json", "{}"))) if is_vector else ()
-    words = attribution or about.get("attribution") or path.name
-    return TileSource(_shown("", words, (least, most), is_vector, layers), read=read)
+    with suppress(ValueError, TypeError):
+        about = json.loads(about.get("json", "{}")) | about
+    return _TileFile(str(about.get("format", "")).lower(), (least, most), about, read)
 
 
-def _of_pmtiles(path: Path, attribution: str | None) -> TileSource:
+def _of_pmtiles(path: Path) -> _TileFile:
     library = imported("pmtiles.reader", f"{path}: PMTiles need the package pmtiles", "studio", BadInput)
     kinds = imported("pmtiles.tile", f"{path}: PMTiles need the package pmtiles", "studio", BadInput)
 
@@ -120,38 +146,8 @@ def _of_pmtiles(path: Path, attribution: str | None) -> TileSource:
         return None if tile is None else bytes(tile)
 
     header, about = ask(lambda reader: (reader.header(), reader.metadata()))
-    is_vector = _is_vector(path, header["tile_type"].name.lower())
-    packed = header["tile_compression"].name.lower()
-    if is_vector and packed not in ("none", "gzip"):
+    kind, packed = header["tile_type"].name.lower(), header["tile_compression"].name.lower()
+    if kind in VECTOR and packed not in ("none", "gzip"):
         words = f"expected vector tiles compressed by gzip or not at all, not by {packed}"
         raise WrongFormat(words, place=f"--tiles: {path}")
-    words = attribution or str(about.get("attribution") or path.name)
-    zooms = header["min_zoom"], header["max_zoom"]
-    return TileSource(_shown("", words, zooms, is_vector, _layers(about) if is_vector else ()), read=read)
-
-
-def _is_vector(path: Path, kind: str) -> bool:
-    if kind.lower() not in ("png", "jpg", "jpeg", "webp", *VECTOR):
-        stated = kind or "tiles of no stated format"
-        words = f"expected pictures (png, jpg, webp, or vector tiles: pbf), not {stated}"
-        raise WrongFormat(words, place=f"--tiles: {path}")
-    return kind.lower() in VECTOR
-
-
-def _layers(about: Any) -> tuple[str, ...]:
-    layers = about.get("vector_layers") if isinstance(about, dict) else None
-    names = [layer.get("id") for layer in layers if isinstance(layer, dict)] if isinstance(layers, list) else []
-    return tuple(name for name in names if isinstance(name, str))
-
-
-def _shown(
-    address: str, attribution: str, zooms: tuple[int, int], vector: bool = False, layers: tuple[str, ...] = ()
-) -> answers.Tiles:
-    return answers.Tiles(
-        address=address or "tiles/{z}/{x}/{y}",
-        attribution=html.unescape(re.sub(r"<[^>]*>", "", attribution)),
-        min_zoom=zooms[0],
-        max_zoom=zooms[1],
-        vector=vector,
-        layers=layers,
-    )
+    return _TileFile(kind, (header["min_zoom"], header["max_zoom"]), about, read)

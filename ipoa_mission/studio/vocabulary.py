@@ -81,6 +81,7 @@ class PageMessage(BaseModel):
 class OfRevision(PageMessage):
     """About a revision of the document; a worker process sets that of its order."""
 
+    model_config = ConfigDict(json_schema_serialization_defaults_required=True)
     revision: int = 0
 
 

@@ -37,7 +37,7 @@ def test_a_shipped_scenario_is_planned_handed_over_uploaded_and_flown(
     planner, messages = PlanWorker(), list[Any]()
     planner.plan({"revision": 1, "text": path.read_text(), "path": str(path), "seed": 0}, messages.append)
     handed = tmp_path / "flight"
-    planner.hand_over({"file": str(handed)}, messages.append)
+    planner.hand_over({"path": str(path), "file": str(handed), "flight": 0}, messages.append)
     beside: queue.SimpleQueue[dict[str, Any]] = queue.SimpleQueue()
     order = {"file": str(handed), "log": str(tmp_path / "a.tlog"), "link": None, "system": None, "revision": 1}
 
