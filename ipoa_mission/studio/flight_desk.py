@@ -2,7 +2,6 @@
 
 import asyncio
 from collections.abc import Awaitable, Callable
-from contextlib import suppress
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -11,7 +10,7 @@ from ipoa_mission.errors import MissionError
 from ipoa_mission.files import unused
 from ipoa_mission.studio.answers import Trouble
 from ipoa_mission.studio.flight_answers import State
-from ipoa_mission.studio.processes import Process, ProcessDied
+from ipoa_mission.studio.processes import Process
 from ipoa_mission.studio.requests import Order, Start, Upload
 from ipoa_mission.studio.scenario_document import Document
 from ipoa_mission.studio.vocabulary import PageMessage
@@ -20,7 +19,8 @@ from ipoa_mission.studio.vocabulary import PageMessage
 class FlightDesk:
     def __init__(self, document: Document, send: Callable[[PageMessage | dict[str, Any]], None]) -> None:
         self._document, self._send = document, send
-        self._process = Process("ipoa_mission.studio.flight_worker")
+        died = Trouble(of="flight", message="the flight worker ended unexpectedly", hint="look at the vehicle")
+        self._process = Process("ipoa_mission.studio.flight_worker", died)
         self._task: asyncio.Task[None] | None = None
         self._loaded: dict[str, Any] | None = None
         self._phase = "idle"
@@ -77,17 +77,13 @@ class FlightDesk:
             await asyncio.gather(self._task, return_exceptions=True)
 
     async def _listen(self, link: str) -> None:
-        with suppress(ProcessDied):
-            await self._process.ask({"job": "listen", "link": link}, self._send)
+        await self._process.ask({"job": "listen", "link": link}, self._send)
 
     async def _fly(self, request: Upload, hand_over: Callable[[Path], Awaitable[bool]], name: str) -> None:
         log = unused(self._document.path.with_name(f"{name}.tlog"))
         revision = self._document.revision  # of this revision, even if the document changes
-        troubled = False
 
         def hear(answer: dict[str, Any]) -> None:
-            nonlocal troubled
-            troubled = troubled or answer["kind"] == "trouble"
             self._batteries.hear(answer)
             if answer["kind"] == "loaded":
                 self._loaded = answer
@@ -103,15 +99,11 @@ class FlightDesk:
                 return
             about = {"job": "fly", "file": str(file), "revision": revision, "log": str(log)}
             try:
-                await self._process.ask(request.model_dump(mode="json") | about, hear)
-            except ProcessDied:
-                troubled = True
-                words = "the flight worker ended unexpectedly"
-                self._send(Trouble(of="flight", message=words, hint="look at the vehicle"))
+                went_well = await self._process.ask(request.model_dump(mode="json") | about, hear)
             except asyncio.CancelledError:
                 self._show(State(phase="idle", words="the flight is no longer watched"))
                 raise
-        if troubled:
+        if not went_well:
             self._show(State(phase="idle", words=f"every frame up to there is in {log.name}" if log.exists() else ""))
 
     def _show(self, state: State) -> None:

@@ -27,7 +27,7 @@ from ipoa_mission.progress import Progress
 from ipoa_mission.simulator.fly import board, conditions_for
 from ipoa_mission.studio.flight_answers import Heard, HeardLink, Landed, Loaded, OrderThen, Reserve, Seen, State
 from ipoa_mission.studio.handed import HandedOver
-from ipoa_mission.studio.processes import Answer, JobOrder, work
+from ipoa_mission.studio.processes import Answer, JobOrder, Worker
 from ipoa_mission.studio.vocabulary import InFlight
 
 LISTEN_S = 1.5  # per link; heartbeats come once a second
@@ -312,4 +312,4 @@ class Watch:
 
 
 if __name__ == "__main__":
-    work(lambda inbox: {"fly": (FlightWorker(inbox).fly, "flight"), "listen": (listen, "flight")})
+    Worker(lambda inbox: {"fly": (FlightWorker(inbox).fly, "flight"), "listen": (listen, "flight")}).run()

@@ -33,7 +33,7 @@ from ipoa_mission.studio.flight_answers import Replay
 from ipoa_mission.studio.handed import HandedOver, mission_over, planned_over, survey_over
 from ipoa_mission.studio.mission_view import check_answer, mission_answer, mission_world
 from ipoa_mission.studio.plan_answers import expected, planned, sketched, strips_of
-from ipoa_mission.studio.processes import Answer, Job, JobOrder, Subject, work
+from ipoa_mission.studio.processes import Answer, Job, JobOrder, Subject, Worker
 from ipoa_mission.studio.remedies import plan_trouble, text_trouble
 from ipoa_mission.studio.requests import Change
 from ipoa_mission.studio.survey_view import area_of, coarse_survey, planned_survey
@@ -247,4 +247,4 @@ def replayed(log: Path, forecast: Forecast) -> Replay:
 
 
 if __name__ == "__main__":
-    work(PlanWorker().jobs)
+    Worker(PlanWorker().jobs).run()

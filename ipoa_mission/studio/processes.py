@@ -18,7 +18,7 @@ from typing import Any, Literal, TypeAlias
 
 from ipoa_mission.errors import MissionError
 from ipoa_mission.studio.answers import Trouble
-from ipoa_mission.studio.vocabulary import PageMessage, as_on_map
+from ipoa_mission.studio.vocabulary import PageMessage, as_json, as_on_map
 
 JobOrder: TypeAlias = dict[str, Any]
 Answer: TypeAlias = Callable[[PageMessage], None]
@@ -27,15 +27,11 @@ Subject: TypeAlias = Literal["scenario", "sketch", "plan", "file", "flight"]
 MakeJobs: TypeAlias = "Callable[[queue.SimpleQueue[JobOrder]], Mapping[str, tuple[Job, Subject]]]"
 
 
-class ProcessDied(Exception):
-    """The process ended before it had answered."""
-
-
 class Process:
-    """One job at a time; a worker that dies is restarted."""
+    """One job at a time; a worker that dies is restarted, and its job is answered by `died`."""
 
-    def __init__(self, module: str) -> None:
-        self._module, self._number = module, 0
+    def __init__(self, module: str, died: Trouble) -> None:
+        self._module, self._died, self._number = module, died, 0
         self._process: asyncio.subprocess.Process | None = None
         self._one_at_a_time = asyncio.Lock()
 
@@ -45,13 +41,13 @@ class Process:
             limit = 256 * 1024 * 1024  # of an answer [bytes]
             self._process = await asyncio.create_subprocess_exec(*command, stdin=pipe, stdout=pipe, limit=limit)
 
-    async def ask(self, order: dict[str, Any], hear: Callable[[dict[str, Any]], None]) -> None:
-        """Send a job, and call `hear` with every answer; pass on cancellation."""
+    async def ask(self, order: dict[str, Any], hear: Callable[[dict[str, Any]], None]) -> bool:
+        """Send a job, and call `hear` with every answer; return whether there was no trouble. Pass on cancellation."""
         async with self._one_at_a_time:
             await self.start()
             self._number += 1
             await self.send(order | {"id": self._number})
-            cancelled = False
+            cancelled, went_well = False, True
             while True:
                 try:
                     line = await self._line()
@@ -59,13 +55,17 @@ class Process:
                     cancelled = True
                     await self.send({"cancel": self._number})
                     continue
-                if line.get("id") == self._number:
-                    if "done" in line:
-                        break
-                    if not cancelled:
-                        hear(line["answer"])
+                if line.get("id") != self._number:
+                    continue
+                if "answer" in line and not cancelled:
+                    answer = line["answer"]
+                    went_well = went_well and (answer["kind"] != "trouble" or answer["of"] == "edit")
+                    hear(answer)
+                if "done" in line:
+                    break
             if cancelled:
                 raise asyncio.CancelledError
+            return went_well
 
     async def send(self, order: dict[str, Any]) -> None:
         if self._process is not None and self._process.stdin is not None:
@@ -87,7 +87,7 @@ class Process:
                 if text.startswith(b"{"):  # a library's prints
                     return json.loads(text)
             await process.wait()
-        raise ProcessDied(self._module)
+        return {"id": self._number, "answer": as_json(self._died), "done": True}
 
 
 class JobCancelled(BaseException):
@@ -95,7 +95,10 @@ class JobCancelled(BaseException):
 
 
 class Worker:
-    """Do jobs one after the other in the main thread; another thread reads cancellations."""
+    """Do jobs one after the other in the main thread; another thread reads cancellations.
+
+    `make_jobs` gets the queue of lines for the running job.
+    """
 
     def __init__(self, make_jobs: MakeJobs) -> None:
         self._channel = os.fdopen(os.dup(sys.stdout.fileno()), "w", encoding="utf-8", newline="\n")
@@ -162,8 +165,3 @@ class Worker:
         with self._writes:
             self._channel.write(json.dumps(message, allow_nan=False) + "\n")
             self._channel.flush()
-
-
-def work(make_jobs: MakeJobs) -> None:
-    """Work for the parent process; `make_jobs` gets the queue of lines for the running job."""
-    Worker(make_jobs).run()

@@ -12,7 +12,7 @@ from ipoa_mission.studio import requests
 from ipoa_mission.studio.answers import Found, Redirect, Trouble, Written
 from ipoa_mission.studio.dropped import log_named
 from ipoa_mission.studio.flight_desk import FlightDesk
-from ipoa_mission.studio.processes import Process, ProcessDied
+from ipoa_mission.studio.processes import Process
 from ipoa_mission.studio.scenario_document import Document
 from ipoa_mission.studio.vocabulary import PageMessage, Window, as_json, place_of
 
@@ -44,7 +44,9 @@ class Session:
         self._open_file, self._world, self._log = open_file, world, log
         self._windows: set[Window] = set()
         self._seed, self._flown = seed, tuple[Path, ...]()
-        self._quick, self._thorough = Process(PLANNER), Process(PLANNER)
+        words = "the planner ended unexpectedly; nothing of the scenario is lost"
+        died = Trouble(of="plan", message=words, hint="plan again")
+        self._quick, self._thorough = Process(PLANNER, died), Process(PLANNER, died)
         self._flights = FlightDesk(self.document, self.send_all)
         self._jobs: dict[str, asyncio.Task[object]] = {}
         self._drags: dict[Window, requests.Drag] = {}
@@ -249,21 +251,10 @@ class Session:
         self, process: Process, order: dict[str, Any], send: Callable[[dict[str, Any]], None] | None = None
     ) -> bool:
         """Return whether the answers had no error."""
-        document, kinds = self.document, list[str]()
-
-        def hear(answer: dict[str, Any]) -> None:
-            kinds.append("" if answer.get("of") == "edit" else answer["kind"])
-            (send or self.send_all)(answer)
-
+        document = self.document
         about = {"text": document.text, "path": str(document.path), "revision": document.revision}
         judged_by = {"world": None if self._world is None else str(self._world), "autopilot": document.autopilot}
-        try:
-            await process.ask(about | judged_by | order, hear)
-        except ProcessDied:
-            kinds.append("trouble")
-            message = "the planner ended unexpectedly; nothing of the scenario is lost"
-            self.send_all(Trouble(of="plan", message=message, hint="plan again", revision=document.revision))
-        return "trouble" not in kinds
+        return await process.ask(about | judged_by | order, send or self.send_all)
 
     def _job(self, name: str, work: Work) -> None:
         if name not in self._jobs or self._jobs[name].done():

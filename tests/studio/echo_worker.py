@@ -4,7 +4,7 @@ from collections.abc import Mapping
 
 from ipoa_mission.errors import MissionError
 from ipoa_mission.studio.flight_answers import State
-from ipoa_mission.studio.processes import Answer, Job, JobOrder, Subject, work
+from ipoa_mission.studio.processes import Answer, Job, JobOrder, Subject, Worker
 
 
 def echo(order: JobOrder, answer: Answer) -> None:
@@ -31,4 +31,4 @@ def jobs(_: object) -> Mapping[str, tuple[Job, Subject]]:
 
 if __name__ == "__main__":
     print("what a library prints is no answer")
-    work(jobs)
+    Worker(jobs).run()

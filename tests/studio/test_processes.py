@@ -6,8 +6,9 @@ from typing import Any
 
 import pytest
 
+from ipoa_mission.studio.answers import Trouble
 from ipoa_mission.studio.flight_desk import FlightDesk
-from ipoa_mission.studio.processes import Process, ProcessDied
+from ipoa_mission.studio.processes import Process
 from ipoa_mission.studio.requests import Upload
 
 WORDS = ("one", "two\n\u2028", "three")
@@ -15,7 +16,7 @@ WORDS = ("one", "two\n\u2028", "three")
 
 def run(test: Callable[[Process], Awaitable[None]]) -> None:
     async def whole() -> None:
-        process = Process("tests.studio.echo_worker")
+        process = Process("tests.studio.echo_worker", Trouble(of="plan", message="it died"))
         try:
             await asyncio.wait_for(test(process), 60)
         finally:
@@ -62,10 +63,10 @@ def test_obsolete_requests_are_broken_off() -> None:
 
 def test_one_that_dies_is_replaced() -> None:
     async def test(process: Process) -> None:
-        with pytest.raises(ProcessDied):
-            await process.ask({"job": "die"}, lambda answer: None)
         heard: list[dict[str, Any]] = []
-        await process.ask({"job": "echo", "words": "again"}, heard.append)
+        assert not await process.ask({"job": "die"}, heard.append)
+        assert heard.pop()["message"] == "it died"
+        assert await process.ask({"job": "echo", "words": "again"}, heard.append)
         assert heard[0]["words"] == "again"
 
     run(test)
@@ -76,8 +77,9 @@ def test_edits_during_the_loading_of_a_plan_are_not_loaded(tmp_path: Path) -> No
     orders: list[dict[str, Any]] = []
 
     class Pilot:
-        async def ask(self, order: dict[str, Any], hear: Callable[[dict[str, Any]], None]) -> None:
+        async def ask(self, order: dict[str, Any], hear: Callable[[dict[str, Any]], None]) -> bool:
             orders.append(order)
+            return True
 
         async def close(self) -> None:
             """It has no process."""

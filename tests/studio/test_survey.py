@@ -113,7 +113,8 @@ def test_a_ring_that_is_written_closed_is_open_after_an_edit() -> None:
     closed = Put(path=("survey", "polygon"), value=[[10, 0], [50, 0], [50, 20], [10, 20], [10, 0]])
     for change in (Corner(op="put_corner", path=(*FIRST, 0), place=OUTLINE[0]), Take(path=(*FIRST, 0))):
         survey = survey_of(scenario(closed, change))
-        assert survey is not None and survey.polygon is not None
+        assert survey is not None
+        assert survey.polygon is not None
         ((ring,),) = survey.polygon
         assert len(ring) == (3 if isinstance(change, Take) else 4)
         assert (10, 0) not in [tuple(corner) for corner in ring]
