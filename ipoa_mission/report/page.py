@@ -70,11 +70,8 @@ def report_html(
         "profile_legend": profile_legend(flown is not None, has_zones),
         "contingencies": contingency_strip(forecast, predicted),
         "speed": speed_profile(drawn),
-        "speed_note": "As predicted; a tick where an item is done.",
         "flight": "" if comparison is None else flown_panel(comparison),
         "legs": legs_table(legs, None if flight is None else flight.item_reached_s),
-        "legs_note": "Heights are above home, times from arming; clearance is the least distance of the leg to the "
-        "ground or an obstacle.",
         "limits": "" if proof is None else limits_table(proof),
         "footer": _footer(scenario, plan, mission),
         "map_js": _asset("map.js"),

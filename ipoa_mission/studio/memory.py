@@ -51,18 +51,14 @@ def address_of(path: Path | None) -> Opened:
 
 def remember(opened: Opened, port: int) -> None:
     others = [file for file in known().opened if file.path != opened.path]
-    _write("opened", (opened.model_copy(update={"port": port}), *others)[:20])
+    keep(opened=(opened.model_copy(update={"port": port}), *others)[:20])
 
 
-def keep_tiles(tiles: tuple[str, str] | None) -> None:
-    _write("tiles", tiles)
-
-
-def _write(name: str, value: object) -> None:
-    """Replace a field; ignore a file that cannot be written."""
+def keep(**changes: object) -> None:
+    """Replace fields; ignore a file that cannot be written."""
     file = memory_file()
     with suppress(OSError):
         file.parent.mkdir(parents=True, exist_ok=True)
         file.parent.chmod(0o700)
-        write_atomically(file, known().model_copy(update={name: value}).model_dump_json(indent=1) + "\n")
+        write_atomically(file, known().model_copy(update=changes).model_dump_json(indent=1) + "\n")
         file.chmod(0o600)

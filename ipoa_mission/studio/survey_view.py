@@ -21,7 +21,7 @@ from ipoa_mission.studio.vocabulary import renamed
 from ipoa_mission.survey.camera import CAMERAS
 from ipoa_mission.survey.overlap import Overlap, Overlaps, laid_lines, photo_places, smallest_overlaps
 from ipoa_mission.survey.sight import Sight
-from ipoa_mission.survey.survey_area import Area, depth_of
+from ipoa_mission.survey.survey_area import depth_of
 from ipoa_mission.survey.survey_flight import Survey
 from ipoa_mission.survey.survey_plan import SurveyPlan
 from ipoa_mission.survey.survey_section import SurveySection, surveyed_area
@@ -33,31 +33,29 @@ def area_of(table: Mapping[str, Any], scenario: Scenario | None) -> answers.Surv
     """Return a scenario's drawn area, valid or not; an area of a map only if valid."""
     rings = list[answers.AreaRing]()
     with suppress(KeyError, TypeError, ValueError, IndexError):
-        rings = list(_drawn(table["survey"], frame_of(dict(table))))
+        survey, frame = table["survey"], frame_of(dict(table))
+        if "line" in survey:
+            places = _places(survey["line"], frame)
+            rings.append(answers.AreaRing(name="corridor", path=("survey", "line"), what="line", places=places))
+        rings += _rings(areas_of(survey.get("polygon", [])), frame, is_drawn=True)
     if not rings and scenario is not None and (area := surveyed_area(scenario)) is not None:
-        rings = list(_mapped(area, scenario.frame))
+        parts = ((part.exterior, *part.interiors) for part in shapely.get_parts(area.shape))
+        areas = [[shapely.get_coordinates(ring)[:-1] for ring in rings_of_part] for rings_of_part in parts]
+        rings = _rings(areas, scenario.frame, is_drawn=False)
     return answers.SurveyArea(rings=tuple(rings), cameras=tuple(CAMERAS))
 
 
-def _drawn(survey: Mapping[str, Any], frame: LocalFrame) -> Iterator[answers.AreaRing]:
-    if "line" in survey:
-        yield answers.AreaRing(
-            name="corridor", path=("survey", "line"), what="line", places=_places(survey["line"], frame)
+def _rings(areas: list[list[Any]], frame: LocalFrame, is_drawn: bool) -> list[answers.AreaRing]:
+    return [
+        answers.AreaRing(
+            name=ring_name(n, m, len(areas)),
+            path=("survey", "polygon", n, m) if is_drawn else None,
+            what="hole" if m else "outer",
+            places=_places(ring, frame),
         )
-    areas = areas_of(survey.get("polygon", []))
-    for n, rings in enumerate(areas):
-        for m, ring in enumerate(rings):
-            name, path, places = ring_name(n, m, len(areas)), ("survey", "polygon", n, m), _places(ring, frame)
-            yield answers.AreaRing(name=name, path=path, what="hole" if m else "outer", places=places)
-
-
-def _mapped(area: Area, frame: LocalFrame) -> Iterator[answers.AreaRing]:
-    parts = shapely.get_parts(area.shape)
-    for n, part in enumerate(parts):
-        for m, ring in enumerate((part.exterior, *part.interiors)):
-            name = ring_name(n, m, len(parts))
-            places = on_map(frame, shapely.get_coordinates(ring)[:-1])
-            yield answers.AreaRing(name=name, path=None, what="hole" if m else "outer", places=places)
+        for n, rings in enumerate(areas)
+        for m, ring in enumerate(rings)
+    ]
 
 
 def _places(corners: Any, frame: LocalFrame) -> Any:

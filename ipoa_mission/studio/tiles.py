@@ -31,12 +31,12 @@ class TileSource:
 def chosen_tiles(asked: str | None, attribution: str | None) -> TileSource | None:
     """Return the requested tiles and remember them; else the remembered ones."""
     if asked == "none":
-        memory.keep_tiles(None)
+        memory.keep(tiles=None)
         return None
     if asked is not None:
         source = asked if "://" in asked else str(Path(asked).resolve())
         tiles = open_tiles(source, attribution)
-        memory.keep_tiles((source, tiles.shown.attribution))
+        memory.keep(tiles=(source, tiles.shown.attribution))
         return tiles
     if (known := memory.known().tiles) is None:
         return None
