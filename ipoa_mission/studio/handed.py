@@ -32,10 +32,10 @@ def planned_over(flight: Flight) -> HandedOver:
     return HandedOver(flight.name, flight.forecast, _digest(flight.mission, flight.summary()))
 
 
-def survey_over(survey: Survey, n: int) -> HandedOver:
-    """Return flight `n` of a survey; its digest covers all flights."""
-    forecast = survey.flights[n]
-    return HandedOver(survey.names[n], forecast, _digest(forecast.mission, [n, survey.summary()]))
+def survey_over(survey: Survey) -> list[HandedOver]:
+    """Return its flights; each digest covers all of them."""
+    flights, summary = zip(survey.names, survey.flights, strict=True), survey.summary()
+    return [HandedOver(name, each, _digest(each.mission, [n, summary])) for n, (name, each) in enumerate(flights)]
 
 
 def mission_over(name: str, forecast: Forecast, warnings: Sequence[Finding]) -> HandedOver:

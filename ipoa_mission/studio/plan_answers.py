@@ -24,7 +24,6 @@ from ipoa_mission.report.drawn_flight import SampledTrack
 from ipoa_mission.report.panels.contingency_panel import GRADE_LOOKS, contingency_bars, return_paths, stretches
 from ipoa_mission.report.panels.profile import near_track
 from ipoa_mission.studio import answers
-from ipoa_mission.studio.handed import planned_over
 from ipoa_mission.studio.view import line_of, on_map, without_folders
 
 UNKNOWN_EXTENT = 1e7  # [m]
@@ -48,11 +47,11 @@ def sketched(sketch: Sketch, scenario: Scenario, number: int | None) -> answers.
     )
 
 
-def planned(flight: Flight) -> answers.Plan:
+def planned(flight: Flight, proof: str) -> answers.Plan:
     plan, scenario = expected(flight.forecast, flight.name), flight.scenario
     proved = {
         "of": "scenario",
-        "proof": planned_over(flight).proof,
+        "proof": proof,
         "waypoints": len(flight.chosen.route.points),
         "limits": tuple(_limits(flight)),
         "warnings": tuple(without_folders(finding.message, scenario) for finding in flight.findings),

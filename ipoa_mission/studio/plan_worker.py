@@ -87,6 +87,7 @@ def judge(order: JobOrder, answer: Answer) -> None:
 class PlanWorker:
     def __init__(self) -> None:
         self._plan: Flight | Survey | None = None
+        self._flights = list[HandedOver]()  # of the plan
 
     def plan(self, order: JobOrder, answer: Answer) -> None:
         shown_at = 0.0
@@ -97,26 +98,23 @@ class PlanWorker:
                 shown_at = time.perf_counter()
                 answer(Progress(share=share, words=words))
 
-        self._plan = None
+        self._plan, self._flights = None, []
         scenario = _scenario(order["text"], order["path"])
         try:
             if "survey" not in scenario.added:
                 self._plan = flight = plan_flight(scenario, seed=order["seed"], progress=progress)
-                answer(planned(flight))
+                self._flights = [planned_over(flight)]
+                answer(planned(flight, self._flights[0].proof))
             else:
                 self._plan, logs = _survey(scenario, order, progress, answer)
-                answer(planned_survey(self._plan, logs))
+                self._flights = survey_over(self._plan)
+                answer(planned_survey(self._plan, [flight.proof for flight in self._flights], logs))
         except MissionError as error:
             answer(plan_trouble(error, scenario))
 
     def end(self, order: JobOrder, answer: Answer) -> None:
-        n = order["flight"]
-        if _is_mission(order):
-            _, forecast = _mission(order)
-        else:
-            plan = self._expect_plan()
-            forecast = plan.flights[n] if isinstance(plan, Survey) else plan.forecast
-        for strip in strips_of(forecast, n):
+        forecast = _mission(order)[1] if _is_mission(order) else self._planned(order["flight"]).forecast
+        for strip in strips_of(forecast, order["flight"]):
             answer(strip)
 
     def write(self, order: JobOrder, answer: Answer) -> None:
@@ -129,26 +127,23 @@ class PlanWorker:
             plan.report(files[-1])
         answer(Written(files=tuple(file.name for file in files)))
 
-    def detach(self, order: JobOrder, answer: Answer) -> None:
-        write_mission(self._expect_flight(order).forecast.mission, Path(order["file"]))
+    def detach(self, order: JobOrder, _: Answer) -> None:
+        write_mission(self._planned(order["flight"]).forecast.mission, Path(order["file"]))
 
-    def hand_over(self, order: JobOrder, answer: Answer) -> None:
-        self._expect_flight(order).write(Path(order["file"]))
+    def hand_over(self, order: JobOrder, _: Answer) -> None:
+        handed = _judged(order) if _is_mission(order) else self._planned(order["flight"])
+        handed.write(Path(order["file"]))
 
     def _expect_plan(self) -> Flight | Survey:
         if self._plan is None:
             raise MissionError("there is no proved plan", hint="plan first", code="not-planned")
         return self._plan
 
-    def _expect_flight(self, order: JobOrder) -> HandedOver:
-        if _is_mission(order):
-            return _judged(order)
-        plan, n = self._expect_plan(), order["flight"]
-        if not isinstance(plan, Survey):
-            return planned_over(plan)
-        if not 0 <= n < len(plan.flights):
-            raise MissionError(f"expected one of {len(plan.flights)}", code="no-such-item", place=f"flight {n + 1}")
-        return survey_over(plan, n)
+    def _planned(self, n: int) -> HandedOver:
+        self._expect_plan()
+        if not 0 <= n < len(self._flights):
+            raise MissionError(f"expected one of {len(self._flights)}", code="no-such-item", place=f"flight {n + 1}")
+        return self._flights[n]
 
     def jobs(self, _: object) -> Mapping[str, tuple[Job, Subject]]:
         return {

@@ -14,7 +14,6 @@ from ipoa_mission.scenario import Scenario
 from ipoa_mission.studio import answers
 from ipoa_mission.studio.area_edits import areas_of
 from ipoa_mission.studio.edits import frame_of
-from ipoa_mission.studio.handed import survey_over
 from ipoa_mission.studio.plan_answers import expected
 from ipoa_mission.studio.view import on_map, without_folders
 from ipoa_mission.studio.vocabulary import renamed
@@ -107,12 +106,11 @@ def coarse_survey(sketch: SurveySketch, scenario: Scenario, number: int | None) 
     )
 
 
-def planned_survey(survey: Survey, flown: Sequence[FilePath] = ()) -> answers.PlannedSurvey:
+def planned_survey(survey: Survey, proofs: Sequence[str], flown: Sequence[FilePath]) -> answers.PlannedSurvey:
     plan, parts = survey.plan, []
     remarks = tuple(without_folders(words, plan.scenario) for words in survey.notes)
-    for n, (name, flight) in enumerate(zip(survey.names, plan.flights, strict=True)):
+    for name, flight, proof in zip(survey.names, plan.flights, proofs, strict=True):
         warned = tuple(without_folders(finding.message, plan.scenario) for finding in flight.findings)
-        proof = survey_over(survey, n).proof
         proved = {"of": "scenario", "proof": proof, "warnings": warned, "remarks": remarks}
         parts.append(
             answers.SurveyPart(
