@@ -1,6 +1,7 @@
 """Read KML and KMZ: of altitudes, only the greatest of an extruded shape counts."""
 
 import contextlib
+import io
 import lzma
 import math
 import re
@@ -9,7 +10,7 @@ import zipfile
 import zlib
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 from xml.etree import ElementTree
 
 import numpy as np
@@ -69,26 +70,20 @@ def _read(text: bytes, path: Path) -> tuple[Feature, ...]:
         raise WrongFormat("expected well-formed XML", place=f"{path}: line {line}") from error
     except (LookupError, ValueError) as error:  # unknown or multi-byte encoding
         raise WrongFormat(f"expected XML in an encoding such as UTF-8: {error}", place=path) from error
-    if _local(root) != "kml":
-        raise WrongFormat(f"expected a kml document, not {_local(root)}", place=path)
+    if root.tag != "kml":
+        raise WrongFormat(f"expected a kml document, not {root.tag}", place=path)
     placemarks = enumerate([*_placemarks(root, path)])
     return read_all(_feature, ((element, f"{path}: Placemark[{i}]") for i, element in placemarks))
 
 
 def _parse(text: bytes, path: Path) -> ElementTree.Element:
-    """Parse in pieces, to limit the memory."""
-    parser: Any = ElementTree.XMLPullParser(("start",))
-    root: ElementTree.Element | None = None
-    count, most, piece = 0, 500_000, 1 << 20
-    for begin in range(0, len(text), piece):
-        parser.feed(text[begin : begin + piece])
-        for _, element in parser.read_events():
-            root, count = element if root is None else root, count + 1
+    """Parse in pieces, to limit the memory; drop namespaces."""
+    most, parser = 500_000, cast(Any, ElementTree.iterparse(io.BytesIO(text)))
+    for count, (_, element) in enumerate(parser):
+        element.tag = element.tag.rpartition("}")[2]
         if count > most:
             raise TooLarge(f"expected a document of at most {most} elements", place=path)
-    parser.close()
-    if root is None:
-        raise ElementTree.ParseError("nothing")
+    root: ElementTree.Element = parser.root
     return root
 
 
@@ -96,10 +91,9 @@ def _placemarks(root: ElementTree.Element, path: Path) -> Iterator[ElementTree.E
     waiting, deepest = [(root, 0)], 64
     while waiting:
         element, depth = waiting.pop()
-        kind = _local(element)
-        if kind == "Placemark" and sum(_local(inner) == "Placemark" for inner in element.iter()) > 1:
+        if element.tag == "Placemark" and element.find(".//Placemark") is not None:
             raise BadInput("expected no Placemark inside another", place=path)
-        if kind in ("Placemark", "NetworkLink", "GroundOverlay", "PhotoOverlay"):
+        if element.tag in ("Placemark", "NetworkLink", "GroundOverlay", "PhotoOverlay"):
             yield element
             continue
         if depth >= deepest:
@@ -116,28 +110,24 @@ def _feature(placemark: ElementTree.Element, place: str) -> Feature:
 
 def _missing(placemark: ElementTree.Element, place: str) -> Missing | None:
     for element in placemark.iter():
-        if (kind := _local(element)) in NOT_READ:
-            sides = {_local(each): (each.text or "").strip() for each in element.iter()}
+        if element.tag in NOT_READ:
+            sides = {each.tag: _text(each) for each in element.iter()}
             box = shapely.GeometryCollection()
             with contextlib.suppress(KeyError, ValueError):
                 box = shapely.box(*(float(sides[side]) for side in ("west", "south", "east", "north")))
                 on_earth(shapely.get_coordinates(box), place)
-            return Missing(f"{kind}, {NOT_READ[kind]}", box, REMEDY)
+            return Missing(f"{element.tag}, {NOT_READ[element.tag]}", box, REMEDY)
     return None
 
 
 def _height(placemark: ElementTree.Element) -> dict[str, str]:
     modes, tops = {"relativeToGround": "height", "absolute": "height:amsl"}, dict[str, float]()
     for drawn in placemark.iter():
-        if _local(drawn) not in {"Polygon", "LinearRing", "LineString", "Point"}:
-            continue
-        texts = {_local(child): (child.text or "").strip() for child in drawn}
-        key = modes.get(texts.get("altitudeMode", ""))
-        if texts.get("extrude") not in ("1", "true") or key is None:
-            continue
-        for element in drawn.iter():
-            if _local(element) == "coordinates":
-                tops[key] = max([tops.get(key, 0.0), *_altitudes(element.text or "")])
+        key = modes.get(drawn.findtext("altitudeMode", "").strip())
+        is_shape = drawn.tag in {"Polygon", "LinearRing", "LineString", "Point"}
+        if is_shape and key is not None and drawn.findtext("extrude", "").strip() in ("1", "true"):
+            for element in drawn.iter("coordinates"):
+                tops[key] = max([tops.get(key, 0.0), *_altitudes(_text(element))])
     return {key: f"{top:.2f}" for key, top in tops.items() if 0 < top < 100_000.0}  # [m]
 
 
@@ -154,46 +144,55 @@ def _words(text: str) -> list[str]:
 
 def _tags(placemark: ElementTree.Element) -> Iterator[tuple[str, str]]:
     for element in placemark.iter():
-        key, value = element.get("name"), element.text
-        if _local(element) == "name":
-            key = "name"
-        elif _local(element) == "Data":
-            value = next((child.text for child in element if _local(child) == "value"), None)
-        elif _local(element) != "SimpleData":
+        if element.tag == "name":
+            key, value = "name", _text(element)
+        elif element.tag in ("Data", "SimpleData"):
+            key = element.get("name", "")
+            value = _text(element) or element.findtext("value", "").strip()
+        else:
             continue
-        if key and value and value.strip():
-            yield key, value.strip()
+        if key and value:
+            yield key, value
+
+
+def _text(element: ElementTree.Element) -> str:
+    return (element.text or "").strip()
 
 
 def _shapes(parent: ElementTree.Element, place: str, depth: int = 0) -> Iterator[Any]:
     if depth > DEEPEST:
         raise TooLarge(f"expected collections in no more than {DEEPEST} others", place=place)
     for element in parent:
-        kind = _local(element)
-        if kind in {"MultiGeometry", "Document", "Folder", "MultiTrack"}:
-            yield from _shapes(element, place, depth + 1)
-        elif kind == "Point":
-            yield shapely.Point(_corners(element, 1, f"{place}.{kind}")[0])
-        elif kind == "LineString":
-            yield shapely.LineString(_corners(element, 2, f"{place}.{kind}"))
-        elif kind == "LinearRing":
-            yield shapely.Polygon(_corners(element, 3, f"{place}.{kind}"))
-        elif kind == "Track":
-            text = " ".join(",".join((each.text or "").split()) for each in element if _local(each) == "coord")
-            yield shapely.LineString(_positions(text, 2, f"{place}.{kind}.coord"))
-        elif kind == "Polygon":
-            outer = [ring for side in element if _local(side) == "outerBoundaryIs" for ring in side]
-            inner = [ring for side in element if _local(side) == "innerBoundaryIs" for ring in side]
-            if len(outer) != 1:
-                raise BadInput(f"expected one LinearRing, not {len(outer)}", place=f"{place}.Polygon.outerBoundaryIs")
-            if wrong := next((ring for ring in (*outer, *inner) if _local(ring) != "LinearRing"), None):
-                raise BadInput(f"expected a LinearRing, not {_local(wrong):.40}", place=f"{place}.Polygon")
-            rings = [_corners(ring, 3, f"{place}.Polygon") for ring in (*outer, *inner)]
-            yield shapely.Polygon(rings[0], rings[1:])
+        at = f"{place}.{element.tag}"
+        match element.tag:
+            case "MultiGeometry" | "Document" | "Folder" | "MultiTrack":
+                yield from _shapes(element, place, depth + 1)
+            case "Point":
+                yield shapely.Point(_corners(element, 1, at)[0])
+            case "LineString":
+                yield shapely.LineString(_corners(element, 2, at))
+            case "LinearRing":
+                yield shapely.Polygon(_corners(element, 3, at))
+            case "Track":
+                text = " ".join(",".join(_text(each).split()) for each in element.iterfind("coord"))
+                yield shapely.LineString(_positions(text, 2, f"{at}.coord"))
+            case "Polygon":
+                yield _polygon(element, at)
+
+
+def _polygon(element: ElementTree.Element, place: str) -> Any:
+    outer, inner = element.findall("outerBoundaryIs/*"), element.findall("innerBoundaryIs/*")
+    if len(outer) != 1:
+        raise BadInput(f"expected one LinearRing, not {len(outer)}", place=f"{place}.outerBoundaryIs")
+    for ring in (*outer, *inner):
+        if ring.tag != "LinearRing":
+            raise BadInput(f"expected a LinearRing, not {ring.tag:.40}", place=place)
+    shell, *holes = (_corners(ring, 3, place) for ring in (*outer, *inner))
+    return shapely.Polygon(shell, holes)
 
 
 def _corners(element: ElementTree.Element, least: int, place: str) -> Corners:
-    texts = [child.text or "" for child in element if _local(child) == "coordinates"]
+    texts = [_text(child) for child in element.iterfind("coordinates")]
     if len(texts) > 1:
         raise BadInput(f"expected one list of coordinates, not {len(texts)}", place=place)
     return _positions("".join(texts), least, f"{place}.coordinates")
@@ -210,7 +209,3 @@ def _positions(text: str, least: int, place: str) -> Corners:
     if corners.ndim != 2 or corners.shape[1] != 2 or len(np.unique(corners, axis=0)) < least:
         raise BadInput(f"expected {least} or more different positions as longitude,latitude", place=place)
     return on_earth(corners, place, "a KML has longitude,latitude in degrees, always on WGS 84")
-
-
-def _local(element: ElementTree.Element) -> str:
-    return str(element.tag).rpartition("}")[2]
