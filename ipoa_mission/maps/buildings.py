@@ -4,13 +4,10 @@ import math
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from itertools import compress
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import shapely
-from numpy.typing import NDArray
 
 from ipoa_mission.errors import InvalidRing
 from ipoa_mission.geodesy import LocalFrame
@@ -33,18 +30,9 @@ from ipoa_mission.maps.kinds import (
 )
 from ipoa_mission.maps.lengths import length_of, meters
 from ipoa_mission.maps.map_obstacles import MapObstacle
-from ipoa_mission.maps.map_reader import read_batches
+from ipoa_mission.maps.map_reader import read_features
 from ipoa_mission.maps.map_window import Box, MapWindow
-from ipoa_mission.maps.passed import (
-    FAR_FROM_HOME,
-    MOST_NAMED,
-    NOT_READ,
-    NOT_UNDERSTOOD,
-    Key,
-    PassedOver,
-    not_read,
-    passed_over,
-)
+from ipoa_mission.maps.passed import FAR_FROM_HOME, MOST_NAMED, NOT_READ, PassedOver, not_read, passed_over
 from ipoa_mission.maps.planar import clean_polygons, closed_as_polygon, flat, polygons_of, to_plane
 from ipoa_mission.maps.tag_heights import foot_of, height_of, is_by_storeys, unread_heights, width_of
 from ipoa_mission.maps.wires import Wire, spans, wire_of
@@ -96,97 +84,50 @@ def _kind(tags: Mapping[str, str]) -> str:
 
 @dataclass(frozen=True)
 class Buildings:
-    """Obstacles and passed-over features of a map.
-
-    Outside the requested box only the first few are kept; `beyond` and `left_out` count the others.
-    `box`: west, south, east and north of all obstacles [m], (4,). `features` were examined, `elsewhere` not.
-    """
+    """Obstacles and passed-over features of a map; `features` were examined, `elsewhere` not."""
 
     obstacles: tuple[MapObstacle, ...]
     passed_over: tuple[PassedOver, ...]
     remarks: tuple[str, ...]
-    beyond: int
-    left_out: Mapping[Key, int]
-    box: NDArray[np.float64]
     features: int
-    elsewhere: int = 0
-    unread: tuple[Unread, ...] = ()
+    elsewhere: int
+    unread: tuple[Unread, ...]
 
 
 def search_buildings(path: Path, rules: BuildingRules, frame: LocalFrame, within: Box | None = None) -> Buildings:
     """Return the obstacles of a map, `within` a box [m]."""
-    finder = _Finder(rules, frame, path, within)
-    finder.read()
-    while finder.guessed_wrong:
-        finder = _Finder(rules, frame, path, within, finder.only_buildings)
-        finder.read()
-    return finder.buildings()
+    around = MapWindow.of(frame, within)
+    features = [as_openstreetmap(feature) for feature in read_features(path, around)]
+    has_heights = any(has_place_for_height(feature, rules.height_key) for feature in features)
+    all_buildings = rules.take is None and has_heights and not any(has_kind(feature) for feature in features)
+    finder = _Finder(rules, frame, path, all_buildings)
+    finder.add(features, around)
+    around.expect_near(path)
+    return finder.buildings(len(features), around.elsewhere)
 
 
 class _Finder:
-    """`all_buildings` None: the first batch decides whether the file has only buildings."""
-
-    def __init__(
-        self,
-        rules: BuildingRules,
-        frame: LocalFrame,
-        path: Path,
-        within: Box | None = None,
-        all_buildings: bool | None = None,
-    ) -> None:
-        self._rules, self._frame, self._path, self._within = rules, frame, path, within
-        self._all_buildings = all_buildings
-        self._has_kinds = self._has_heights = False
-        self._around, self._mistakes = MapWindow.of(frame, within), Mistakes()
-        self._counts: Counter[str] = Counter()
+    def __init__(self, rules: BuildingRules, frame: LocalFrame, path: Path, all_buildings: bool) -> None:
+        self._rules, self._frame, self._path, self._all_buildings = rules, frame, path, all_buildings
+        self._mistakes, self._counts = Mistakes(), Counter[str]()
         self._odd, self._odd_first = 0, list[str]()
-        self._obstacles, self._outside_named, self._beyond = list[MapObstacle](), 0, 0
-        self._passed, self._seen, self._left_out = list[PassedOver](), Counter[Key](), Counter[Key]()
-        self._box = np.array([np.inf, np.inf, -np.inf, -np.inf])
-        self._features = 0
-        self._unread = list[Unread]()
+        self._obstacles, self._passed, self._unread = list[MapObstacle](), list[PassedOver](), list[Unread]()
 
-    @property
-    def only_buildings(self) -> bool:
-        return self._rules.take is None and self._has_heights and not self._has_kinds
-
-    @property
-    def guessed_wrong(self) -> bool:
-        return self._all_buildings is not None and self._all_buildings != self.only_buildings
-
-    def read(self) -> None:
-        for features in read_batches(self._path, self._around):
-            self._add(features)
-
-    def _add(self, features: Sequence[Feature]) -> None:
-        features = [as_openstreetmap(feature) for feature in features]
-        self._features += len(features)
-        self._has_kinds = self._has_kinds or any(has_kind(feature) for feature in features)
-        if not (self._has_kinds or self._has_heights):
-            self._has_heights = any(has_place_for_height(feature, self._rules.height_key) for feature in features)
-        if self._all_buildings is None:
-            self._all_buildings = self.only_buildings
+    def add(self, features: Sequence[Feature], around: MapWindow) -> None:
         drawn = [feature.shape for feature in features]
-        shapes, near = to_plane(drawn, self._frame, self._around)
-        away = self._outside(shapely.bounds(shapes)).tolist()
-        each = zip(features, extents_of(drawn), *clean_polygons(shapes), near.tolist(), away, strict=True)
-        obstacles: list[MapObstacle] = []
-        for feature, extent, shape, sound, is_near, outside in each:
+        shapes, near = to_plane(drawn, self._frame, around)
+        each = zip(features, extents_of(drawn), *clean_polygons(shapes), near.tolist(), strict=True)
+        for feature, extent, shape, sound, is_near in each:
             why = _why_passed_over(feature, extent, self._rules, self._all_buildings) if is_near else FAR_FROM_HOME
-            if self._misses(feature, extent, self._all_buildings) and extent == "none":
+            if self._misses(feature, extent) and extent == "none":
                 continue
             if why is not None:
-                self._pass(feature, shape, why, outside)
+                self._passed.append(passed_over(feature, shape, why, self._path))
                 continue
             parts = self._mistakes.attempt(self._stand, feature, shape, sound) or ()
-            far = outside and not any(part.reach for part in parts)
-            name = "" if far else called(feature, shape)
-            obstacles += [part._replace(called=name) for part in parts]
-        self._keep(obstacles)
+            self._obstacles += [part._replace(called=called(feature, shape)) for part in parts]
 
-    def buildings(self) -> Buildings:
-        self._around.expect_near(self._path)
-        elsewhere = self._around.elsewhere
+    def buildings(self, features: int, elsewhere: int) -> Buildings:
         self._mistakes.raise_all()
         remarks = [f"{n} {words.replace('(s)', '' if n == 1 else 's')}" for words, n in self._counts.items()]
         if self._odd:
@@ -194,47 +135,19 @@ class _Finder:
             remarks.append(f"{tags}: {', '.join(self._odd_first)}{', ...' if self._odd > MOST_NAMED else ''}")
         if elsewhere:
             remarks.append(f"{elsewhere} thing{'s' if elsewhere > 1 else ''} far from the flight, not examined")
-        counts = self._beyond, self._left_out, self._box, self._features, elsewhere
-        return Buildings(tuple(self._obstacles), tuple(self._passed), tuple(remarks), *counts, tuple(self._unread))
+        found = tuple(self._obstacles), tuple(self._passed), tuple(remarks)
+        return Buildings(*found, features, elsewhere, tuple(self._unread))
 
-    def _outside(self, boxes: NDArray[np.float64]) -> NDArray[np.bool_]:
-        boxes = boxes.reshape(-1, 4)
-        if self._within is None:
-            return np.zeros(len(boxes), bool)
-        lower, upper = self._within
-        return np.asarray((boxes[:, :2] > upper).any(axis=1) | (boxes[:, 2:] < lower).any(axis=1))
-
-    def _keep(self, obstacles: Sequence[MapObstacle]) -> None:
-        boxes = shapely.bounds([s.shape for s in obstacles]).reshape(-1, 4)
-        boxes += np.outer([s.reach for s in obstacles], [-1, -1, 1, 1])
-        self._box[:2] = np.minimum(self._box[:2], boxes[:, :2].min(axis=0, initial=np.inf))
-        self._box[2:] = np.maximum(self._box[2:], boxes[:, 2:].max(axis=0, initial=-np.inf))
-        outside = self._outside(boxes)
-        named = np.flatnonzero(outside)[: MOST_NAMED - self._outside_named]
-        self._outside_named += len(named)
-        outside[named] = False
-        self._beyond += int(outside.sum())
-        self._obstacles += compress(obstacles, (~outside).tolist())
-
-    def _misses(self, feature: Feature, extent: Extent, every: bool) -> bool:
+    def _misses(self, feature: Feature, extent: Extent) -> bool:
         if feature.missing is None and extent != "none":
             return False
-        why = _why_passed_over(feature, "area", self._rules, every)
+        why = _why_passed_over(feature, "area", self._rules, self._all_buildings)
         thing = not_read(feature, self._frame, self._path) if why is None or why.may_be_obstacle else None
         if isinstance(thing, Unread):
             self._unread.append(thing)
-        elif thing is not None and not self._outside(shapely.bounds(thing.shape))[0]:
+        elif thing is not None:
             self._passed.append(thing)
         return thing is not None
-
-    def _pass(self, feature: Feature, shape: Any, why: Reason, outside: bool, code: str = NOT_UNDERSTOOD) -> None:
-        key = (not why.may_be_obstacle, self._path.name, why.words)
-        self._seen[key] += 1
-        matters = self._within is None or (why.may_be_obstacle and not outside)
-        if matters or self._seen[key] <= MOST_NAMED:
-            self._passed.append(replace(passed_over(feature, shape, why, self._path), code=code))
-        else:
-            self._left_out[key] += 1
 
     def _stand(self, feature: Feature, shape: Any, sound: bool) -> list[MapObstacle]:
         """Return an obstacle for each part; a `sound` shape is one valid polygon."""
@@ -301,8 +214,8 @@ class _Finder:
         for key in dict.fromkeys((*keys, *unread_heights(feature.tags, top, self._rules.storey_height))):
             words = f"a height that was not understood ({key} {feature.tags[key][:20]!r}), {top:g} m was taken"
             remedy = "write the height in meters, or name the property that holds it under [[maps]]: height_key"
-            outside = bool(self._outside(shapely.bounds(shape))[0])
-            self._pass(feature, shape, Reason(words, True, remedy), outside, NOT_READ)
+            doubt = passed_over(feature, shape, Reason(words, True, remedy), self._path)
+            self._passed.append(replace(doubt, code=NOT_READ))
 
 
 def _why_passed_over(feature: Feature, extent: Extent, rules: BuildingRules, every: bool) -> Reason | None:

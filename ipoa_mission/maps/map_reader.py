@@ -5,7 +5,7 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import lru_cache
 from importlib.util import find_spec
-from itertools import chain
+from itertools import chain, compress
 from pathlib import Path
 from typing import Any
 
@@ -45,7 +45,11 @@ def read_batches(path: Path, around: MapWindow) -> Iterator[Sequence[Feature]]:
     suffix = path.suffix.lower()
     with many_objects():
         if suffix in _WHOLE:
-            if features := _WHOLE[suffix](path):
+            features = _WHOLE[suffix](path)
+            if around.window != around.near:
+                boxes = shapely.bounds([feature.shape for feature in features]).reshape(-1, 4)
+                features = [*compress(features, around.wants(boxes).tolist())]
+            if features:
                 yield features
         elif suffix not in _LARGE:
             words = f"expected a file that ends in {', '.join(READERS)}, not in {path.suffix or 'nothing'}"

@@ -1,10 +1,10 @@
 """Describe map features that are no obstacle, or may be one."""
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from itertools import groupby
 from pathlib import Path
-from typing import Any, TypeAlias
+from typing import Any
 
 import shapely
 
@@ -15,8 +15,6 @@ from ipoa_mission.maps.planar import to_plane
 from ipoa_mission.unread import Unread
 
 MOST_NAMED = 3
-# Certainly no obstacle, file, reason.
-Key: TypeAlias = tuple[bool, str, str]
 NOT_UNDERSTOOD, NOT_READ = "map-not-understood", "not-read"
 FAR_FROM_HOME = Reason("more than 100 km from home", False)
 
@@ -78,12 +76,11 @@ def not_read(feature: Feature, frame: LocalFrame, path: Path) -> PassedOver | Un
     return PassedOver(path.name, name, missing.words, shape, True, missing.remedy, NOT_READ) if near else None
 
 
-def count_passed_over(things: Iterable[PassedOver], left_out: Mapping[Key, int] | None = None) -> Iterator[PassedCount]:
-    def key_of(thing: PassedOver) -> Key:
+def count_passed_over(things: Iterable[PassedOver]) -> Iterator[PassedCount]:
+    def kind(thing: PassedOver) -> tuple[bool, str, str]:
         return not thing.may_be_obstacle, thing.file, thing.reason
 
-    for key, group in groupby(sorted(things, key=key_of), key=key_of):
+    for _, group in groupby(sorted(things, key=kind), key=kind):
         first, *_ = several = list(group)
         names = tuple(thing.name for thing in several[:MOST_NAMED])
-        count = len(several) + (left_out or {}).get(key, 0)
-        yield PassedCount(first.file, first.reason, first.may_be_obstacle, count, names, first.code)
+        yield PassedCount(first.file, first.reason, first.may_be_obstacle, len(several), names, first.code)

@@ -1,7 +1,6 @@
 """Build a scenario's airspace and fences."""
 
 import math
-from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -20,7 +19,7 @@ from ipoa_mission.maps.buildings import Buildings
 from ipoa_mission.maps.feature import many_objects
 from ipoa_mission.maps.map_obstacles import MapObstacle, raise_obstacles
 from ipoa_mission.maps.map_window import Box
-from ipoa_mission.maps.passed import Key, PassedCount, PassedOver, count_passed_over
+from ipoa_mission.maps.passed import PassedCount, PassedOver, count_passed_over
 from ipoa_mission.scenario.map_sections import BuildingsMap, ElevationTerrain, FlightAreaMap, MapSection, NoFlyMap
 from ipoa_mission.scenario.obstacles import (
     MARGIN,
@@ -117,8 +116,6 @@ def _shape(fence: FenceSection, frame: LocalFrame, name: str) -> Any:
 
 @dataclass(frozen=True)
 class Surroundings:
-    """`passed_over` holds some features, `passed_counts` all."""
-
     airspace: Airspace
     geofence: tuple[FenceSection, ...]
     passed_over: tuple[PassedOver, ...]
@@ -155,7 +152,7 @@ def surroundings_of(scenario: Site) -> Surroundings:
     bounds = Bounds((*map(float, lower), up[0]), (*map(float, upper), up[1]), footprint)  # type: ignore[arg-type]
     airspace = Airspace(bounds, terrain, (*drawn, *raised, *zones))
     passed = (*maps.passed_over, *(thing for read in buildings.values() for thing in read.passed_over), *beyond)
-    counts = tuple(count_passed_over(passed, _left_out(scenario, buildings)))
+    counts = tuple(count_passed_over(passed))
     unread = gathered((*maps.unread, *contrary, *(thing for read in buildings.values() for thing in read.unread)))
     of_maps = {**maps.remarks} | {number: read.remarks for number, read in buildings.items()}
     remarks = (
@@ -212,14 +209,6 @@ def _read_buildings(
 
 def _map_obstacles(scenario: Site, buildings: Mapping[int, Buildings]) -> tuple[tuple[Path, MapObstacle], ...]:
     return tuple((scenario.maps[n].file, thing) for n, read in buildings.items() for thing in read.obstacles)
-
-
-def _left_out(scenario: Site, buildings: Mapping[int, Buildings]) -> Counter[Key]:
-    counts = Counter[Key]()
-    for number, read in buildings.items():
-        counts.update(read.left_out)
-        counts[True, scenario.maps[number].file.name, BEYOND] += read.beyond
-    return counts
 
 
 def _common(areas: list[Any]) -> Any:
