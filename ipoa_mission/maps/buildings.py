@@ -23,7 +23,7 @@ from ipoa_mission.maps.kinds import (
     Extent,
     Reason,
     as_openstreetmap,
-    extents_of,
+    extent_of,
     has_kind,
     has_place_for_height,
     why_passed_over,
@@ -33,7 +33,7 @@ from ipoa_mission.maps.map_obstacles import MapObstacle
 from ipoa_mission.maps.map_reader import read_features
 from ipoa_mission.maps.map_window import Box, MapWindow
 from ipoa_mission.maps.passed import FAR_FROM_HOME, MOST_NAMED, NOT_READ, PassedOver, not_read, passed_over
-from ipoa_mission.maps.planar import clean_polygons, closed_as_polygon, flat, polygons_of, to_plane
+from ipoa_mission.maps.planar import closed_as_polygon, flat, polygons_of, to_plane
 from ipoa_mission.maps.tag_heights import foot_of, height_of, is_by_storeys, unread_heights, width_of
 from ipoa_mission.maps.wires import Wire, spans, wire_of
 from ipoa_mission.unread import Unread
@@ -114,17 +114,16 @@ class _Finder:
         self._obstacles, self._passed, self._unread = list[MapObstacle](), list[PassedOver](), list[Unread]()
 
     def add(self, features: Sequence[Feature], around: MapWindow) -> None:
-        drawn = [feature.shape for feature in features]
-        shapes, near = to_plane(drawn, self._frame, around)
-        each = zip(features, extents_of(drawn), *clean_polygons(shapes), near.tolist(), strict=True)
-        for feature, extent, shape, sound, is_near in each:
+        shapes, near = to_plane([feature.shape for feature in features], self._frame, around)
+        for feature, shape, is_near in zip(features, shapes, near.tolist(), strict=True):
+            extent = extent_of(feature.shape)
             why = _why_passed_over(feature, extent, self._rules, self._all_buildings) if is_near else FAR_FROM_HOME
             if self._misses(feature, extent) and extent == "none":
                 continue
             if why is not None:
                 self._passed.append(passed_over(feature, shape, why, self._path))
                 continue
-            parts = self._mistakes.attempt(self._stand, feature, shape, sound) or ()
+            parts = self._mistakes.attempt(self._stand, feature, shape) or ()
             self._obstacles += [part._replace(called=called(feature, shape)) for part in parts]
 
     def buildings(self, features: int, elsewhere: int) -> Buildings:
@@ -149,8 +148,8 @@ class _Finder:
             self._passed.append(thing)
         return thing is not None
 
-    def _stand(self, feature: Feature, shape: Any, sound: bool) -> list[MapObstacle]:
-        """Return an obstacle for each part; a `sound` shape is one valid polygon."""
+    def _stand(self, feature: Feature, shape: Any) -> list[MapObstacle]:
+        """Return an obstacle for each part."""
         rules, counts, doubts = self._rules, self._counts, list[str]()
 
         def odd(key: str, value: str) -> None:
@@ -181,7 +180,7 @@ class _Finder:
         obstacles: list[MapObstacle] = []
         building = any(feature.tags.get(key, "no") not in NO_BUILDING for key in ("building", "building:part"))
         hollow = not building and feature.tags.keys() & {"barrier", "natural"}
-        for part in [shape] if sound else [part if hollow else closed_as_polygon(part) for part in flat(shape)]:
+        for part in [part if hollow else closed_as_polygon(part) for part in flat(shape)]:
             thin = part.geom_type != "Polygon"
             kind, default = thin_height(feature.tags, rules) if thin else area_height(feature.tags, rules)
             if height is None:
@@ -199,7 +198,7 @@ class _Finder:
                     counts[width_unknown] += 1
                 obstacles.append(MapObstacle(feature.name, part, reach, foot, top))
                 continue
-            polygons, wrong = ([part], None) if sound else polygons_of(part, feature.place)
+            polygons, wrong = polygons_of(part, feature.place)
             if wrong is not None:
                 counts[f"outline(s) mended ({wrong})"] += 1
             obstacles += [MapObstacle(feature.name, polygon, 0.0, foot, top) for polygon in polygons]

@@ -1,16 +1,16 @@
 """Decide by tags whether a map feature is an obstacle."""
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Any, Literal, TypeAlias, cast
+from typing import Any, Literal, TypeAlias
 
-import numpy as np
 import shapely
 
 from ipoa_mission.maps.feature import Feature
 from ipoa_mission.maps.keys import AMBIGUITY_MARK, CUT, CUT_BY_SHP_WRITE, Means, completed, keys_of, meaning, plain
+from ipoa_mission.maps.planar import closed_as_polygon, flat
 from ipoa_mission.maps.wires import WIRES
 
 Extent: TypeAlias = Literal["area", "thin", "none"]
@@ -213,25 +213,12 @@ def is_bridge(tags: Mapping[str, str]) -> bool:
     return tags.get("bridge", "no") not in no_bridge and not tags.keys().isdisjoint(("highway", "railway", "waterway"))
 
 
-def extents_of(shapes: Sequence[Any]) -> list[Extent]:
+def extent_of(shape: Any) -> Extent:
     """A closed line is an area."""
-    each = np.array(shapes, dtype=object)
-    kinds = shapely.get_type_id(each)
-    closed = shapely.is_closed(each) & (shapely.get_num_coordinates(each) > 3)
-    areal = (kinds == shapely.GeometryType.POLYGON) | ((kinds == shapely.GeometryType.LINESTRING) & closed)
-    for i in np.flatnonzero(kinds >= shapely.GeometryType.MULTIPOINT).tolist():
-        areal[i] = _is_areal(each[i])
-    named = np.where(shapely.is_empty(each), "none", np.where(areal, "area", "thin"))
-    return cast(list[Extent], named.tolist())
-
-
-def _is_areal(shape: Any) -> bool:
-    parts = [part for piece in shapely.get_parts(shape) for part in shapely.get_parts(piece)]
-    return any(
-        part.geom_type in ("Polygon", "MultiPolygon", "GeometryCollection")
-        or (part.geom_type == "LineString" and part.is_closed and len(part.coords) > 3)
-        for part in parts
-    )
+    if shapely.is_empty(shape):
+        return "none"
+    parts = [closed_as_polygon(part) for part in flat(shape)]
+    return "area" if any(part.geom_type == "Polygon" for part in parts) else "thin"
 
 
 def _is_flat(tags: Mapping[str, str]) -> bool:

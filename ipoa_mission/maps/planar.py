@@ -27,9 +27,7 @@ def to_plane(
         return frame.to_local(corners[:, 1], corners[:, 0], np.full(len(corners), frame.home.altitude))[:, :2]
 
     long = np.ptp(shapely.bounds(degrees).reshape(-1, 2, 2), axis=1).max(axis=1) > LONGEST_EDGE
-    sound = long & shapely.is_valid(degrees)
-    degrees[sound] = shapely.segmentize(degrees[sound], LONGEST_EDGE)
-    for i in np.flatnonzero(long & ~sound).tolist():
+    for i in np.flatnonzero(long).tolist():
         degrees[i] = _divided(degrees[i])
     return np.asarray(shapely.transform(degrees, convert)), near
 
@@ -74,28 +72,17 @@ def _same_turn(hole: NDArray[np.float64], outer: NDArray[np.float64]) -> NDArray
     return hole
 
 
-def clean_polygons(shapes: NDArray[Any]) -> tuple[NDArray[Any], NDArray[np.bool_]]:
-    """Clean shapes; return which are one valid polygon."""
-    clean = unrepeated(shapes)
-    sound = (shapely.get_type_id(shapes) == shapely.GeometryType.POLYGON) & shapely.is_valid(clean)
-    sound &= shapely.area(clean) > LEAST_AREA
-    return np.where(sound, clean, shapes), sound
-
-
-def unrepeated(shapes: NDArray[Any]) -> NDArray[Any]:
+def unrepeated(shape: Any) -> Any:
     """Remove repeated corners; keep a ring at one point, where GEOS fails."""
     try:
-        return np.asarray(shapely.remove_repeated_points(shapes))
+        return shapely.remove_repeated_points(shape)
     except shapely.errors.GEOSException:
-        if len(shapes) == 1:
-            return shapes
-        half = len(shapes) // 2
-        return np.concatenate([unrepeated(shapes[:half]), unrepeated(shapes[half:])])
+        return shape
 
 
 def polygons_of(shape: Any, place: str) -> tuple[list[Any], str | None]:
     """Return repaired polygons, and the defect."""
-    (clean,) = unrepeated(np.array([shape], object))
+    clean = unrepeated(shape)
     wrong = None if shapely.is_valid(clean) else shapely.is_valid_reason(clean)
     if wrong is not None:
         clean = shapely.make_valid(clean, method="structure", keep_collapsed=False)

@@ -163,7 +163,7 @@ def mapped(path: Path, width: float | None, frame: LocalFrame) -> Area:
         if shape.geom_type != "Polygon":
             words = "expected a polygon, not an open line"
             raise InvalidRing(words, hint="--width M, or width under [survey], makes it a corridor", place=place)
-        (clean,) = unrepeated(np.array([shape], object))
+        clean = unrepeated(shape)
         rings = [shapely.get_coordinates(ring) for ring in (clean.exterior, *clean.interiors)]
         polygons += Area.of([rings], place).shape.geoms
     if not polygons:
