@@ -6,6 +6,7 @@ from dataclasses import dataclass, field, replace
 from itertools import chain, combinations
 
 import numpy as np
+import shapely
 
 from ipoa_mission import NotEnoughBattery
 from ipoa_mission.checks.firmware_check import is_too_long
@@ -19,14 +20,17 @@ from ipoa_mission.routing.planned_returns import choose_returns, other_options_h
 from ipoa_mission.routing.route import NoRoute
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.survey.assembly import assemble_survey
+from ipoa_mission.survey.survey_area import Area
 from ipoa_mission.survey.survey_section import at_start, between
 from ipoa_mission.survey.survey_task import SurveyTask, lay_lines
-from ipoa_mission.survey.tour import Sortie, Swath, Tour
-from ipoa_mission.survey.tour_split import (
+from ipoa_mission.survey.tour import (
     RouteCost,
+    Sortie,
     StartSites,
+    Swath,
+    Tour,
+    Unreached,
     fewest_parts,
-    nearest_areas,
     nearest_parts,
     parts_of_equal_length,
     quickest_parts,
@@ -130,28 +134,52 @@ def _joined_by_start(task: SurveyTask, starts: Points) -> Tour:
     return Tour(tuple(swaths), tuple(transits))
 
 
-def split_into_flights(tours: Sequence[Tour], make: FlightMaker) -> tuple[Tour, tuple[Sortie, ...]]:
-    section = make.task.section
-    if section.starts is not None:
-        return _from_starts(tours, make, np.array(section.starts))
-    (tour,) = tours
-    if section.flights is not None:
-        if section.flights > len(tour.swaths):
-            raise BadInput(
-                f"expected at most {len(tour.swaths)} flights, one for each line",
-                code="too-many-flights",
-                place="survey.flights",
-                remedies=(Remedy(("survey", "flights"), len(tour.swaths)), Remedy(("survey", "flights"))),
-            )
-        return tour, tuple(map(Sortie, parts_of_equal_length(tour, section.flights)))
+def nearest_areas(area: Area, starts: Points, spacing: float) -> list[Area | None]:
+    """Return the part of an area that is nearest to each start place (n, 2)."""
+    cells = shapely.get_parts(shapely.voronoi_polygons(shapely.MultiPoint(starts), extend_to=area.shape))
+    min_area = 1e-3 * spacing**2  # [m^2]
+    areas = list[Area | None]()
+    for start in shapely.points(starts):
+        here = area.shape
+        if len(starts) > 1:
+            here = here.intersection(next(cell for cell in cells if cell.covers(start)))
+        parts = [part for part in shapely.get_parts(here) if part.geom_type == "Polygon" and part.area > min_area]
+        areas.append(Area(shapely.MultiPolygon(parts)) if parts else None)
+    return areas
 
-    estimate = _lines_of_one_flight(tour, make)
-    if len(tour.swaths) <= 1.5 * estimate and make.fits(tour):
-        return tour, (Sortie(tour),)
-    parts = fewest_parts(tour, make.fits, make.task.sight.piece_overlap, max(int(estimate), 1))
-    if isinstance(parts, Swath):
-        raise _unreached(parts, "and home")
-    return tour, tuple(map(Sortie, parts))
+
+def split_into_flights(tours: Sequence[Tour], make: FlightMaker) -> tuple[Tour, tuple[Sortie, ...]]:
+    section, (tour, *_) = make.task.section, tours
+    try:
+        if section.starts is not None:
+            return _from_starts(tours, make, np.array(section.starts))
+        if section.flights is not None:
+            return tour, tuple(map(Sortie, _asked_parts(tour, section.flights)))
+        estimate = _lines_of_one_flight(tour, make)
+        if len(tour.swaths) <= 1.5 * estimate and make.fits(tour):
+            return tour, (Sortie(tour),)
+        parts = fewest_parts(tour, make.fits, make.task.sight.piece_overlap, max(int(estimate), 1))
+        return tour, tuple(map(Sortie, parts))
+    except Unreached as error:
+        east, north = error.swath.begin.tolist()
+        raise NotEnoughBattery(
+            f"expected enough charge to reach the line at east {east:.0f}, north {north:.0f} m, and back with the "
+            "reserve, but it is too little",
+            hint="begin nearer, or with a larger battery",
+            place="battery",
+        ) from error
+
+
+def _asked_parts(tour: Tour, count: int) -> tuple[Tour, ...]:
+    most = len(tour.swaths)
+    if count > most:
+        raise BadInput(
+            f"expected at most {most} flights, one for each line",
+            code="too-many-flights",
+            place="survey.flights",
+            remedies=(Remedy(("survey", "flights"), most), Remedy(("survey", "flights"))),
+        )
+    return parts_of_equal_length(tour, count)
 
 
 def _lines_of_one_flight(tour: Tour, make: FlightMaker) -> float:
@@ -179,38 +207,25 @@ def _from_starts(tours: Sequence[Tour], make: FlightMaker, starts: Points) -> tu
     for n in range(len(starts)):
         _expect_clear(at_start(make.task.scenario, n), n)
     sites = StartSites(starts, make.task.times, cost, make.task.sight.piece_overlap)
-    best: tuple[float, Tour, tuple[Sortie, ...]] | None = None
-    unreached: Swath | None = None
+    best: tuple[Tour, tuple[Sortie, ...]] | None = None
+    least, unreached = np.inf, list[Unreached]()
     for tour in tours:
-        if make.task.scenario.vehicle.battery is None:
-            near = nearest_parts(tour, replace(sites, cost=make.cost))
-            split: tuple[tuple[Sortie, ...], float] | Swath | None = near if isinstance(near, Swath) else (near, 0.0)
-        else:
-            split = quickest_parts(tour, sites, np.inf if best is None else best[0])
-        if split is None:
+        try:
+            if make.task.scenario.vehicle.battery is None:
+                return tour, tuple(nearest_parts(tour, replace(sites, cost=make.cost)))
+            if (split := quickest_parts(tour, sites, least)) is None or split[1] >= least:
+                continue
+        except Unreached as error:
+            unreached.append(error)
             continue
-        if isinstance(split, Swath):
-            unreached = unreached or split
-        elif best is None or split[1] < best[0]:
-            parts, seconds = split
-            order = list(dict.fromkeys(part.start for part in parts))
-            best = seconds, tour, tuple(sorted(parts, key=lambda part: order.index(part.start)))
+        parts, least = split
+        order = list(dict.fromkeys(part.start for part in parts))
+        best = tour, tuple(sorted(parts, key=lambda part: order.index(part.start)))
     if best is None:
-        assert unreached is not None
         for n in range(len(starts)):
-            make(Sortie(Tour((unreached,), ()), n))  # raises if no way leads there
-        raise _unreached(unreached, "from a start place, and back there")
-    return best[1:]
-
-
-def _unreached(swath: Swath, words: str) -> NotEnoughBattery:
-    east, north = swath.begin.tolist()
-    return NotEnoughBattery(
-        f"expected enough charge to reach the line at east {east:.0f}, north {north:.0f} m, {words} with the "
-        "reserve, but it is too little",
-        hint="begin nearer, or with a larger battery",
-        place="battery",
-    )
+            make(Sortie(Tour((unreached[0].swath,), ()), n))  # raises if no way leads there
+        raise unreached[0]
+    return best
 
 
 def returning(forecast: Forecast) -> Forecast:

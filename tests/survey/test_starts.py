@@ -20,14 +20,13 @@ from ipoa_mission.geometry import Points
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.mission.mission_io import read_mission
 from ipoa_mission.scenario import Scenario
-from ipoa_mission.survey.flight_maker import _sets_of_starts
+from ipoa_mission.survey.flight_maker import _sets_of_starts, nearest_areas
 from ipoa_mission.survey.survey_flight import Survey, plan_survey
 from ipoa_mission.survey.survey_plan import rest_of
 from ipoa_mission.survey.survey_section import at_start, surveyed_area
 from ipoa_mission.survey.survey_task import expect_survey
 from ipoa_mission.survey.times import LegTimes
-from ipoa_mission.survey.tour import Sortie, Tour
-from ipoa_mission.survey.tour_split import RouteCost, StartSites, nearest_areas, quickest_parts
+from ipoa_mission.survey.tour import RouteCost, Sortie, StartSites, Tour, Unreached, quickest_parts
 from tests.refused import refuses
 from tests.survey.test_flights import AIRFRAME, HOME, TOWER, scenario
 from tests.survey.test_split import tour_of
@@ -143,7 +142,9 @@ def test_a_line_that_is_too_long_for_all_is_cut() -> None:
     assert {part.start for part in parts[0]} == {0, 1}
     assert sum(s.length for part in parts[0] for s in part.tour.swaths) == pytest.approx(1800.0 + 8.0 * 2)
     far = np.array([[0.0, 900.0]])
-    assert quickest_parts(tour, StartSites(far, CLOCK, fake(190.0, far), 8.0)) is tour.swaths[0]
+    with pytest.raises(Unreached) as caught:
+        quickest_parts(tour, StartSites(far, CLOCK, fake(190.0, far), 8.0))
+    assert caught.value.swath is tour.swaths[0]
 
 
 def test_areas_nearest_to_each_start_place_are_the_whole_area() -> None:
