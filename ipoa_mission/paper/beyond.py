@@ -5,11 +5,10 @@ from collections.abc import Callable, Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from ipoa_mission.paper.cec2022 import FUNCTIONS
 from ipoa_mission.paper.function_tables import FLOOR, mean_log_error, off_the_print
 from ipoa_mission.paper.map_tables import mean_over_maps
 from ipoa_mission.paper.markdown_table import Table, number
-from ipoa_mission.paper.paper_maps import MAPS
+from ipoa_mission.paper.problems import FUNCTIONS, MAPS
 from ipoa_mission.paper.published import ALGORITHMS
 from ipoa_mission.paper.rows import TrialRow, mean_evaluations, results, runs_of, settings_text
 from ipoa_mission.paper.series import ABLATION, BEYOND, EQUAL

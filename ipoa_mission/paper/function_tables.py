@@ -5,8 +5,8 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from ipoa_mission.paper.cec2022 import FUNCTIONS, OPTIMA
 from ipoa_mission.paper.markdown_table import Table, factor, number, ours_and_print
+from ipoa_mission.paper.problems import FUNCTIONS, OPTIMA
 from ipoa_mission.paper.published import ALGORITHMS, PRINTED, RIVALS_OF_TABLE_4
 from ipoa_mission.paper.rows import TrialRow, mean_evaluations, results, runs_of
 from ipoa_mission.paper.statistics import against, holm, places, rank_sum, ranking
@@ -23,7 +23,7 @@ def mean_log_error(rows: Sequence[TrialRow], algorithm: str, settings: str = "{}
 def off_the_print(rows: Sequence[TrialRow], settings: str) -> float:
     """Return the mean of |ln(IPOA's mean error / the printed one)|."""
     ratios = [
-        results(rows, f, "ipoa", settings=settings).mean() / (PRINTED.table_3[f]["mean"][0] - optimum)
+        results(rows, f, "ipoa", settings=settings).mean() / (PRINTED["table_3"][f]["mean"][0] - optimum)
         for f, optimum in zip(FUNCTIONS, OPTIMA, strict=True)
     ]
     return float(np.mean(np.abs(np.log(ratios))))
@@ -39,15 +39,15 @@ def table_3(rows: Sequence[TrialRow]) -> Table:
     for function, optimum in zip(FUNCTIONS, OPTIMA, strict=True):
         costs = [results(rows, function, name) + optimum for name in ALGORITHMS]
         for metric, of in metrics.items():
-            ours, theirs = [of(sample) for sample in costs], PRINTED.table_3[function][metric]
+            ours, theirs = [of(sample) for sample in costs], PRINTED["table_3"][function][metric]
             least = 0.0 if metric == "sd" else optimum
             ratios = (factor(o - least, t - least) for o, t in zip(ours, theirs, strict=True))
             cells = ours_and_print(ours, theirs, (number, number))
             firsts, printed_firsts = firsts + (places(ours)[0] == 1), printed_firsts + (places(theirs)[0] == 1)
             lines.append([function, metric, *(" · ".join(both) for both in zip(cells, ratios, strict=True))])
     means = np.array([[results(rows, f, name).mean() for name in ALGORITHMS] for f in FUNCTIONS])
-    widest = np.sqrt(30) * (PRINTED.table_3["f7"]["mean"][2] - PRINTED.table_3["f7"]["best"][2])
-    printed_means = np.array([PRINTED.table_3[f]["mean"] for f in FUNCTIONS])
+    widest = np.sqrt(30) * (PRINTED["table_3"]["f7"]["mean"][2] - PRINTED["table_3"]["f7"]["best"][2])
+    printed_means = np.array([PRINTED["table_3"][f]["mean"] for f in FUNCTIONS])
     return Table(
         f"Table 3. CEC2022, D = 20, {runs_of(rows)} runs. Each cell: ours (place) · printed (place) · "
         "ratio of the errors (of SD itself).",
@@ -57,7 +57,7 @@ def table_3(rows: Sequence[TrialRow]) -> Table:
             f"IPOA is first in {firsts} of 36 here; in print in {printed_firsts} (its text says 25).",
             f"Mean rank over the functions by mean cost, here: {ranking(ALGORITHMS, means)}.",
             f"Printed: {ranking(ALGORITHMS, printed_means)}.",
-            f"The printed SD of POA on f7, {PRINTED.table_3['f7']['sd'][2]}, is impossible: thirty numbers cannot "
+            f"The printed SD of POA on f7, {PRINTED['table_3']['f7']['sd'][2]}, is impossible: thirty numbers cannot "
             "have an SD above √30 times their mean less their least, here "
             f"{widest:.0f}. The place printed for it, 4, matches 28.35.",
             "Mean evaluations of a run: "
@@ -75,13 +75,13 @@ def table_4(rows: Sequence[TrialRow]) -> Table:
     signs = [sign for outcomes in compared.values() for sign in outcomes]
     cells = [f"{p:.2g}, Holm {q:.2g} ({sign})" for p, q, sign in zip(raw, holm(raw), signs, strict=True)]
     columns = [cells[k : k + len(FUNCTIONS)] for k in range(0, len(cells), len(FUNCTIONS))]
-    printed = [p for outcomes in PRINTED.table_4.values() for p in outcomes]
+    printed = [p for outcomes in PRINTED["table_4"].values() for p in outcomes]
     return Table(
         f"Table 4. Wilcoxon rank-sum, IPOA against each, {runs_of(rows)} runs. Each cell: our p, with Holm's "
         "correction over all sixty (+ IPOA better, - worse, = no difference at 0.05) · printed p.",
         ["", *(name.upper() for name in rivals)],
         [
-            [f, *(f"{cell} · {p:.2g}" for cell, p in zip(row, PRINTED.table_4[f], strict=True))]
+            [f, *(f"{cell} · {p:.2g}" for cell, p in zip(row, PRINTED["table_4"][f], strict=True))]
             for f, row in zip(FUNCTIONS, zip(*columns, strict=True), strict=True)
         ],
         [
@@ -100,9 +100,9 @@ def contradictions() -> Table:
     """
     lines = []
     for function in FUNCTIONS:
-        printed = PRINTED.table_3[function]
+        printed = PRINTED["table_3"][function]
         mean, sd, best = printed["mean"], printed["sd"], printed["best"]
-        for rival, p in zip(RIVALS_OF_TABLE_4, PRINTED.table_4[function], strict=True):
+        for rival, p in zip(RIVALS_OF_TABLE_4, PRINTED["table_4"][function], strict=True):
             k = ALGORITHMS.index(rival)
             apart = (mean[k] - mean[0]) / np.sqrt((sd[k] ** 2 + sd[0] ** 2) / 30)
             worst = mean[0] + sd[0] * np.sqrt(29)
@@ -141,7 +141,7 @@ def contradictions() -> Table:
 def dimension_of_the_print(rows_20: Sequence[TrialRow], rows_10: Sequence[TrialRow]) -> Table:
     lines = []
     for function, optimum in zip(FUNCTIONS, OPTIMA, strict=True):
-        printed = np.array(PRINTED.table_3[function]["mean"]) - optimum
+        printed = np.array(PRINTED["table_3"][function]["mean"]) - optimum
         ours = {
             d: np.array([max(results(rows, function, name).mean(), FLOOR) for name in ALGORITHMS])
             for d, rows in ((20, rows_20), (10, rows_10))

@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ipoa_mission.paper.markdown_table import Table, number, ours_and_print, per_cent
-from ipoa_mission.paper.paper_maps import MAPS, WEIGHTS
-from ipoa_mission.paper.published import ALGORITHMS, PRINTED, Numbers
+from ipoa_mission.paper.problems import MAPS, WEIGHTS
+from ipoa_mission.paper.published import ALGORITHMS, PRINTED, improved
 from ipoa_mission.paper.rows import TrialRow, results, runs_of
 from ipoa_mission.paper.statistics import against, count_signs, places, ranking
 
@@ -27,7 +27,7 @@ def table_5(rows: Sequence[TrialRow]) -> Table:
     for experiment, weights in WEIGHTS.items():
         costs = [results(rows, f"map-8-1/{experiment}", name) for name in ALGORITHMS]
         for metric, of in (("best", np.min), ("mean", np.mean), ("sd", lambda c: np.std(c, ddof=min(1, len(c) - 1)))):
-            ours, theirs = [float(of(c)) for c in costs], PRINTED.table_5[experiment][metric]
+            ours, theirs = [float(of(c)) for c in costs], PRINTED["table_5"][experiment][metric]
             cells = ours_and_print(ours, theirs, (number, number))
             lines.append([" / ".join(f"{w:g}" for w in weights), metric, *cells])
     return Table(
@@ -43,26 +43,28 @@ def table_5(rows: Sequence[TrialRow]) -> Table:
 
 
 def table_6(rows: Sequence[TrialRow]) -> Table:
-    return _flights("Table 6", rows, {k: (f"map-8-{k}", printed) for k, printed in PRINTED.table_6.items()})
+    return _flights("Table 6", rows, {f"map-8-{k}": printed for k, printed in PRINTED["table_6"].items()})
 
 
 def table_7(rows: Sequence[TrialRow]) -> Table:
-    return _flights("Table 7", rows, {k: (f"map-{k}-1", printed) for k, printed in PRINTED.table_7.items()})
+    return _flights("Table 7", rows, {f"map-{k}-1": printed for k, printed in PRINTED["table_7"].items()})
 
 
-def _flights(title: str, rows: Sequence[TrialRow], maps: dict[int, tuple[str, dict[str, Numbers]]]) -> Table:
+def _flights(title: str, rows: Sequence[TrialRow], maps: dict[str, dict[str, list[float]]]) -> Table:
     measures = {"distance": "Distance [m]", "iterations": "Iterations", "turn": "Turn [°]", "dis_obs": "Dis-obs [m]"}
     lines = []
-    for case, printed in maps.values():
+    for case, printed in maps.items():
         for measure, label in measures.items():
             ours = [float(results(rows, case, name, measure).mean()) for name in ALGORITHMS]
             lines.append([case, label, *ours_and_print(ours, printed[measure], ("{:.1f}".format, "{:g}".format))])
         feasible = [results(rows, case, name, "feasible").mean() for name in ALGORITHMS]
         lines.append([case, "collision-free", *(f"{share:.0%}" for share in feasible)])
-    cases = [case for case, _ in maps.values()]
+    cases = list(maps)
     smooth = [results(rows, case, name, "turn_smooth").mean() for case in cases for name in ALGORITHMS]
     length = {name: mean_over_maps(rows, name, "distance", cases=cases) for name in ALGORITHMS}
-    printed_length = dict(zip(ALGORITHMS, np.mean([p["distance"] for _, p in maps.values()], axis=0), strict=True))
+    printed_length = dict(
+        zip(ALGORITHMS, np.mean([printed["distance"] for printed in maps.values()], axis=0), strict=True)
+    )
     gains = ", ".join(
         f"{name.upper()} {per_cent(length['ipoa'], length[name])} "
         f"(printed {per_cent(float(printed_length['ipoa']), float(printed_length[name]))})"
@@ -111,7 +113,7 @@ def table_8(rows: Sequence[TrialRow]) -> Table:
         place = places([o if np.isfinite(o) else np.inf for o in ours])
         cells = [f"{o:.2f} ({p})" if np.isfinite(o) else "-" for o, p in zip(ours, place, strict=True)]
         if printed_as:
-            theirs = PRINTED.table_8[printed_as]
+            theirs = PRINTED["table_8"][printed_as]
             for k, (t, q) in enumerate(zip(theirs, places(theirs), strict=True)):
                 cells[k] += f" · {t:g} ({q})"
         lines.append([label, *cells])
@@ -141,12 +143,12 @@ def _known(rows: Sequence[TrialRow], algorithm: str, measure: str) -> list[float
 def table_improvements() -> Table:
     """Compare the improvements claimed in the text with those of its tables."""
     lines = []
-    for where, claims in PRINTED.improvements.items():
+    for where, claims in PRINTED["improvements"].items():
         for rival, claimed in claims.items():
             k = ALGORITHMS.index(rival)
             cells = []
-            for measure, claim in zip(PRINTED.improved[where][0], claimed, strict=True):
-                rows = [table[measure] for table in PRINTED.improved[where]]
+            for measure, claim in zip(improved(where)[0], claimed, strict=True):
+                rows = [part[measure] for part in improved(where)]
                 follows = float(np.mean([(row[k] - row[0]) / row[k] for row in rows])) * 100
                 mark = "" if abs(follows - claim) < 0.1 else " **!**"
                 cells.append(f"{measure} {claim:.2f} % · {follows:.2f} %{mark}")

@@ -14,7 +14,7 @@ from ipoa_mission.errors import BadInput, MissionError, UnknownName, imported
 from ipoa_mission.files import write_atomically
 from ipoa_mission.paper import beyond, figures, function_tables, map_tables
 from ipoa_mission.paper.markdown_table import Table, filled
-from ipoa_mission.paper.paper_maps import campus_scenario, map_scenario
+from ipoa_mission.paper.problems import campus_scenario, map_scenario
 from ipoa_mission.paper.rows import Rows, TrialRow, runs_of
 from ipoa_mission.paper.runs import measure
 from ipoa_mission.paper.series import SERIES, Series

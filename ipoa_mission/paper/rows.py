@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from ipoa_mission.errors import MissionError, WrongFormat
 from ipoa_mission.files import read_text
-from ipoa_mission.paper.cec2022 import Measures
+from ipoa_mission.paper.problems import Measures
 
 
 @dataclass(frozen=True)

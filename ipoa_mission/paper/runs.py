@@ -16,8 +16,7 @@ from threadpoolctl import threadpool_info, threadpool_limits
 from ipoa_mission.errors import BadInput, UnknownName, imported
 from ipoa_mission.optimize.registry import build_optimizer, optimizer_names
 from ipoa_mission.optimize.search import Box, Candidates, Costs, Optimum, minimize
-from ipoa_mission.paper.cec2022 import Problem, cec2022
-from ipoa_mission.paper.paper_maps import campus_problem, map_problem
+from ipoa_mission.paper.problems import Problem, campus_problem, cec2022, map_problem
 from ipoa_mission.paper.rows import Trial, TrialRow, line_of, open_to_append, read_rows
 from ipoa_mission.progress import Progress, count, silent
 

@@ -2,8 +2,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import TypeAlias
 
-from ipoa_mission.paper.cec2022 import FUNCTIONS
-from ipoa_mission.paper.paper_maps import INNER, MAPS, WEIGHTS
+from ipoa_mission.paper.problems import FUNCTIONS, INNER, MAPS, WEIGHTS
 from ipoa_mission.paper.published import ALGORITHMS
 from ipoa_mission.paper.rows import Trial, settings_text
 

@@ -1,5 +1,4 @@
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from typing import TypeAlias
 
 import numpy as np
@@ -50,32 +49,13 @@ def _is_lower(a: Samples, b: Samples) -> bool:
     return bool(scipy.stats.mannwhitneyu(a, b).statistic < len(a) * len(b) / 2)
 
 
-@dataclass(frozen=True)
-class Friedman:
-    """Mean ranks (1 is best), number of blocks, statistic, and p."""
-
-    mean_ranks: NDArray[np.float64]
-    blocks: int
-    statistic: float
-    p: float
-
-
-def friedman(costs: NDArray[np.float64]) -> Friedman:
-    """Apply Friedman's test to `costs` (blocks, treatments), three treatments or more."""
-    ranks = scipy.stats.rankdata(costs, axis=1)
-    result = scipy.stats.friedmanchisquare(*costs.T)
-    return Friedman(ranks.mean(axis=0), len(costs), float(result.statistic), float(result.pvalue))
-
-
-def post_hoc(test: Friedman, control: int) -> list[float]:
+def post_hoc(mean_ranks: NDArray[np.float64], blocks: int, control: int) -> list[float]:
     """Return p of each treatment against `control`, by Holm: Demsar, JMLR 2006, 7, 1, section 3.2.2."""
-    k = len(test.mean_ranks)
-    z = (test.mean_ranks - test.mean_ranks[control]) / np.sqrt(k * (k + 1) / (6 * test.blocks))
+    k = len(mean_ranks)
+    z = (mean_ranks - mean_ranks[control]) / np.sqrt(k * (k + 1) / (6 * blocks))
     p = 2 * scipy.stats.norm.sf(np.abs(z))
-    others = [i for i in range(k) if i != control]
-    corrected = np.ones(k)
-    corrected[others] = holm(p[others].tolist())
-    return [float(c) for c in corrected]
+    corrected = holm(np.delete(p, control).tolist())
+    return [*corrected[:control], 1.0, *corrected[control:]]
 
 
 def places(values: Sequence[float]) -> list[int]:
@@ -85,18 +65,12 @@ def places(values: Sequence[float]) -> list[int]:
 
 def ranking(names: Sequence[str], costs: NDArray[np.float64], control: str = "ipoa") -> str:
     """Describe Friedman's test on `costs` (blocks, names), against `control`."""
-    test = friedman(costs)
-    own = names.index(control)
-    p = post_hoc(test, own)
-    signs = {
-        name: "=" if p[i] >= 0.05 else "+" if test.mean_ranks[own] < test.mean_ranks[i] else "-"
-        for i, name in enumerate(names)
-        if i != own
-    }
-    in_order = sorted(zip(test.mean_ranks, names, p, strict=True))
+    ranks, own = scipy.stats.rankdata(costs, axis=1).mean(axis=0), names.index(control)
+    in_order = sorted(zip(ranks, names, post_hoc(ranks, len(costs), own), strict=True))
+    signs = {name: "=" if p >= 0.05 else "+" if ranks[own] < rank else "-" for rank, name, p in in_order}
     return (
         ", ".join(f"{name} {rank:.2f}" for rank, name, _ in in_order)
-        + f" (Friedman p = {test.p:.1e}; after it {control} against "
-        + ", ".join(f"{name} {q:.2g} ({signs[name]})" for _, name, q in in_order if name != control)
+        + f" (Friedman p = {scipy.stats.friedmanchisquare(*costs.T).pvalue:.1e}; after it {control} against "
+        + ", ".join(f"{name} {p:.2g} ({signs[name]})" for _, name, p in in_order if name != control)
         + ", Holm)"
     )

@@ -3,7 +3,7 @@ import sys
 import numpy as np
 import pytest
 
-from ipoa_mission.paper.cec2022 import DIMENSIONS, FUNCTIONS, cec2022
+from ipoa_mission.paper.problems import DIMENSIONS, FUNCTIONS, cec2022
 from tests.refused import refuses
 
 

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from ipoa_mission.optimize.search import Optimum
-from ipoa_mission.paper.paper_maps import INNER, MAPS, iterations_to_converge, map_problem, map_scenario, measures_of
+from ipoa_mission.paper.problems import INNER, MAPS, iterations_to_converge, map_problem, map_scenario, measures_of
 from ipoa_mission.planning.spline import Spline
 from tests.refused import refuses
 from tools.generate.paper_maps import paper_map

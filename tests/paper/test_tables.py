@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from ipoa_mission.paper import figures, function_tables, map_tables
-from ipoa_mission.paper.cec2022 import FUNCTIONS
 from ipoa_mission.paper.markdown_table import Table, number
+from ipoa_mission.paper.problems import FUNCTIONS
 from ipoa_mission.paper.published import PRINTED
 from ipoa_mission.paper.reproduce import ITEMS, Artifact, open_executor, page, reproduce
 from ipoa_mission.paper.rows import Trial, TrialRow, settings_text
@@ -72,7 +72,7 @@ def test_table_3_has_thirty_six_lines_and_ranks_by_what_was_measured(rows: dict[
     table = function_tables.table_3(rows["cec2022-d20"])
     assert len(table.rows) == 36
     mean_f1 = next(row for row in table.rows if row[:2] == ["f1", "mean"])
-    for place, (cell, printed) in enumerate(zip(mean_f1[2:], PRINTED.table_3["f1"]["mean"], strict=True), start=1):
+    for place, (cell, printed) in enumerate(zip(mean_f1[2:], PRINTED["table_3"]["f1"]["mean"], strict=True), start=1):
         ours = 300 + float(np.mean([cost_of(place, run) for run in range(RUNS)]))
         assert cell.startswith(f"{number(ours)} ({place}) · {number(printed)} (")
     assert table.notes[0].startswith("IPOA is first in 24 of 36 here; in print in 25")

@@ -6,7 +6,7 @@ import numpy as np
 
 from ipoa_mission.autopilot.autopilot import default_autopilot
 from ipoa_mission.files import write_atomically
-from ipoa_mission.paper.paper_maps import INNER, MAPS
+from ipoa_mission.paper.problems import INNER, MAPS
 from tools import REPOSITORY, command_line
 
 FOLDER = REPOSITORY / "missions" / "paper"

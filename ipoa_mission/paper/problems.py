@@ -1,28 +1,65 @@
-"""Plan on seeded maps in `missions/paper/`, and fly the campus; the paper's are unpublished.
+"""The problems: CEC2022, seeded maps in `missions/paper/` (the paper's are unpublished), and the campus.
 
-The paper's method: absolute coordinates, cost summed over nodes, no polish. `campus.toml` has the paper's distance from
-start to goal and 15 m/s.
+Maps follow the paper's method: absolute coordinates, cost summed over nodes, no polish. `campus.toml` has the paper's
+distance from start to goal and 15 m/s.
 """
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TypeAlias
 
 import numpy as np
 
-from ipoa_mission import Command, NoRoute, Scenario, assemble_mission, estimate, fly_built_in, read_scenario
-from ipoa_mission.errors import BadInput, UnknownName
+from ipoa_mission import Box, Command, NoRoute, Scenario, assemble_mission, estimate, fly_built_in, read_scenario
+from ipoa_mission.errors import BadInput, UnknownName, imported
 from ipoa_mission.files import packed
 from ipoa_mission.geometry import polyline_length, turning_angles
-from ipoa_mission.optimize.search import Optimum
-from ipoa_mission.paper.cec2022 import Measures, Problem
+from ipoa_mission.optimize.search import Candidates, Costs, Optimum
 from ipoa_mission.planning.cost import curve_cost
 from ipoa_mission.planning.plan import Plan
 from ipoa_mission.planning.problem import encode, prepare
 from ipoa_mission.planning.proof import TOUCHING, prove_curve
 from ipoa_mission.planning.spline import Spline
 
+#: F_i* of Table 1
+OPTIMA = (300.0, 400.0, 600.0, 800.0, 900.0, 1800.0, 2000.0, 2200.0, 2300.0, 2400.0, 2600.0, 2700.0)
+FUNCTIONS = tuple(f"f{i}" for i in range(1, 13))
+DIMENSIONS = (10, 20)
 MAPS = ("map-8-1", "map-8-2", "map-8-3", "map-8-4", "map-8-5", "map-6-1", "map-10-1")
 #: Table 5's experiments; the other tables use the first.
-WEIGHTS = {1: (0.7, 0.15, 0.15), 2: (0.15, 0.7, 0.15), 3: (0.15, 0.15, 0.7)}
+WEIGHTS = {"1": (0.7, 0.15, 0.15), "2": (0.15, 0.7, 0.15), "3": (0.15, 0.15, 0.7)}
 #: The paper does not give this number.
 INNER = 8
+
+Measures: TypeAlias = dict[str, float | list[float]]
+
+
+@dataclass(frozen=True)
+class Problem:
+    """A cost (n, D) -> (n,) to minimize, its box, and further measures of an optimum."""
+
+    cost: Callable[[Candidates], Costs]
+    box: Box
+    measure: Callable[[Optimum], Measures] = lambda _optimum: {}
+
+
+def cec2022(function: str, dimension: int) -> Problem:
+    """Return the error of "f1" to "f12": cost minus optimum, by `minionpy`, the organizers' C code.
+
+    `opfunu` 1.0.4 is wrong on eleven of them.
+    """
+    if function not in FUNCTIONS:
+        raise UnknownName(f"expected f1 to f12, not {function!r}", place="function")
+    if dimension not in DIMENSIONS:
+        raise BadInput(f"expected 10 or 20, not {dimension}", place="dimension")
+    cec = imported("minionpy.cec", "the CEC2022 functions need minionpy, which is not installed", "paper")
+    number = FUNCTIONS.index(function)
+    raw = cec.CEC2022Functions(number + 1, dimension)
+
+    def error_of(candidates: Candidates) -> Costs:
+        return np.asarray(raw(candidates), dtype=np.float64) - OPTIMA[number]
+
+    return Problem(error_of, Box(np.full(dimension, -100.0), np.full(dimension, 100.0)))
 
 
 def map_problem(case: str, dimension: int) -> Problem:
@@ -34,7 +71,7 @@ def map_problem(case: str, dimension: int) -> Problem:
 
 def map_scenario(case: str) -> Scenario:
     name, _, experiment = case.partition("/")
-    weights = {str(number): omega for number, omega in WEIGHTS.items()}.get(experiment or "1")
+    weights = WEIGHTS.get(experiment or "1")
     if name not in MAPS or weights is None:
         words = f"expected one of {', '.join(MAPS)}, with or without /1, /2 or /3, not {case!r}"
         raise UnknownName(words, place="case")
