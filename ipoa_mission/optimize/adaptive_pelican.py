@@ -8,18 +8,9 @@ from typing import Annotated, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import Field
 
-from ipoa_mission.optimize.search import (
-    SHORT_EVALUATIONS,
-    Amount,
-    Between,
-    Box,
-    Candidates,
-    Costs,
-    Count,
-    Fraction,
-    Search,
-)
+from ipoa_mission.optimize.search import SHORT_EVALUATIONS, Amount, Box, Candidates, Costs, Count, Fraction, Search
 
 
 @dataclass(frozen=True)
@@ -27,9 +18,9 @@ class AdaptivePelican:
     """The flock begins with `per_dimension` D members, or fewer for `evaluations_per_member`."""
 
     short_settings: ClassVar = {"evaluations": SHORT_EVALUATIONS, "evaluations_per_member": 40.0}
-    evaluations: Annotated[int, Between(40)] = 90_060
-    per_dimension: Annotated[float, Between(1)] = 12.0
-    evaluations_per_member: Annotated[float, Between(10)] = 200.0
+    evaluations: Annotated[int, Field(ge=40)] = 90_060
+    per_dimension: Annotated[float, Field(ge=1)] = 12.0
+    evaluations_per_member: Annotated[float, Field(ge=10)] = 200.0
     prey_share: Fraction = 0.11  # of the best
     winging_share: Fraction = 0.1  # of the best
     surface_share: Fraction = 0.3  # of the best

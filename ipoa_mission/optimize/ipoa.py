@@ -9,12 +9,12 @@ from typing import Annotated, ClassVar, Literal
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import Field
 
 from ipoa_mission.optimize.poa import step_to_prey, wing_step
 from ipoa_mission.optimize.search import (
     SHORT_SETTINGS,
     Amount,
-    Between,
     Box,
     Candidates,
     Count,
@@ -61,11 +61,11 @@ class IPOA:
     population: Members = 30
     iterations: Count = 1000
     radius: Amount = 0.2
-    chaos: Annotated[float, Between(0.01, 1)] = 0.7
-    refraction: Annotated[float, Between(0.01)] = 1.0
-    beta: Annotated[float, Between(0.3, 1.99)] = 1.5
-    freedom_least: Annotated[float, Between(0.1)] = 1.0
-    freedom_most: Annotated[float, Between(0.1)] = 30.0
+    chaos: Annotated[float, Field(ge=0.01, le=1)] = 0.7
+    refraction: Annotated[float, Field(ge=0.01)] = 1.0
+    beta: Annotated[float, Field(ge=0.3, le=1.99)] = 1.5
+    freedom_least: Annotated[float, Field(ge=0.1)] = 1.0
+    freedom_most: Annotated[float, Field(ge=0.1)] = 30.0
 
     chaotic_start: bool = True
     inertia: bool = True

@@ -7,11 +7,13 @@ from functools import cache
 from importlib.metadata import EntryPoint, entry_points
 from typing import Any, get_type_hints
 
+from pydantic import ConfigDict, TypeAdapter, ValidationError
+
 from ipoa_mission.errors import BadInput, UnknownName
 from ipoa_mission.optimize.adaptive_pelican import AdaptivePelican
 from ipoa_mission.optimize.ipoa import IPOA
 from ipoa_mission.optimize.poa import POA
-from ipoa_mission.optimize.search import Optimizer, check_setting
+from ipoa_mission.optimize.search import Optimizer
 
 BUILT_IN: dict[str, type[Optimizer]] = {"ipoa": IPOA, "poa": POA, "adaptive-pelican": AdaptivePelican}
 
@@ -53,7 +55,15 @@ def build_optimizer(name: str, settings: Mapping[str, object]) -> Optimizer:
         if key not in names:
             words = f"{name} has no such setting; it has {', '.join(names)}{_did_you_mean(key, names)}"
             raise UnknownName(words, place=f"optimizer.{key}")
-    return kind(**{key: check_setting(f"optimizer.{key}", types[key], value) for key, value in settings.items()})
+    return kind(**{key: _checked(f"optimizer.{key}", types[key], value) for key, value in settings.items()})
+
+
+def _checked(place: str, kind: Any, value: object) -> Any:
+    try:
+        return TypeAdapter(kind, config=ConfigDict(strict=True, allow_inf_nan=False)).validate_python(value)
+    except ValidationError as error:
+        words = error.errors()[0]["msg"].replace("Input should be", "expected")
+        raise BadInput(f"{words}, not {value!r}", place=place) from error
 
 
 @cache

@@ -15,11 +15,10 @@ from ipoa_mission.studio.requests import Add, Change, Put, Take
 from ipoa_mission.studio.survey_view import in_words, numbers_in_full, ring_name
 from ipoa_mission.studio.view import fences_drawn, without_folders
 from ipoa_mission.studio.vocabulary import as_on_map
-from ipoa_mission.survey.keep_out import SPARE, keep_out, survey_bound
 from ipoa_mission.survey.sight import sight_of
 from ipoa_mission.survey.survey_area import parts_of
 from ipoa_mission.survey.survey_section import survey_of
-from ipoa_mission.survey.survey_task import expect_survey
+from ipoa_mission.survey.survey_task import SPARE, expect_survey, keep_out, survey_bound
 
 
 def plan_trouble(error: MissionError, scenario: Scenario, of: Literal["plan", "sketch"] = "plan") -> Trouble:

@@ -27,9 +27,8 @@ from ipoa_mission.scenario import Scenario
 from ipoa_mission.survey._kernels import NO_WAY
 from ipoa_mission.survey.camera import CameraSection
 from ipoa_mission.survey.free import FreeSpace
-from ipoa_mission.survey.keep_out import TIGHT_PLACES
 from ipoa_mission.survey.sight import Sight, lifted
-from ipoa_mission.survey.survey_task import expect_survey
+from ipoa_mission.survey.survey_task import TIGHT_PLACES, expect_survey
 from ipoa_mission.survey.tour import Tour
 from ipoa_mission.world.airspace import Airspace
 
@@ -102,14 +101,10 @@ def _camera_items(distance: float, mission: Mission) -> tuple[list[Item], list[I
     if distance == 0.0:
         return [], []
     firmware = mission.autopilot.firmware(mission.firmware_version)
-    if firmware.takes(Command.DO_SET_CAM_TRIGG_DIST):
-        return [camera_trigger(round(distance, 2))], [camera_trigger(0.0, at_once=False)]
-    if firmware.takes(Command.IMAGE_START_CAPTURE) and firmware.takes(Command.IMAGE_STOP_CAPTURE):
-        interval_s = round(distance / (mission.cruise_speed or 1.0), 2)
-        start = Item(Command.IMAGE_START_CAPTURE, Frame.MISSION, (0.0, interval_s, 0.0, 0.0))
-        return [start], [Item(Command.IMAGE_STOP_CAPTURE, Frame.MISSION)]
-    words = f"{firmware} takes no mission command that triggers a camera"
-    raise MissionError(words, code="command-not-taken", place="camera")
+    if not firmware.takes(Command.DO_SET_CAM_TRIGG_DIST):
+        words = f"{firmware} takes no mission command that triggers a camera by distance"
+        raise MissionError(words, code="command-not-taken", place="camera")
+    return [camera_trigger(round(distance, 2))], [camera_trigger(0.0, at_once=False)]
 
 
 def _clear_transit(begin: Vector, end: Vector, scenario: Scenario, growth: Mapping[str, float], seed: int) -> Points:
@@ -169,21 +164,15 @@ def _round_obstacles(straight: Points, task: PathProblem, distance: float, corne
 
 
 def _shortest(legs: Points) -> list[int] | None:
-    """Return the shortest way from the last node but one to the last, by legs (n, n) (Dijkstra)."""
-    count = len(legs)
-    length, before, is_open = legs[-2].copy(), np.full(count, count - 2), np.ones(count, bool)
-    is_open[-2] = False
-    while is_open[-1]:
-        here = int(np.where(is_open, length, np.inf).argmin())
-        if not (is_open[here] and np.isfinite(length[here])):
+    """Return the places between the last but one and the last on the shortest way, by legs (n, n)."""
+    from scipy.sparse.csgraph import dijkstra
+
+    first, here = len(legs) - 2, len(legs) - 1
+    before, passed = dijkstra(legs, indices=first, return_predecessors=True)[1], list[int]()
+    while (here := int(before[here])) != first:
+        if here < 0:
             return None
-        is_open[here] = False
-        shorter = is_open & (length[here] + legs[here] < length)
-        length[shorter], before[shorter] = length[here] + legs[here][shorter], here
-    passed, here = list[int](), int(before[-1])
-    while here != count - 2:
         passed.insert(0, here)
-        here = int(before[here])
     return passed
 
 

@@ -77,15 +77,11 @@ def smallest_overlaps(lines: Sequence[PhotoLine], sight: Sight, ground: Ground, 
 
 def flown_lines(forecast: Forecast, lag: float, frame: LocalFrame) -> Iterator[PhotoLine]:
     """Return the lines with photos; `lag`: a photo's mean delay [m], at most twice as much."""
-    home, speed, every = forecast.mission.home, forecast.mission.cruise_speed or 1.0, 0.0
+    home, every = forecast.mission.home, 0.0
     here: Vector | None = None
     for item in forecast.mission.items:
         if item.command == Command.DO_SET_CAM_TRIGG_DIST:
             every = item.params[0]
-        elif item.command == Command.IMAGE_START_CAPTURE:
-            every = item.params[1] * speed
-        elif item.command == Command.IMAGE_STOP_CAPTURE:
-            every = 0.0
         elif item.command == Command.NAV_WAYPOINT:
             place = Geodetic(item.latitude_deg, item.longitude_deg, home.altitude + item.height(home))
             there = np.asarray(frame.local(place))

@@ -149,32 +149,39 @@ class Survey:
 
 
 def describe(survey: Survey) -> list[str]:
-    plan, first, seen, sight = survey.plan, survey.flights[0], survey.plan.coverage, survey.plan.sight
+    plan, first, sight = survey.plan, survey.flights[0], survey.plan.sight
     firmware = first.mission.autopilot.checked_for(first.mission.firmware_version)
     heights = f"{sight.least:.1f}" + (f" to {sight.least + sight.band:.1f}" if sight.band else "")
     photos = "" if sight.trigger is None else f", {plan.photos} photos, one each {sight.trigger:.1f} m or less"
-    inside = "nothing outside" if seen.outside_m < 0.005 else f"up to {seen.outside_m:.1f} m outside"
-    hectares = f"{plan.area.shape.area / 1e4:.2f} ha"
-    lines = [
+    flights = f"{len(survey.flights)} flight{'s' if len(survey.flights) > 1 else ''}"
+    return [
         f"{survey.name}: {len(plan.tour.swaths)} lines {sight.spacing:.1f} m apart, {heights} m above ground, "
         f"for {firmware}{photos}",
-        f"covers {down(100 * seen.share):.2f} % of the visible part of {hectares}; {inside}",
+        *coverage_lines(plan),
+        f"estimated {survey.total_s:.1f} s in {flights}",
+        *([f"wind {first.wind}"] if first.wind.strongest > 0 else []),
+        *survey.warnings,
+        *(f"note: {remark}" for remark in survey.notes),
     ]
+
+
+def coverage_lines(plan: SurveyPlan) -> Iterator[str]:
+    seen = plan.coverage
+    inside = "nothing outside" if seen.outside_m < 0.005 else f"up to {seen.outside_m:.1f} m outside"
+    hectares = f"{plan.area.shape.area / 1e4:.2f} ha"
+    yield f"covers {down(100 * seen.share):.2f} % of the visible part of {hectares}; {inside}"
     if flown := plan.flown:
         share = f"{down(100 * flown.share):.2f} %"
-        lines.append(f"as flown, with corners cut and passed: {share}, {flown.outside_m:.1f} m outside")
+        yield f"as flown, with corners cut and passed: {share}, {flown.outside_m:.1f} m outside"
     if str(plan.overlaps or ""):
-        lines.append(f"photos overlap by {plan.overlaps} at least")
-    flights = f"{len(survey.flights)} flight{'s' if len(survey.flights) > 1 else ''}"
-    lines.append(f"estimated {survey.total_s:.1f} s in {flights}")
-    wind = [f"wind {first.wind}"] if first.wind.strongest > 0 else []
-    return [*lines, *wind, *survey.warnings, *(f"note: {remark}" for remark in survey.notes)]
+        yield f"photos overlap by {plan.overlaps} at least"
 
 
-def flight_table(survey: Survey) -> tuple[list[str], list[tuple[str, ...]]]:
-    plan, rows = survey.plan, list[tuple[str, ...]]()
+def flight_table(plan: SurveyPlan, names: Sequence[str]) -> tuple[list[str], list[tuple[str, ...]]]:
+    """Return the columns, and a row for each flight."""
+    rows = list[tuple[str, ...]]()
     columns = ["file", "lines", "photos", "items", "takes\ns", "energy\nWh", "least clearance\nm"]
-    for name, flight in zip(survey.names, plan.flights, strict=True):
+    for name, flight in zip(names, plan.flights, strict=True):
         energy, kept = flight.forecast.energy, flight.forecast.guarantee.clearance
         counts = len(flight.tour.swaths), plan.sight.photos_of(flight.tour), len(flight.forecast.mission.items)
         takes, wh = f"{flight.forecast.estimate.total_s:.1f}", "" if energy is None else f"{energy.energy_wh:.1f}"

@@ -21,10 +21,9 @@ from ipoa_mission.progress import Progress, silent
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.survey.flight_maker import FlightMaker, laid_tours, returning, split_into_flights
 from ipoa_mission.survey.flown_coverage import AsFlown, Coverage, as_flown, coverage, expected_lines
-from ipoa_mission.survey.keep_out import flown_round
 from ipoa_mission.survey.overlap import Overlaps, flown_lines, smallest_overlaps
 from ipoa_mission.survey.resume import left_to_fly
-from ipoa_mission.survey.survey_task import SurveyTask, task_of
+from ipoa_mission.survey.survey_task import SurveyTask, flown_round, task_of
 from ipoa_mission.survey.tour import Sortie, Tour
 from ipoa_mission.world.obstacles import Obstacle
 

@@ -7,13 +7,13 @@ from urllib.parse import quote
 
 import shapely
 
-from ipoa_mission.centimeters import down
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.report.drawn_flight import find_dangers, sample_track
-from ipoa_mission.report.number_format import meters, number, seconds
+from ipoa_mission.report.number_format import seconds
 from ipoa_mission.report.page import page_of
 from ipoa_mission.report.panels.headline import verdict, warnings
 from ipoa_mission.report.summary import clearance_as_json, findings_as_json, items_as_json, rounded
+from ipoa_mission.survey.survey_flight import coverage_lines, flight_table
 from ipoa_mission.survey.survey_plan import SurveyFlight, SurveyPlan
 
 
@@ -71,14 +71,8 @@ def forecast_as_json(forecast: Forecast) -> dict[str, Any]:
 
 
 def survey_panel(plan: SurveyPlan, names: Sequence[str]) -> str:
-    seen, area = plan.coverage, plan.area.shape
-    overlap = f" Photos overlap by {plan.overlaps} at least." if str(plan.overlaps or "") else ""
-    flown = f" As flown it is {number(down(100 * plan.flown.share), 2)} %." if plan.flown else ""
-    note = (
-        f"{number(down(100 * seen.share), 2)} % of the visible part of {number(area.area / 1e4, 2)} ha is seen, by "
-        f"lines {meters(plan.sight.spacing, 1)} apart. Shaded: seen; red: gaps; the table has each flight's color."
-        f"{flown}{overlap}"
-    )
+    words = ". ".join(coverage_lines(plan))
+    note = escape(f"{words[:1].upper()}{words[1:]}. Shaded: seen; red: gaps; the table has each flight's color.")
     return f'<section><h2>Survey</h2><p class="note">{note}</p>{_map(plan)}{_table(plan, names)}</section>'
 
 
@@ -125,20 +119,13 @@ def _rings(shape: Any) -> str:
 
 
 def _table(plan: SurveyPlan, names: Sequence[str]) -> str:
-    columns = ("flight", "lines", "photos", "takes", "energy, Wh", "least clearance")
-    head = "".join(f'<th scope="col">{name}</th>' for name in columns)
+    columns, flights = flight_table(plan, names)
+    names_of = (column.replace("\n", ", ") for column in columns)
+    head = "".join(f'<th scope="col">{name}</th>' for name in names_of)
     rows = ""
-    for n, (name, flight) in enumerate(zip(names, plan.flights, strict=True)):
-        energy, kept = flight.forecast.energy, flight.forecast.guarantee.clearance
-        cells = (
-            str(len(flight.tour.swaths)),
-            str(plan.sight.photos_of(flight.tour)),
-            seconds(flight.forecast.estimate.total_s),
-            "" if energy is None else number(energy.energy_wh, 1),
-            "" if kept is None else f"{meters(kept.guaranteed)} to {escape(kept.to)}",
-        )
-        head_of = f'<th scope="row"><span aria-hidden="true" style="color:{_hue(n)}">━</span> {escape(name)}</th>'
-        rows += f"<tr>{head_of}{''.join(f'<td>{cell}</td>' for cell in cells)}</tr>"
+    for n, (file, *cells) in enumerate(flights):
+        head_of = f'<th scope="row"><span aria-hidden="true" style="color:{_hue(n)}">━</span> {escape(file)}</th>'
+        rows += f"<tr>{head_of}{''.join(f'<td>{escape(cell)}</td>' for cell in cells)}</tr>"
     return f'<div class="scroll" tabindex="0"><table><thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table></div>'
 
 

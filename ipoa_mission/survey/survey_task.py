@@ -1,4 +1,4 @@
-"""Lay a survey's lines, also unchecked for interactive editing."""
+"""Lay a survey's lines outside of what they keep out of, also unchecked for interactive editing."""
 
 import math
 from collections.abc import Mapping
@@ -12,18 +12,25 @@ import shapely
 from threadpoolctl import threadpool_limits
 
 from ipoa_mission.errors import BadInput, Remedy
-from ipoa_mission.geometry import Points, Vector
+from ipoa_mission.forecast.deviation.kept_limits import NO_DEVIATION, DeviationBound, deviation_bound_of
+from ipoa_mission.forecast.deviation.law import law_of
+from ipoa_mission.geometry import Points, Vector, union_of
+from ipoa_mission.ground import Ground
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.planning.obstruction import NoPath
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.survey.cover import CoverProblem, quickest_tour
 from ipoa_mission.survey.flown_coverage import Coverage, coverage
-from ipoa_mission.survey.keep_out import SPARE, keep_out, survey_bound
+from ipoa_mission.survey.free import wider
 from ipoa_mission.survey.sight import Sight, sight_of
 from ipoa_mission.survey.survey_area import Area
 from ipoa_mission.survey.survey_section import SurveySection, survey_of, surveyed_area
 from ipoa_mission.survey.times import LegTimes
 from ipoa_mission.survey.tour import Swath, Tour
+from ipoa_mission.world.obstacles import Obstacle
+
+TIGHT_PLACES = 4.0  # share the chance of a deviation
+SPARE = 0.05  # [m]
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,6 +97,51 @@ def task_of(scenario: Scenario, growth: Mapping[str, float]) -> SurveyTask:
     sight = sight_of(section, area, scenario)
     _expect_high_enough(sight, scenario)
     return SurveyTask(scenario, section, area, sight, keep_out(scenario, sight, growth))
+
+
+def survey_bound(scenario: Scenario) -> DeviationBound:
+    chance = scenario.safety.chance
+    if chance is None:
+        return NO_DEVIATION
+    law = law_of(scenario.vehicle.autopilot, scenario.wind.speed)
+    bound = deviation_bound_of(law, chance)
+    return DeviationBound(law.level.distance(chance / TIGHT_PLACES), bound.down, bound.up)
+
+
+def keep_out(scenario: Scenario, sight: Sight, growth: Mapping[str, float]) -> Any | None:
+    """Return the geometry to keep out of, in plan. `growth` [m] adds clearance by obstacle name, flown round."""
+    air, bound = scenario.airspace, survey_bound(scenario)
+    distance = scenario.limits.obstacle_distance + SPARE
+    max_widening, segments = min(0.05 * sight.spacing, 0.25), 16  # [m], for fewer corners; of a quarter circle
+    shapes = list[Any]()
+    for body in flown_round(scenario, sight, growth):
+        away = (distance + bound.level + growth.get(body.name, 0.0)) / math.cos(math.pi / 4 / segments)
+        shapes.append(wider(body.horizontal_shape.buffer(away, quad_segs=segments), max_widening))
+    if air.bounds.footprint is not None:
+        inside = air.bounds.footprint.shape.buffer(-bound.level - SPARE - growth.get("bounds", 0.0))
+        (west, south, *_), (east, north, *_) = air.bounds.lower, air.bounds.upper
+        shapes.append(shapely.box(west, south, east, north).buffer(2 * scenario.bounds.margin).difference(inside))
+    return union_of(shapes) if shapes else None
+
+
+def flown_round(scenario: Scenario, sight: Sight, growth: Mapping[str, float]) -> list[Obstacle]:
+    """Return the obstacles flown neither over nor under, or grown."""
+    air, bound = scenario.airspace, survey_bound(scenario)
+    distance = scenario.limits.obstacle_distance + SPARE
+    return [
+        body
+        for body in air.obstacles
+        if body.name in growth or not _is_passed(body, sight, air.ground, distance, bound)
+    ]
+
+
+def _is_passed(body: Obstacle, sight: Sight, ground: Ground, distance: float, bound: DeviationBound) -> bool:
+    (west, south, base), (east, north, top) = body.bounds.tolist()
+    reach = max(sight.across, sight.along) / 2 + distance + bound.level
+    grid = np.meshgrid(np.linspace(west - reach, east + reach, num=7), np.linspace(south - reach, north + reach, num=7))
+    heights = ground(np.stack(grid, axis=-1).reshape(-1, 2))
+    lowest, highest = float(heights.min()) + sight.least, float(heights.max()) + sight.least + sight.band
+    return bool(top + distance + bound.down <= lowest or highest + distance + bound.up <= base)
 
 
 def _expect_high_enough(sight: Sight, scenario: Scenario) -> None:

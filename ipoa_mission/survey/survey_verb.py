@@ -108,7 +108,7 @@ def _print(survey: "Survey", written: list[Path]) -> None:
     from ipoa_mission.survey.survey_flight import describe, flight_table
 
     print_lines(*describe(survey))
-    print_table("flights, in this order", *flight_table(survey))
+    print_table("flights, in this order", *flight_table(survey.plan, survey.names))
     print_lines(f"written: {', '.join(map(str, written))}")
 
 

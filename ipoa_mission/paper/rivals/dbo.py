@@ -8,8 +8,9 @@ from dataclasses import dataclass
 from typing import Annotated, ClassVar
 
 import numpy as np
+from pydantic import Field
 
-from ipoa_mission.optimize.search import SHORT_SETTINGS, Amount, Between, Box, Count, Fraction, Search, keep_better
+from ipoa_mission.optimize.search import SHORT_SETTINGS, Amount, Box, Count, Fraction, Search, keep_better
 
 
 @dataclass(frozen=True)
@@ -17,7 +18,7 @@ class DBO:
     """k, b and S as in the paper's Table 2 (the authors' code: b = 0.3, S = 0.5)."""
 
     short_settings: ClassVar = SHORT_SETTINGS
-    population: Annotated[int, Between(10)] = 30
+    population: Annotated[int, Field(ge=10)] = 30
     iterations: Count = 1000
     deflection: Amount = 0.1  # k
     rolling: Amount = 0.1  # b
