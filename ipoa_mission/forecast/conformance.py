@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass
+from functools import cache
 from typing import NamedTuple
 
 import numpy as np
@@ -80,7 +81,7 @@ class ConformanceMonitor:
         self._counts_from_home = Frame.GLOBAL not in frames
         self._knows_height = not forecast.itinerary.over_terrain
         self._times, self._points, self._bound = self._corridor()
-        self._legs: dict[int, _Leg] = {}
+        self._leg = cache(self._leg_to)
         self._visit = 0
         self._begun_s: float | None = None
         self._nearest = math.inf
@@ -203,11 +204,6 @@ class ConformanceMonitor:
             return None
         return np.array(self._program.places[visit])
 
-    def _leg(self, visit: int) -> _Leg:
-        if visit not in self._legs:
-            self._legs[visit] = self._leg_to(visit)
-        return self._legs[visit]
-
     def _leg_to(self, visit: int) -> _Leg:
         commands, items = [each.item.command for each in self._visits], self._estimate.items
         target = next((n for n in range(visit, len(items)) if self._goal(n) is not None), None)
@@ -222,23 +218,18 @@ class ConformanceMonitor:
         goal = None if target is None else self._goal(target)
         excursion = comes_back = 0.0
         if goal is not None and target is not None:
-            excursion = self._excursion(goal, begin, end)
-            comes_back = self._overshoot + self._braking_distance(items[target].peak_speed)
+            first, last = np.searchsorted(self._times, [begin, end])
+            away = np.linalg.norm(self._points[first : max(last, first + 1)] - goal, axis=1)
+            excursion = float((away - np.minimum.accumulate(away)).max(initial=0.0))
+            mission, speeds = self._forecast.mission, np.array([items[target].peak_speed])
+            braking = mission.autopilot.braking_distance(mission.parameters, speeds, 0.0 * speeds)
+            comes_back = self._overshoot + float(braking[0])
         longest = max(items[visit].high_s - begin + items[visit].missed.cost_s, LIMITS.min_leg_s)
         near = range(visit if before is None else before, visit + 1 if target is None else target + 1)
         visits = self._visits[near.start : near.stop]
         waits = any(each.item.command == Command.NAV_DELAY and not each.item.params[0] > 0.0 for each in visits)
         is_compared = not waits and self._unknown.isdisjoint(each.seq for each in visits)
         return _Leg(self._points[span], limits, goal, excursion, comes_back, longest, target is None, is_compared)
-
-    def _excursion(self, goal: Vector, begin: float, end: float) -> float:
-        first, last = np.searchsorted(self._times, [begin, end])
-        away = np.linalg.norm(self._points[first : max(last, first + 1)] - goal, axis=1)
-        return float((away - np.minimum.accumulate(away)).max(initial=0.0))
-
-    def _braking_distance(self, speed: float) -> float:
-        mission, speeds = self._forecast.mission, np.array([speed])
-        return float(mission.autopilot.braking_distance(mission.parameters, speeds, 0.0 * speeds)[0])
 
     def _direct(self, place: Vector) -> Points | None:
         if (goal := self._leg(self._visit).goal) is None:

@@ -107,7 +107,7 @@ class Forecast:
         """Drop the cached result of `make`, and large parts of the guarantee."""
         self._made.pop(make, None)
         if "guarantee" in self.__dict__:
-            self.guarantee.flight.drop_pieces()
+            self.guarantee.flight.__dict__.pop("pieces", None)
 
     @property
     def world(self) -> "Scenario":
@@ -207,16 +207,13 @@ class Forecast:
         """Return the kept limits; raises as `predicted`, and if the path is unknown."""
         from ipoa_mission.forecast.deviation.clearance_guarantee import PredictedFlight, clearance_guarantee_of
         from ipoa_mission.forecast.deviation.kept_limits import clearance_task
+        from ipoa_mission.forecast.timing.flight_model import FlightModel
 
         if self.unknown:
             raise _refusal(self.unknown[0], "clearance")
-        from ipoa_mission.forecast.timing.flight_model import FlightModel
-
         task, predicted = clearance_task(self.world, self.mission.autopilot), self.predicted(noise_free=True)
-        spread = None
-        if task.chance is not None:
-            model = self.mission.autopilot.part(FlightModel)
-            spread = model.spread(self.itinerary, self.mission, self.wind, predicted)
+        model, flown = self.mission.autopilot.part(FlightModel), (self.itinerary, self.mission, self.wind, predicted)
+        spread = None if task.chance is None else model.spread(*flown)
         return clearance_guarantee_of(PredictedFlight(self.itinerary, predicted, task, spread))
 
     given, promise = renamed("given", "mission_as_read"), renamed("promise", "guarantee")

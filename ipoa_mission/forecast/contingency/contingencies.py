@@ -124,26 +124,21 @@ class ContingencyRow:
 
     @property
     def keeps(self) -> str:
-        is_short = not self.clear and math.isfinite(self.least_m) and down(self.least_m) >= 0.0
-        return f"{self._nearest}{self._required if is_short else ''}"
+        return self._nearest(not self.clear and down(self.least_m) >= 0.0)
 
     @property
     def in_full(self) -> str:
-        return f"{self.leads}: {self._nearest}{self._required if math.isfinite(self.least_m) else ''}"
+        return f"{self.leads}: {self._nearest(with_required=True)}"
 
-    @property
-    def _nearest(self) -> str:
+    def _nearest(self, with_required: bool) -> str:
         if math.isnan(self.least_m):
             return f"not clear: {self.to}"
         if not math.isfinite(self.least_m):
             return f"{self.grade}, nothing near"
         least, is_ground = down(self.least_m), self.to == GROUND_NAME
         relation = ("below" if is_ground else "inside") if least < 0.0 else "above" if is_ground else "from"
-        return f"{self.grade}, {abs(least):.2f} m {relation} {self.to}"
-
-    @property
-    def _required(self) -> str:
-        return f", {up(self.required_m):.2f} m required"
+        required = f", {up(self.required_m):.2f} m required" if with_required else ""
+        return f"{self.grade}, {abs(least):.2f} m {relation} {self.to}{required}"
 
     def __str__(self) -> str:
         return f"{self.contingency} {self.from_s:.1f} to {self.to_s:.1f} s, {self.leads}: {self.keeps}"

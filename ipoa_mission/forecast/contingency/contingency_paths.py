@@ -355,7 +355,8 @@ class ContingencyPaths:
             paths += [self.routes.over_terrain(places, stops, beyond, up, off) for off in self.routes.off_terrain]
         for by, _ in product(kinds, self._shares):
             paths.append(self.routes.paths(by, np.stack([places, stops, stops, stops], axis=1), seqs))
-        paths = [_padded(path, max(other.shape[1] for other in paths)) for path in paths]
+        most = max(path.shape[1] for path in paths)
+        paths = [np.insert(path, [-1] * (most - path.shape[1]), path[:, -2:-1], axis=1) for path in paths]
         goals = [self._goals(stop, int(seq)) for stop, seq in zip(stops, seqs, strict=True)]
         chosen = np.array([[goal in some for goal in range(len(to_goals) + len(kinds))] for some in goals])
         possible = np.repeat(chosen, self._variants, axis=1)
@@ -378,8 +379,3 @@ class ContingencyPaths:
     def _ground_below(self, points: Points) -> Points:
         ground = self.enlarged.airspace.ground(points)
         return np.column_stack([points[:, :2], np.minimum(ground, points[:, 2])])
-
-
-def _padded(paths: Paths, places: int) -> Paths:
-    stays = np.repeat(paths[:, -2:-1], places - paths.shape[1], axis=1)
-    return np.concatenate([paths[:, :-1], stays, paths[:, -1:]], axis=1)

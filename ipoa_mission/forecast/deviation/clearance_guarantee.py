@@ -66,9 +66,7 @@ class KeptLimit:
 
     @property
     def falls_short(self) -> bool:
-        if self.limit == "ceiling":
-            return goes_beyond(self.guaranteed, self.required)
-        return falls_short(self.guaranteed, self.required)
+        return _breaks(self.guaranteed, self.required, self.limit == "ceiling")
 
     def words(self, confidence: float | None) -> str:
         least, most, bound = (up, down, "at most ") if self.limit == "ceiling" else (down, up, "")
@@ -130,7 +128,11 @@ def deviation_bound_holds(flown: Pieces, task: ClearanceTask) -> bool:
 def broken_limits(path: Points, task: ClearanceTask) -> list[Check]:
     """Return the limits of height and place that flights along the path (n, 3) break, each at its worst place."""
     checks = limits_kept(thinned(path), task.path, _bound(task.law, task.chance))
-    return [check for check in checks if _breaks(check)]
+    return [check for check in checks if _breaks(check.nearest.distance, check.required, check.at_most)]
+
+
+def _breaks(distance: float, required: float, at_most: bool) -> bool:
+    return goes_beyond(distance, required) if at_most else falls_short(distance, required)
 
 
 def _least_clearance(airspace: Airspace, stretches: list[Points], required: float) -> Clearance:
@@ -140,12 +142,6 @@ def _least_clearance(airspace: Airspace, stretches: list[Points], required: floa
     if not required - 2 * THINNING_TOLERANCE <= least.distance < required:
         return least
     return min(map(airspace.obstacle_clearance, stretches), key=lambda clearance: clearance.distance)
-
-
-def _breaks(check: Check) -> bool:
-    if check.at_most:
-        return goes_beyond(check.nearest.distance, check.required)
-    return falls_short(check.nearest.distance, check.required)
 
 
 def _bound(law: DeviationLaw, chance: float | None) -> DeviationBound:
@@ -187,31 +183,20 @@ class PredictedFlight:
     def pieces(self) -> Pieces:
         return pieces_of(self.prediction.track.local(), self.spread)
 
-    def drop_pieces(self) -> None:
-        self.__dict__.pop("pieces", None)
-
     @cached_property
     def cruise_span(self) -> tuple[float, float]:
         """Return the end of the take-off and of the last waypoint [s]."""
-        done, visits = self.prediction.done, self.route.visits
-        begins = [float(at) for at, visit in zip(done, visits, strict=True) if visit.item.command in TAKEOFFS]
-        ends = [
-            float(at)
-            for at, visit in zip(done, visits, strict=True)
-            if visit.item.command in FLOWN_TO and visit.item.command not in LANDINGS | TAKEOFFS
-        ]
-        begin = min(begins, default=0.0)
+        commands = [visit.item.command for visit in self.route.visits]
+        timed = list(zip(commands, map(float, self.prediction.done), strict=True))
+        begin = min((at for command, at in timed if command in TAKEOFFS), default=0.0)
+        ends = [at for command, at in timed if command in FLOWN_TO - TAKEOFFS - LANDINGS]
         return begin, max(ends[-1] if ends else begin, begin)
 
     def limits(self, chance: float | None) -> Iterator[KeptLimit]:
-        begin, end = self.cruise_span
-        last = float(self.pieces.times[-1])
-        law = self.task.law
+        (begin, end), last, law = self.cruise_span, float(self.pieces.times[-1]), self.task.law
         if self.task.path.airspace.obstacles:
-            for first, then, its_law, name in (
-                (0.0, begin, law, TAKEOFF_PART),
-                (end, last, law.after_cruise(), LANDING_PART),
-            ):
+            parts = (0.0, begin, law, TAKEOFF_PART), (end, last, law.after_cruise(), LANDING_PART)
+            for first, then, its_law, name in parts:
                 if then > first:
                     part = self.pieces.part(first, then)
                     yield self._obstacles(part, its_law, chance, np.full(len(part.points) - 1, True), name)
@@ -262,8 +247,6 @@ class PredictedFlight:
             yield KeptLimit(check.limit, check.required, expected, near.distance, near.what, item, near.place)
 
     def _item(self, part: Pieces, place: tuple[float, float, float]) -> int:
-        nearest = int(np.argmin(np.linalg.norm(part.points - np.array(place), axis=1)))
-        at = float(part.times[nearest])
-        seqs = [visit.seq for visit in self.route.visits]
-        later = np.searchsorted(self.prediction.done, at - 1e-6)
-        return seqs[min(int(later), len(seqs) - 1)] if seqs else 0
+        at = part.times[np.argmin(np.linalg.norm(part.points - np.array(place), axis=1))]
+        seqs = [visit.seq for visit in self.route.visits] or [0]
+        return seqs[min(int(np.searchsorted(self.prediction.done, at - 1e-6)), len(seqs) - 1)]
