@@ -5,7 +5,7 @@ from ipoa_mission.autopilot.commands import Command as Command
 from ipoa_mission.autopilot.commands import Frame as Frame
 from ipoa_mission.autopilot.energy import NotEnoughBattery as NotEnoughBattery
 from ipoa_mission.checks.check import check_mission as check_mission
-from ipoa_mission.checks.start import NotAtStart as NotAtStart
+from ipoa_mission.checks.unsafe import NotAtStart as NotAtStart
 from ipoa_mission.errors import BadInput as BadInput
 from ipoa_mission.errors import MissionError as MissionError
 from ipoa_mission.errors import Unsafe as Unsafe

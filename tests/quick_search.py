@@ -5,8 +5,8 @@ from functools import partial
 from importlib import import_module
 from typing import Any, TypeVar
 
-from ipoa_mission.planning.planner import plan_path
-from ipoa_mission.planning.strategy import LatticeStrategy, SearchStrategy
+from ipoa_mission.planning.lattice import LatticeStrategy
+from ipoa_mission.planning.planner import SearchStrategy, plan_path
 from ipoa_mission.routing.fastest import RouteGrid, RouteSearch
 
 T = TypeVar("T")

@@ -1,5 +1,5 @@
 """Find the errors and risks of a mission; read `check` first.
 
 Each check yields findings of a code that `ipoa_mission/rules.py` explains. `unsafe` turns errors into refusals, and
-`start` checks a flight that begins elsewhere.
+checks a flight that begins elsewhere.
 """

@@ -1,6 +1,6 @@
-"""Check the ground at home, and landings."""
+"""Check the ground at home, landings, and content of files that was not read."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 import numpy as np
 
@@ -9,6 +9,7 @@ from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.leg_limits import above_or_below, landings
 from ipoa_mission.mission.items import item_of
+from ipoa_mission.unread import Unread
 
 
 def check_ground(forecast: Forecast) -> Iterator[Finding]:
@@ -43,3 +44,11 @@ def check_landings(forecast: Forecast) -> Iterator[Finding]:
             message = f"{landing.where}: without a rangefinder the last {descent:.0f} m are {slowly}"
             hint = "a rangefinder, or a waypoint low over that place with its altitude above terrain, shortens it"
             yield item_of(mission, landing.seq).warning("slow-landing", message, hint)
+
+
+def check_unread(things: Iterable[Unread]) -> Iterator[Finding]:
+    ignored = 'if it limits no flight: --ignore not-read, or [safety] ignore = ["not-read"]'
+    for thing in things:
+        if thing.may_limit:
+            hint = "; ".join(filter(None, (thing.remedy, ignored)))
+            yield Finding("not-read", Severity.ERROR, None, thing.words, hint)

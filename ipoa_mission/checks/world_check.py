@@ -9,8 +9,7 @@ import numpy as np
 import shapely
 
 from ipoa_mission.autopilot.returning import Contingency
-from ipoa_mission.checks.landings import check_ground
-from ipoa_mission.checks.unsafe import check_unread
+from ipoa_mission.checks.landings import check_ground, check_unread
 from ipoa_mission.errors import MissionError, Remedy
 from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.forecast.contingency.contingencies import lands_by_choice, to_return_instead, who_lands

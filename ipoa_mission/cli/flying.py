@@ -198,7 +198,7 @@ def _fly_stages(
 
 
 def _begun_at_item(job: "Job", item: int) -> "Job":
-    from ipoa_mission.checks.start import begun_at
+    from ipoa_mission.checks.unsafe import begun_at
     from ipoa_mission.forecast.forecast import Forecast
 
     begun = Forecast(begun_at(job.mission, item - 1), wind=job.forecast.wind)

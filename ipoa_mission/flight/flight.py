@@ -38,11 +38,10 @@ from ipoa_mission.report.summary import (
     route_summary,
 )
 from ipoa_mission.routing.attempt import Attempt
-from ipoa_mission.routing.homeward import by_way_of_the_goal_remarks
 from ipoa_mission.routing.planned_returns import return_remarks
+from ipoa_mission.routing.refusal import slowed_where_needed_remarks
 from ipoa_mission.routing.repairs import raise_way_home_remarks, slow_landings_remarks
-from ipoa_mission.routing.seek import plan_with_margins
-from ipoa_mission.routing.slower import slowed_where_needed_remarks
+from ipoa_mission.routing.seek import by_way_of_the_goal_remarks, plan_with_margins
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.unread import unread_as_json
 from ipoa_mission.wind import Wind

@@ -7,8 +7,7 @@ from enum import StrEnum
 from typing import TYPE_CHECKING, TypeAlias
 
 from ipoa_mission.checks.check import check
-from ipoa_mission.checks.start import NotAtStart, begun_at, check_start
-from ipoa_mission.checks.unsafe import refuse_errors
+from ipoa_mission.checks.unsafe import NotAtStart, begun_at, check_start, refuse_errors
 from ipoa_mission.errors import MissionError
 from ipoa_mission.flight.preflight import await_home, expect_charge, expect_fit, expect_slow_landing
 from ipoa_mission.forecast.forecast import Forecast

@@ -11,8 +11,7 @@ from functools import partial
 from ipoa_mission.autopilot.commands import LAST_NAV
 from ipoa_mission.checks.check import check_mission
 from ipoa_mission.checks.firmware_check import check_aboard
-from ipoa_mission.checks.start import begun_at, check_start
-from ipoa_mission.checks.unsafe import refuse_errors
+from ipoa_mission.checks.unsafe import begun_at, check_start, refuse_errors
 from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.link import conversations, departure, orders

@@ -241,9 +241,11 @@ def _agree(letter: str, expected: float, actual: float) -> bool:
 def fence_to_wire(fence: Sequence[FencePolygon | FenceCircle]) -> tuple[Item, ...]:
     items = list[Item]()
     for part in fence:
-        is_circle = isinstance(part, FenceCircle)
-        size, places = (part.radius, (part.center,)) if is_circle else (float(len(part.vertices)), part.vertices)
-        command = next(c for c, inside in (CIRCLE if is_circle else POLYGON).items() if inside == part.inclusion)
+        if isinstance(part, FenceCircle):
+            commands, size, places = CIRCLE, part.radius, (part.center,)
+        else:
+            commands, size, places = POLYGON, float(len(part.vertices)), part.vertices
+        command = next(command for command, inside in commands.items() if inside == part.inclusion)
         items += [Item(command, Frame.GLOBAL, (size, 0.0, 0.0, 0.0), *place) for place in places]
     return tuple(items)
 

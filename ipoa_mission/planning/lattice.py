@@ -14,11 +14,82 @@ import shapely
 from numpy.typing import NDArray
 
 from ipoa_mission.geometry import Points, Vector, arc_lengths
-from ipoa_mission.planning.obstacle_gaps import gap_places
 from ipoa_mission.planning.obstacle_grid import UNLIMITED, Nodes
 from ipoa_mission.planning.problem import Candidate, PreparedProblem, follow
-from ipoa_mission.planning.strategy import USUAL, LatticeStrategy
 from ipoa_mission.planning.winding import lift, wind
+from ipoa_mission.world.airspace import Airspace
+from ipoa_mission.world.polygon import Plane
+
+REACH_BEYOND = 1.5  # behind a gap, in cells
+LONGEST_GAP = 20.0  # extent of a gap, in cells
+BATCH_SIZE = 100_000  # places
+LEAST_GAP = 1e-6  # [m]
+
+
+def gap_places(problem: PreparedProblem, widest: float, cell: float, heights: Vector) -> Iterator[Points]:
+    """Yield places (k, 3) before, in and behind the gaps up to `widest` [m]."""
+    shapes, radii, required, levels = _outlines(problem.task.airspace, problem.limits.obstacle_distance)
+    tree = shapely.STRtree(shapely.envelope(shapely.buffer(shapes, radii, quad_segs=4)))
+    first, second = tree.query(tree.geometries, "dwithin", widest)
+    first, second = first[first < second], second[first < second]
+    ends = shapely.get_coordinates(shapely.shortest_line(shapes[first], shapes[second])).reshape(-1, 2, 2)
+    across = ends[:, 1] - ends[:, 0]
+    apart = np.linalg.norm(across, axis=1)
+    width = apart - radii[first] - radii[second]
+    gaps = (width > LEAST_GAP) & (width < widest)
+    first, second, width = first[gaps], second[gaps], width[gaps]
+    across = across[gaps] / apart[gaps, None]
+    middle = ends[gaps, 0] + across * (radii[first] + (width + required[first] - required[second]) / 2)[:, None]
+    ahead = np.column_stack([-across[:, 1], across[:, 0]])
+    length = np.minimum(_extent(shapes[first], ahead, radii[first]), _extent(shapes[second], ahead, radii[second]))
+    places_either_way = np.ceil(2 * (np.minimum(length / cell, LONGEST_GAP) + REACH_BEYOND)).astype(int)
+    low, high = np.maximum(levels[first, 0], levels[second, 0]), np.minimum(levels[first, 1], levels[second, 1])
+    gap, level = np.nonzero((low[:, None] <= heights) & (heights <= high[:, None]))
+    count = 2 * places_either_way[gap] + 1
+    for batch in np.split(np.arange(len(gap)), np.nonzero(np.diff(np.cumsum(count) // BATCH_SIZE))[0] + 1):
+        place = np.repeat(batch, count[batch])
+        before = np.cumsum(count[batch]) - count[batch]
+        along = np.arange(len(place)) - np.repeat(before + places_either_way[gap[batch]], count[batch])
+        flat = middle[gap[place]] + 0.5 * cell * along[:, None] * ahead[gap[place]]
+        yield np.column_stack([flat, heights[level[place]]])
+
+
+def _extent(shapes: NDArray[np.object_], ahead: Plane, radii: Vector) -> Vector:
+    """Return the length of grown shapes along directions (n, 2), (n,) [m]."""
+    west, south, east, north = shapely.bounds(shapes).T
+    return np.asarray(np.abs(ahead[:, 0]) * (east - west) + np.abs(ahead[:, 1]) * (north - south) + 2 * radii)
+
+
+def _outlines(airspace: Airspace, distance: float) -> tuple[NDArray[np.object_], Vector, Vector, NDArray[np.float64]]:
+    """Return plane shapes, radii, required distances, and heights (k, 2)."""
+    outlines: list[tuple[shapely.Geometry, float, float, float, float]] = []
+    for body in airspace.obstacles:
+        if (column := body.column) is not None:
+            outlines.append((column.shape, column.radius, distance, column.base, column.top))
+    lower, upper = airspace.bounds.lower[:2], airspace.bounds.upper[:2]
+    area = airspace.bounds.footprint.shape if airspace.bounds.footprint else shapely.box(*lower, *upper)
+    corners = shapely.get_coordinates(area.exterior)
+    outlines += [(shapely.LineString(side), 0.0, 0.0, -np.inf, np.inf) for side in pairwise(corners)]
+    shapes, *numbers = zip(*outlines, strict=True)
+    radii, required, base, top = np.array(numbers)
+    return np.array(shapes), radii, required, np.column_stack([base, top])
+
+
+@dataclass(frozen=True)
+class LatticeStrategy:
+    """`max_ways_climbing`: with limited climbs."""
+
+    nodes: int = 100_000
+    max_nodes_per_side: int = 200
+    max_levels: int = 60  # without limited climbs
+    min_slope: float = 0.07  # flatter climbs would need too many levels
+    refinements: tuple[float, ...] = (1.0, 2.0, 3.0)  # of the spacing, each if the one before has no route
+    max_ways: int = 24
+    max_ways_climbing: int = 8
+    max_cost_ratio: float = 1.6  # of a route to the cheapest
+    max_ways_beside: int = 8  # besides those through narrow gaps
+    control_points_per_turn: int = 4
+    max_control_points: int = 80
 
 
 @dataclass(frozen=True)
@@ -38,13 +109,11 @@ class LatticeDetails:
     end_samples: int = 8  # to each of them
 
 
-DETAILS = LatticeDetails()
+DETAILS, USUAL_LATTICE = LatticeDetails(), LatticeStrategy()
 
 STRIDES = np.array([step for step in np.ndindex(3, 3, 3) if step != (1, 1, 1)]) - 1
 ROUNDING = 1e-9  # of costs, relative
-CUBE: NDArray[np.int64] = (
-    np.array(sorted(np.ndindex(5, 5, 5), key=lambda step: sum((k - 2) ** 2 for k in step))[1:]) - 2
-)
+CUBE: NDArray[np.int64] = np.array(sorted(np.ndindex(5, 5, 5), key=lambda at: sum((k - 2) ** 2 for k in at))[1:]) - 2
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,7 +161,7 @@ class Guess:
         return follow(self.guide, min(closer * inner, DETAILS.max_control_points), problem.task, self.shares)
 
 
-def guesses(problem: PreparedProblem, coarsest: int, strategy: LatticeStrategy = USUAL.lattice) -> list[Guess]:
+def guesses(problem: PreparedProblem, coarsest: int, strategy: LatticeStrategy = USUAL_LATTICE) -> list[Guess]:
     """Return the straight guess, then guesses along routes of `refinements[coarsest:]`."""
     straight = problem.task.places
     inner = max(problem.task.planning.control_points, 3, 5 * (len(straight) - 1))
@@ -125,7 +194,7 @@ def _climbing(
             yield Guess(*wind(way, inner, problem, step), inner)
 
 
-def lay(problem: PreparedProblem, fineness: float = 1.0, strategy: LatticeStrategy = USUAL.lattice) -> Lattice:
+def lay(problem: PreparedProblem, fineness: float = 1.0, strategy: LatticeStrategy = USUAL_LATTICE) -> Lattice:
     lower, upper = _region(problem)
     size = upper - lower
     steepest = (problem.rules.climb, problem.rules.descent)
@@ -161,9 +230,8 @@ def ways(lattice: Lattice, problem: PreparedProblem, most: int, looking: bool = 
     if not all(legs):
         return []
     cheapest = [leg[0] for leg in legs]
-    variants = [cheapest] + [
-        [*cheapest[:i], other, *cheapest[i + 1 :]] for i, leg in enumerate(legs) for other in leg[1:]
-    ]
+    others = ([*cheapest[:i], other, *cheapest[i + 1 :]] for i, leg in enumerate(legs) for other in leg[1:])
+    variants = [cheapest, *others]
     return [np.vstack([variant[0], *(way[1:] for way in variant[1:])]) for variant in variants[:most]]
 
 
@@ -201,7 +269,8 @@ def _mended(routes: list[Points], lattice: Lattice, problem: PreparedProblem) ->
         closed.append(way[np.union1d(narrow, narrow + 1)])
     if not len(closed[0]):
         return mended
-    shut = np.isin(_whole(lattice.places), _whole(np.vstack(closed)))
+    nodes, shut_nodes = (np.ascontiguousarray(each).view("V24").ravel() for each in (lattice.places, np.vstack(closed)))
+    shut = np.isin(nodes, shut_nodes)
     price = np.where(shut.reshape(lattice.price.shape), np.inf, lattice.price)
     return mended + ways(replace(lattice, price=price), problem, lattice.strategy.max_ways_beside)
 
@@ -210,10 +279,6 @@ def _cuts(way: Points, problem: PreparedProblem) -> tuple[Points, NDArray[np.boo
     shares = np.linspace(0.0, 1.0, DETAILS.samples_per_leg, endpoint=False)[:, None]
     points = np.vstack([(way[:-1, None] + shares * np.diff(way, axis=0)[:, None]).reshape(-1, 3), way[-1:]])
     return points, (problem.survey(points)[0] < 0) & (np.arange(len(points)) % DETAILS.samples_per_leg > 0)
-
-
-def _whole(points: Points) -> NDArray[np.void]:
-    return np.ascontiguousarray(points).view(np.dtype((np.void, 24))).ravel()
 
 
 def _occupy_gaps(
@@ -268,7 +333,7 @@ def _leg_routes(
     through = there + back
     routes, even = list[Points](), list[Points]()
     for node in [target, *_passages(through, there, lattice)]:
-        way = np.array([*_trace(before, node)[::-1], *_trace(after, node)[1:]])
+        way = [*_trace(before, node)[::-1], *_trace(after, node)[1:]]
         points = np.vstack([start, lattice.places[way], goal])
         traveled = arc_lengths(points)
         even_lengths = np.linspace(0, traveled[-1], 24)

@@ -15,7 +15,7 @@ from ipoa_mission.geometry import polyline_length
 from ipoa_mission.optimize.registry import build_optimizer, optimizer_class
 from ipoa_mission.optimize.search import SHORT_EVALUATIONS, Optimizer, minimize
 from ipoa_mission.planning.cost import CostTerms, curve_cost, even_cost
-from ipoa_mission.planning.lattice import guesses
+from ipoa_mission.planning.lattice import USUAL_LATTICE, LatticeStrategy, guesses
 from ipoa_mission.planning.obstruction import blockage, not_found, refuse_closed, refuse_places
 from ipoa_mission.planning.path_problem import PathTask
 from ipoa_mission.planning.plan import Plan
@@ -23,8 +23,45 @@ from ipoa_mission.planning.polish import FINE_DESCENT, FIRM_DESCENT, ROUGH_DESCE
 from ipoa_mission.planning.problem import ALL, UNSAFE, Candidate, PreparedProblem, follow, prepare, refine, surround
 from ipoa_mission.planning.proof import Proof, prove_curve
 from ipoa_mission.planning.spline import Spline
-from ipoa_mission.planning.strategy import SearchStrategy, strategy_for
 from ipoa_mission.progress import Progress, silent
+
+
+@dataclass(frozen=True)
+class SearchStrategy:
+    """A width is a share of the varied length.
+
+    >>> quick = SearchStrategy(straight_starts=1, lattice_starts=2, max_rounds=4)
+    """
+
+    lattice: LatticeStrategy = USUAL_LATTICE
+    straight_starts: int = 1  # searches
+    straight_width: float = 0.25
+    lattice_starts: int = 2  # searches
+    cheapest_starts: int = 1  # the others from the best polished
+    lattice_width: float = 0.08
+    coarse_control_points: int = 100  # fewer may not follow the route
+    closer_factor: int = 4
+    max_improved: int = 2  # piece by piece
+    max_rounds: int = 4
+    piece: int = 10
+    piece_width: float = 0.12
+    enough_control_points: int = 150
+    few_control_points: int = 60  # of a polished curve, which is refined once more
+    hidden_loop: float = 1.001  # of cost to even-step cost; control points are redistributed above
+    enough_proved: int = 2  # if the best of all is not valid
+    max_polished: int = 6
+
+
+USUAL = SearchStrategy()
+# Each of many legs is short and has fewer options.
+MANY_LEGS = SearchStrategy(
+    lattice=LatticeStrategy(nodes=30_000, max_ways=8, max_ways_climbing=4),
+    lattice_starts=1,
+    cheapest_starts=1,
+    max_improved=1,
+    max_rounds=12,
+)
+MOST_PLACES = 6  # of the usual strategy
 
 
 @dataclass
@@ -114,7 +151,7 @@ def plan_path(
     refuse_closed(problem)
     as_printed = planning.planner == "paper" or not planning.polish
     search, budget = (optimizer, None) if optimizer else optimizer_of(task, short=not as_printed)
-    effort = strategy or strategy_for(len(task.places) - 1)
+    effort = strategy or (USUAL if len(task.places) <= MOST_PLACES else MANY_LEGS)
     searcher = Searcher(problem, search, np.random.default_rng(seed), effort, budget)
     with threadpool_limits(1, "blas"):  # on small matrices threads only wait, and results depend on their number
         curves = [_search_once(searcher, progress)] if as_printed else _search_passages(searcher, progress)

@@ -7,8 +7,7 @@ from numpy.typing import NDArray
 
 from ipoa_mission.centimeters import up
 from ipoa_mission.forecast.deviation.clearance_guarantee import broken_limits
-from ipoa_mission.forecast.deviation.kept_limits import clearance_task
-from ipoa_mission.forecast.deviation.margins import with_margins
+from ipoa_mission.forecast.deviation.kept_limits import clearance_task, with_margins
 from ipoa_mission.forecast.deviation.proximity import proximity_risks
 from ipoa_mission.forecast.timing.track import pieces_of
 from ipoa_mission.geometry import Points, Vector, arc_lengths

@@ -7,8 +7,7 @@ import numpy as np
 
 from ipoa_mission.forecast.contingency.contingency_paths import ReturnLeg
 from ipoa_mission.forecast.contingency.shortfalls import Shortfall
-from ipoa_mission.forecast.deviation.kept_limits import DeviationBound
-from ipoa_mission.forecast.deviation.margins import grown, shrunk
+from ipoa_mission.forecast.deviation.kept_limits import DeviationBound, grown, shrunk
 from ipoa_mission.geometry import Vector
 from ipoa_mission.planning.path_problem import PathProblem, PathTask, problem_of
 from ipoa_mission.routing.attempt import Attempt

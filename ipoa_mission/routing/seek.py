@@ -1,4 +1,7 @@
-"""Seek a path with margins for the deviation bound: first around gaps, then through them."""
+"""Seek a path with margins for the deviation bound: first around gaps, then through them.
+
+The way home is planned as a leg if the straight RTL is not clear.
+"""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
@@ -6,24 +9,22 @@ from itertools import islice, pairwise
 from typing import NamedTuple
 
 from ipoa_mission.errors import MissionError
-from ipoa_mission.forecast.deviation.kept_limits import clearance_task, tight_places
+from ipoa_mission.forecast.contingency.shortfalls import clear_in
+from ipoa_mission.forecast.deviation.kept_limits import clearance_task, tight_places, with_margins
 from ipoa_mission.forecast.deviation.law import DeviationLaw, law_of
-from ipoa_mission.forecast.deviation.margins import with_margins
 from ipoa_mission.forecast.deviation.proximity import TYPICAL_CHANCE
+from ipoa_mission.forecast.leg_limits import broken_limits
 from ipoa_mission.forecast.timing.track import THINNING_TOLERANCE
-from ipoa_mission.planning.obstruction import NoPath, NotFound
+from ipoa_mission.planning.obstruction import DISTANCE_TOLERANCE, NoPath, NotFound, closure
 from ipoa_mission.planning.path_problem import PathTask, place_names
 from ipoa_mission.planning.plan import Plan
-from ipoa_mission.planning.plan_view import DISTANCE_TOLERANCE, closure
 from ipoa_mission.planning.planner import move_aside, plan_path
 from ipoa_mission.planning.problem import prepare
 from ipoa_mission.progress import Progress, silent
 from ipoa_mission.routing.assemble import best_route, expect_mode, narrowed_route
 from ipoa_mission.routing.attempt import Attempt
-from ipoa_mission.routing.homeward import WayHomeBlocked, by_way_of_the_goal, expect_way_home
 from ipoa_mission.routing.obstacle_growth import ObstacleGrowth, approximation_growth, initial_growth
-from ipoa_mission.routing.refusal import ChangeTrials, NarrowGap, narrow_refusal, refusal
-from ipoa_mission.routing.slower import slowed_where_needed
+from ipoa_mission.routing.refusal import ChangeTrials, NarrowGap, narrow_refusal, refusal, slowed_where_needed
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.world.obstacles import Obstacle
 
@@ -249,3 +250,36 @@ def _move_until_safe(plan: Plan, margins: _Margins, scenario: Scenario) -> tuple
         slow = (narrowed_route(best.plan, scenario, mode) for mode in ("corridor", "even"))
         best = next((attempt for attempt in slow if attempt.is_guaranteed), best)
     return best, best.quick_prediction.seconds / first.quick_prediction.seconds
+
+
+class WayHomeBlocked(MissionError):
+    """The straight way home is not clear at any altitude."""
+
+
+def expect_way_home(attempt: Attempt) -> None:
+    """Raise WayHomeBlocked if a planned return is not clear, or the ground below if it may land."""
+    scenario = attempt.scenario
+    if scenario.safety.returns != "planned" or scenario.route.ending != "rtl" or leads_home(scenario):
+        return
+    if not attempt.is_guaranteed:
+        return
+    after = attempt.guarantee.flight.cruise_span[1]
+    lands = any(shortfall.comes_down and shortfall.time > after for shortfall in attempt.short)
+    returns = attempt.forecast.ways_home
+    if lands or not clear_in(scenario)(returns) or any(broken_limits(leg, scenario) for leg in returns):
+        raise WayHomeBlocked("the straight way home is not clear")
+
+
+def by_way_of_the_goal(scenario: Scenario) -> Scenario:
+    """Return the scenario with its goal as a via point, and a new one over home."""
+    over_home = type(scenario.goal)(east=0.0, north=0.0, up=float(scenario.start_point[2]))
+    return scenario.model_copy(update={"via": (*scenario.via, scenario.goal), "goal": over_home})
+
+
+def leads_home(scenario: Scenario) -> bool:
+    return bool((scenario.goal_point[:2] == 0.0).all())
+
+
+def by_way_of_the_goal_remarks(scenario: Scenario, asked: Scenario) -> Iterator[str]:
+    if leads_home(scenario) and not leads_home(asked):
+        yield "the way home is planned by way of the goal, because the straight one is not clear"

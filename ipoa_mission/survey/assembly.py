@@ -11,8 +11,7 @@ import shapely
 from ipoa_mission import Command, Frame
 from ipoa_mission.errors import MissionError
 from ipoa_mission.forecast.contingency.shortfalls import clear_in
-from ipoa_mission.forecast.deviation.kept_limits import clearance_task
-from ipoa_mission.forecast.deviation.margins import with_margins
+from ipoa_mission.forecast.deviation.kept_limits import clearance_task, with_margins
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.geometry import Points, Vector, arc_lengths, union_of
 from ipoa_mission.mission.complex_items import ITEMS, TRANSECTS, complex_item

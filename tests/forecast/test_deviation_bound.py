@@ -8,9 +8,14 @@ import pytest
 
 from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.flight.flight import plan_flight
-from ipoa_mission.forecast.deviation.kept_limits import NO_DEVIATION, clearance_task, deviation_bound_of, limits_kept
+from ipoa_mission.forecast.deviation.kept_limits import (
+    NO_DEVIATION,
+    clearance_task,
+    deviation_bound_of,
+    limits_kept,
+    with_margins,
+)
 from ipoa_mission.forecast.deviation.law import law_of, not_measured
-from ipoa_mission.forecast.deviation.margins import with_margins
 from ipoa_mission.forecast.deviation.proximity import proximity_risks
 from ipoa_mission.forecast.timing.track import Pieces
 from ipoa_mission.planning.obstruction import NoPath

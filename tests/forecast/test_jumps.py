@@ -7,7 +7,7 @@ from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.autopilot.commands import FLOWN_TO, Command, Frame
 from ipoa_mission.autopilot.version import Version
 from ipoa_mission.checks.check import check, check_mission
-from ipoa_mission.checks.start import begun_at
+from ipoa_mission.checks.unsafe import begun_at
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.itinerary.itinerary import itinerary
 from ipoa_mission.geodesy import Geodetic

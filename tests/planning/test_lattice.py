@@ -1,9 +1,8 @@
 import numpy as np
 import pytest
 
-from ipoa_mission.planning.lattice import _mended, guesses, lay, ways
+from ipoa_mission.planning.lattice import LatticeStrategy, _mended, guesses, lay, ways
 from ipoa_mission.planning.problem import prepare
-from ipoa_mission.planning.strategy import LatticeStrategy
 from ipoa_mission.planning.winding import wind
 from tests.examples import some
 from tests.planning.conftest import Make

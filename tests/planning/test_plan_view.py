@@ -3,8 +3,7 @@ import pytest
 import shapely
 
 from ipoa_mission.geometry import Vector
-from ipoa_mission.planning.obstruction import NoPath, refuse_closed
-from ipoa_mission.planning.plan_view import closure
+from ipoa_mission.planning.obstruction import NoPath, closure, refuse_closed
 from ipoa_mission.planning.problem import prepare
 from tests.planning.conftest import Make
 from tests.refused import refuses

@@ -19,8 +19,7 @@ from ipoa_mission.autopilot.commands import Command
 from ipoa_mission.autopilot.returning import IN_PLACE, Contingency, ReturnBy
 from ipoa_mission.forecast.contingency.return_routes import WHERE, ReturnRoutes
 from ipoa_mission.forecast.deviation.clearance_guarantee import PredictedFlight
-from ipoa_mission.forecast.deviation.kept_limits import clearance_task
-from ipoa_mission.forecast.deviation.margins import with_margins
+from ipoa_mission.forecast.deviation.kept_limits import clearance_task, with_margins
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.itinerary.itinerary import rally_places
 from ipoa_mission.geometry import Points, Vector

@@ -14,9 +14,8 @@ from ipoa_mission.forecast.contingency.contingency_paths import (
     ContingencySamples,
     ReturnLeg,
 )
-from ipoa_mission.forecast.deviation.kept_limits import clearance_task
+from ipoa_mission.forecast.deviation.kept_limits import clearance_task, with_margins
 from ipoa_mission.forecast.deviation.law import law_of
-from ipoa_mission.forecast.deviation.margins import with_margins
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.itinerary.flown_legs import Leg
 from ipoa_mission.planning.proof import Check, prove_ground
