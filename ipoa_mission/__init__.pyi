@@ -64,7 +64,7 @@ from ipoa_mission.optimize.search import Optimizer as Optimizer
 from ipoa_mission.optimize.search import minimize as minimize
 from ipoa_mission.planning.obstruction import NoPath as NoPath
 from ipoa_mission.planning.path_problem import PathProblem as PathProblem
-from ipoa_mission.planning.plan import Plan as Plan
+from ipoa_mission.planning.planner import Plan as Plan
 from ipoa_mission.planning.planner import plan_path as plan_path
 from ipoa_mission.report.compare import Comparison as Comparison
 from ipoa_mission.report.compare import compare_flight as compare_flight
@@ -73,7 +73,7 @@ from ipoa_mission.report.plots import draw_views as draw_views
 from ipoa_mission.report.plots import write_picture as write_picture
 from ipoa_mission.report.table import mission_table as mission_table
 from ipoa_mission.routing.assemble import assemble_mission as assemble_mission
-from ipoa_mission.routing.route import NoRoute as NoRoute
+from ipoa_mission.routing.resample import NoRoute as NoRoute
 from ipoa_mission.scenario import Scenario as Scenario
 from ipoa_mission.scenario import read_scenario as read_scenario
 from ipoa_mission.scenario.path_limits import Limits as Limits

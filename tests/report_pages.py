@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from ipoa_mission.checks.check import check
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.mission.flight_record import FlightRecord
-from ipoa_mission.planning.plan import Plan
+from ipoa_mission.planning.planner import Plan
 from ipoa_mission.report.page import PageNotes, report_html
 
 

@@ -113,6 +113,5 @@ def sound_part(forecast: Forecast, positions: Iterable[Finding]) -> Forecast | N
 
 
 def guarantee_if_flown(forecast: Forecast) -> "ClearanceGuarantee | None":
-    """Return the guarantee; None where it cannot be flown or is unknown."""
     mission = forecast.mission_as_read
     return None if refusals(mission) or is_too_long(mission) else forecast.guarantee_if_known

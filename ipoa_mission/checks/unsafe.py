@@ -58,7 +58,6 @@ def refuse_unclear_returns(findings: Sequence[Finding], forecast: Forecast) -> N
 
 
 def refuse_unread(scenario: "Scenario | None") -> None:
-    """Raise Unsafe if unread content may limit the flight."""
     if scenario is not None and "not-read" not in scenario.safety.ignored:
         refuse_errors([*check_unread(scenario.unread)])
 

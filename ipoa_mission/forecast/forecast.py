@@ -13,8 +13,7 @@ from ipoa_mission.autopilot.parameters import NO_PARAMETERS, Parameters
 from ipoa_mission.autopilot.version import Version
 from ipoa_mission.errors import MissionError, NotModeled, renamed
 from ipoa_mission.forecast.itinerary.flown_legs import Leg, Phase, flown_legs, join, trace_returns
-from ipoa_mission.forecast.itinerary.itinerary import Itinerary, itinerary
-from ipoa_mission.forecast.itinerary.unknown import Unknown, find_unknown, past_jumps
+from ipoa_mission.forecast.itinerary.itinerary import Itinerary, Unknown, find_unknown, itinerary, past_jumps
 from ipoa_mission.geodesy import LocalFrame
 from ipoa_mission.geometry import Points
 from ipoa_mission.ground import Ground
@@ -189,7 +188,6 @@ class Forecast:
 
     @cached_property
     def energy(self) -> "Consumption | None":
-        """Return the energy; None where neither airframe nor hover power is known."""
         used = self.energy_of(self.estimate.track)
         return None if used is None else used.lasting(self.estimate.low_s, self.estimate.high_s)
 

@@ -7,7 +7,6 @@ waypoints: `lay_out` makes them as it does.
 import json
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -20,15 +19,6 @@ from ipoa_mission.mission.items import ComplexItem, Item, camera_trigger, waypoi
 from ipoa_mission.mission.json_node import Node
 
 TRANSECTS, ITEMS = "TransectStyleComplexItem", "Items"
-
-
-@dataclass(frozen=True)
-class Entry:
-    """A plain item, or `count` items of the complex item `of` from `first` on."""
-
-    first: int
-    count: int
-    of: ComplexItem | None = None
 
 
 def complex_item(items: Sequence[Item], document: Any) -> ComplexItem:
@@ -47,13 +37,15 @@ def complex_items_in(parts: Sequence[Node | None], items: Sequence[Item]) -> tup
     return tuple(complex_item(part_items, part.value) for part, part_items in groups.values())
 
 
-def entries(items: Sequence[Item], complexes: Sequence[ComplexItem]) -> Iterator[Entry]:
+def entries(items: Sequence[Item], complexes: Sequence[ComplexItem]) -> Iterator[tuple[range, ComplexItem | None]]:
+    """Yield the index of each plain item, and the indices of each complex item's items."""
     targets = {int(item.params[0]) - 1 for item in items if item.command == Command.DO_JUMP}
     first = 0
     while first < len(items):
         of = next((each for each in complexes if _is_here(each, items, first, targets)), None)
-        yield Entry(first, 1 if of is None else len(of.items), of)
-        first += 1 if of is None else len(of.items)
+        end = first + (1 if of is None else len(of.items))
+        yield range(first, end), of
+        first = end
 
 
 def _is_here(part: ComplexItem, items: Sequence[Item], first: int, targets: set[int]) -> bool:

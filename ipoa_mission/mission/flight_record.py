@@ -75,5 +75,4 @@ class FlightRecord:
 
     @property
     def failure(self) -> str:
-        """Return why the flight is incomplete, else how it deviated, or an empty string."""
         return self.why_not or "; ".join(map(str, self.deviations))

@@ -59,7 +59,6 @@ def _renumbered(mission: Mission, first: int, by: int) -> Mission:
 
 
 def with_plain_items(mission: Mission, seq: int) -> Mission:
-    """Make plain items of the survey or scan that holds an item."""
     part = _complex_at(mission, seq)
     if part is None:
         return mission
@@ -68,11 +67,10 @@ def with_plain_items(mission: Mission, seq: int) -> Mission:
 
 
 def complex_at(mission: Mission) -> tuple[range | None, ...]:
-    """Return the item numbers of each item's survey or scan."""
     numbers: list[range | None] = []
-    for entry in entries(mission.items, mission.complex_items):
-        part = None if entry.of is None else range(entry.first + 1, entry.first + 1 + entry.count)
-        numbers += [part] * entry.count
+    for indices, of in entries(mission.items, mission.complex_items):
+        part = None if of is None else range(indices.start + 1, indices.stop + 1)
+        numbers += [part] * len(indices)
     return tuple(numbers)
 
 

@@ -36,7 +36,6 @@ class _Row:
 
 
 def read_parameter_file(path: str | Path) -> ParameterFile:
-    """Read parameters; of several components, the autopilot's."""
     text = read_text(Path(path))
     lines = ((n, line.split("#", 1)[0].strip()) for n, line in enumerate(text.splitlines(), start=1))
     rows = [_row(content, n, f"{path}: line {n}") for n, content in lines if content]

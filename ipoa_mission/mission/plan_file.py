@@ -19,8 +19,6 @@ from ipoa_mission.mission.json_node import Node, parse_document
 from ipoa_mission.mission.stored_mission import resolve_frames
 from ipoa_mission.unread import Unread, gathered
 
-LANDING_GROUND = ("latitude", "longitude", "aboveHome")
-
 
 def parse_plan(path: Path, text: str, autopilot: Autopilot | None = None) -> MissionFile:
     """Read a `.plan` of QGroundControl, MAVSDK or this package.
@@ -47,7 +45,7 @@ def parse_plan(path: Path, text: str, autopilot: Autopilot | None = None) -> Mis
         fence=_fence(plan.get("geoFence")),
         rally=_rally(plan.get("rallyPoints")),
         vehicle_type=vehicle_type,
-        landing_ground=None if ground is None else Geodetic(*(ground[name].number() for name in LANDING_GROUND)),
+        landing_ground=None if ground is None else _landing_ground(ground),
         scanned=tuple((index, entry.scanned) for index, entry in enumerate(listed) if entry.scanned > 0.0),
         complex_items=complex_items_in([entry.part_of for entry in listed], items),
     )
@@ -197,6 +195,10 @@ def _rally(node: Node | None) -> tuple[Geodetic, ...]:
     return tuple(Geodetic(lat.degrees(), lon.degrees(), alt.number("an altitude in meters")) for lat, lon, alt in nodes)
 
 
+def _landing_ground(node: Node) -> Geodetic:
+    return Geodetic(node["latitude"].number(), node["longitude"].number(), node["aboveHome"].number())
+
+
 class AltitudeMode(IntEnum):
     """QGroundControl's; with CALCULATED, `Altitude` is over the ground and `AMSLAltAboveTerrain` is flown."""
 
@@ -224,7 +226,7 @@ def tidy(value: float) -> float | int | None:
 #: `[]`: of each member of a list; keys without effect on a flight are listed too.
 KEYS = {
     "": {"fileType", "version", "groundStation", "mission", "geoFence", "rallyPoints", "landingGround", "UUID"},
-    "landingGround": {*LANDING_GROUND},
+    "landingGround": {"aboveHome", "latitude", "longitude"},
     "mission": {
         *("version", "firmwareType", "vehicleType", "plannedHomePosition", "items"),
         *("cruiseSpeed", "hoverSpeed", "globalPlanAltitudeMode"),
@@ -251,7 +253,6 @@ EXPECTED = {
 
 
 def findings_of_keys(plan: Node) -> Iterator[Finding]:
-    """Report unread keys; those that may limit a flight as errors."""
     missing = {place for place in EXPECTED if _lacks(plan, place)}
     for unread in gathered(_unread(plan, missing)):
         words = unread.words.removeprefix(f"{unread.file}: ")

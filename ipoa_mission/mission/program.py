@@ -110,7 +110,6 @@ def moves(item: Item) -> bool:
 
 
 def is_passed(item: Item) -> bool:
-    """Return whether a waypoint is passed; ArduCopter holds for whole seconds."""
     return item.command == Command.NAV_ARC_WAYPOINT or (item.command in WAYPOINTS and item.params[0] < 1)
 
 

@@ -240,6 +240,7 @@ def _agree(letter: str, expected: float, actual: float) -> bool:
 
 def fence_to_wire(fence: Sequence[FencePolygon | FenceCircle]) -> tuple[Item, ...]:
     items = list[Item]()
+    places: tuple[tuple[float, float], ...]
     for part in fence:
         if isinstance(part, FenceCircle):
             commands, size, places = CIRCLE, part.radius, (part.center,)

@@ -102,7 +102,6 @@ def _line(seq: int, item: Item, nan: float) -> str:
 
 
 def _number(value: float, least_digits: int = 6) -> str:
-    """Return the shortest exact decimal, without an exponent."""
     return np.format_float_positional(value, unique=True, min_digits=least_digits)
 
 

@@ -73,7 +73,6 @@ def _parameters_text(mission: Mission, name: str) -> str:
 def write_several(
     missions: Iterable[tuple[str, Mission, Mapping[str, Any] | None]], folder: Path, name: str, about: Mapping[str, Any]
 ) -> tuple[Path, ...]:
-    """Write missions (name, mission, `about`), then NAME.json."""
     written, digests = list[Path](), dict[str, str]()
     for part, mission, about_part in missions:
         files, part_digests = write_files(mission, folder, part, about_part)
@@ -208,10 +207,9 @@ def _plan(mission: Mission) -> dict[str, Any]:
 
 def _entries(items: Sequence[Item], mission: Mission) -> Iterator[dict[str, Any]]:
     parts = [replace(part, items=resolve_frames(part.items, mission.autopilot)) for part in mission.complex_items]
-    for entry in entries(items, parts):
-        part = items[entry.first : entry.first + entry.count]
-        simple = [_simple_item(number, item) for number, item in enumerate(part, start=entry.first + 1)]
-        yield simple[0] if entry.of is None else as_document(entry.of, entry.first + 1, simple)
+    for indices, of in entries(items, parts):
+        simple = [_simple_item(index + 1, items[index]) for index in indices]
+        yield simple[0] if of is None else as_document(of, indices.start + 1, simple)
 
 
 def _check(number: int, item: Item, count: int) -> None:

@@ -1,5 +1,5 @@
 """Cost of a path, and the search for the best one.
 
 Read `planner` first: `lattice` guesses, an optimizer searches, `polish` descends, `proof` proves. `problem` prepares a
-task for them, `cost` is the paper's cost, `obstruction` explains why there is no path.
+task for them with the paper's cost, `obstruction` explains why there is no path.
 """

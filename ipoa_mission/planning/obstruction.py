@@ -141,7 +141,6 @@ def _heights(problem: PreparedProblem, body: Obstacle) -> tuple[float, float]:
 ROUNDING, GRADIENT_STEP, LEAST_FLIGHT = 1e-6, 1e-4, 0.1  # [m]
 LATTICE_FINENESS = 3.0
 COARSEST_STEP = 1.5  # lattices with longer steps, in clearances, may miss thin walls
-HINT = "try another --seed, more planning.control_points, or more iterations of the optimizer"
 
 
 class NoPath(MissionError):
@@ -197,7 +196,8 @@ def refuse_closed(problem: PreparedProblem) -> None:
 
 
 def not_found(proof: Proof) -> NotFound:
-    return NotFound(f"no safe path was found; the best one is {proof.words()}", hint=HINT)
+    hint = "try another --seed, more planning.control_points, or more iterations of the optimizer"
+    return NotFound(f"no safe path was found; the best one is {proof.words()}", hint=hint)
 
 
 def blockage(problem: PreparedProblem) -> NoPath | None:

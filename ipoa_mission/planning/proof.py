@@ -78,7 +78,6 @@ class Proof:
 
     @property
     def clearance(self) -> Clearance:
-        """Return the least distance to obstacle or ground."""
         solid = [check.nearest for check in self.checks if check.limit in ("obstacles", "ground")]
         return min(solid, key=lambda clearance: clearance.distance)
 

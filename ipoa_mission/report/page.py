@@ -18,7 +18,7 @@ from ipoa_mission.finding import Finding
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.mission.flight_record import FlightRecord
 from ipoa_mission.mission.items import Mission
-from ipoa_mission.planning.plan import Plan
+from ipoa_mission.planning.planner import Plan
 from ipoa_mission.report import drawn_flight
 from ipoa_mission.report.compare import compare_flight, flown_track
 from ipoa_mission.report.drawn_flight import DrawnFlight, ItemLeg, SampledTrack, item_legs, sample_track

@@ -6,12 +6,10 @@ from dataclasses import replace
 from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.errors import BadInput
 from ipoa_mission.mission.items import Mission
-from ipoa_mission.planning.plan import Plan
-from ipoa_mission.routing.attempt import Attempt
-from ipoa_mission.routing.build import build_mission
+from ipoa_mission.planning.planner import Plan
+from ipoa_mission.routing.attempt import Attempt, build_mission
 from ipoa_mission.routing.fastest import fastest_routes
-from ipoa_mission.routing.resample import corridor, every
-from ipoa_mission.routing.route import NoRoute, Route, push_clear
+from ipoa_mission.routing.resample import NoRoute, Route, corridor, every, push_clear
 from ipoa_mission.scenario import Scenario
 
 HALVINGS = 5  # before a mode gives up
@@ -89,7 +87,6 @@ def _first_guaranteed(attempts: Iterable[Attempt]) -> Attempt:
 
 
 def _near_routes(plan: Plan, scenario: Scenario) -> Iterator[Attempt]:
-    """Yield quick tries, the widest first."""
     mode = scenario.route.mode
     choose, width = _chooser(plan, scenario, "corridor" if mode == "fastest" else mode)
     yield choose(width)

@@ -83,7 +83,6 @@ def _needed(missing: float) -> float:
 
 
 def _wider(rooms: Vector, short: Iterable[Shortfall]) -> Vector:
-    """Widen the free volumes (n,) by the missing distance."""
     wider = rooms.copy()
     for n, missing in {shortfall.number: shortfall.missing for shortfall in short}.items():
         wide = rooms[n]

@@ -135,7 +135,6 @@ def return_remarks(forecast: Forecast) -> Iterator[str]:
 
 
 def _lands_on(forecast: Forecast) -> Iterator[str]:
-    """Yield how long a LAND may come down on an obstacle."""
     ways = forecast.cached(ContingencyPaths)
     samples = ways.samples(Contingency.LAND)
     shortfalls = find_shortfalls(ways, Contingency.LAND, samples)
@@ -234,7 +233,6 @@ def _margins(paths: ContingencyPaths, stopped: Points, height: NDArray[np.float6
 
 
 def _places(paths: ContingencyPaths) -> Points:
-    """Return ground places along the path (n, 3)."""
     track = paths.flight.pieces.points
     steps = np.hypot(*np.diff(track[:, :2], axis=0).T)
     traveled = np.concatenate([[0.0], np.cumsum(steps)])

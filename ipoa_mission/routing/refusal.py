@@ -13,12 +13,11 @@ import numpy as np
 from ipoa_mission.centimeters import down, up
 from ipoa_mission.errors import MissionError, Remedy
 from ipoa_mission.forecast.deviation.clearance_guarantee import KeptLimit
-from ipoa_mission.planning.obstruction import Closure, NoPath
+from ipoa_mission.planning.obstruction import NoPath
 from ipoa_mission.planning.path_problem import place_names
-from ipoa_mission.routing.attempt import Attempt
-from ipoa_mission.routing.build import items_of_waypoints
+from ipoa_mission.routing.attempt import Attempt, items_of_waypoints
 from ipoa_mission.routing.planned_returns import other_options_hint, why_not_planned
-from ipoa_mission.routing.route import Route
+from ipoa_mission.routing.resample import Route
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.world.airspace import Airspace
 from ipoa_mission.world.obstacles import Obstacle
@@ -59,18 +58,6 @@ def _otherwise(scenario: Scenario) -> Iterator[tuple[Remedy, Scenario]]:
         yield Remedy(("safety", "confidence"), lower), scenario.model_copy(update={"safety": safety})
 
 
-@dataclass(frozen=True)
-class NarrowGap:
-    gap: Closure
-    leg: str
-
-    def words(self) -> str:
-        east, north = self.gap.place
-        width, needed = f"{down(self.gap.width):.2f} m wide", f"{up(self.gap.needed):.2f} m"
-        where = f"at east {east:.1f}, north {north:.1f} m{self.leg}"
-        return f"the gap between {' and '.join(self.gap.names)} is {width}, and it needs {needed} at least, {where}"
-
-
 def refusal(nearest: Attempt, trials: ChangeTrials) -> NoPath:
     guarantee = nearest.guarantee
     if nearest.short:
@@ -84,14 +71,10 @@ def refusal(nearest: Attempt, trials: ChangeTrials) -> NoPath:
         words = _gap(tightest, nearest.scenario.airspace)
     else:
         words = f"{tightest.to}, where {tightest.words(guarantee.confidence)}"
-    return _with_help(f"{words}, {where}", ", or add a via point that leads round", trials)
+    return too_few_flights(f"{words}, {where}", ", or add a via point that leads round", trials)
 
 
-def narrow_refusal(narrow: NarrowGap, trials: ChangeTrials) -> NoPath:
-    return _with_help(narrow.words(), ", or move the places of this leg", trials)
-
-
-def _with_help(words: str, otherwise: str, trials: ChangeTrials) -> NoPath:
+def too_few_flights(words: str, otherwise: str, trials: ChangeTrials) -> NoPath:
     who, chance = f"on {trials.scenario.vehicle.autopilot}", trials.scenario.safety.chance
     if chance is None:
         why = f"a path exists, but flights {who} would leave its limits"
@@ -148,7 +131,6 @@ def _across(spot: np.ndarray, name: str, needed: float, airspace: Airspace) -> t
 
 
 def _try_changes(otherwise: str, trials: ChangeTrials) -> tuple[str, str, tuple[Remedy, ...]]:
-    """Return a description, a hint and the first change that helps."""
     tried = list[Remedy]()
     for change in trials.changes:
         if (attempt := trials.at(change)) is None:

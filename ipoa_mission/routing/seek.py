@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from itertools import islice, pairwise
 from typing import NamedTuple
 
+from ipoa_mission.centimeters import down, up
 from ipoa_mission.errors import MissionError
 from ipoa_mission.forecast.contingency.shortfalls import clear_in
 from ipoa_mission.forecast.deviation.kept_limits import clearance_task, tight_places, with_margins
@@ -17,24 +18,19 @@ from ipoa_mission.forecast.leg_limits import broken_limits
 from ipoa_mission.forecast.timing.track import THINNING_TOLERANCE
 from ipoa_mission.planning.obstruction import DISTANCE_TOLERANCE, NoPath, NotFound, closure
 from ipoa_mission.planning.path_problem import PathTask, place_names
-from ipoa_mission.planning.plan import Plan
-from ipoa_mission.planning.planner import move_aside, plan_path
+from ipoa_mission.planning.planner import Plan, move_aside, plan_path
 from ipoa_mission.planning.problem import prepare
 from ipoa_mission.progress import Progress, silent
 from ipoa_mission.routing.assemble import best_route, expect_mode, narrowed_route
 from ipoa_mission.routing.attempt import Attempt
 from ipoa_mission.routing.obstacle_growth import ObstacleGrowth, approximation_growth, initial_growth
-from ipoa_mission.routing.refusal import ChangeTrials, NarrowGap, narrow_refusal, refusal, slowed_where_needed
+from ipoa_mission.routing.refusal import ChangeTrials, refusal, slowed_where_needed, too_few_flights
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.world.obstacles import Obstacle
 
 
 class TooNarrow(MissionError):
     """Geometry alone shows that too few flights would keep the limits."""
-
-    def __init__(self, narrow: NarrowGap) -> None:
-        super().__init__(narrow.words())
-        self.narrow = narrow
 
 
 def expect_wide(scenario: Scenario) -> None:
@@ -51,7 +47,10 @@ def expect_wide(scenario: Scenario) -> None:
     for places, (a, b) in zip(pairwise(names), pairwise(scenario.places), strict=True):
         gap = closure(problem, a, b)
         if gap is not None and gap.needed - 2 * more < gap.width < gap.needed - DISTANCE_TOLERANCE:
-            raise TooNarrow(NarrowGap(gap, f", on the leg from {places[0]} to {places[1]}" if len(names) > 2 else ""))
+            between, (east, north) = " and ".join(gap.names), gap.place
+            sizes = f"{down(gap.width):.2f} m wide, and it needs {up(gap.needed):.2f} m at least"
+            leg = f", on the leg from {places[0]} to {places[1]}" if len(names) > 2 else ""
+            raise TooNarrow(f"the gap between {between} is {sizes}, at east {east:.1f}, north {north:.1f} m{leg}")
 
 
 def least_reach(law: DeviationLaw, chance: float) -> float:
@@ -123,7 +122,7 @@ def _plan(scenario: Scenario, seed: int, progress: Progress) -> Attempt:
             return slowed
         raise refusal(error.nearest, trials) from None
     except TooNarrow as error:
-        raise narrow_refusal(error.narrow, trials) from None
+        raise too_few_flights(str(error), ", or move the places of this leg", trials) from None
 
 
 def _plan_once(scenario: Scenario, seed: int) -> Attempt | None:

@@ -17,7 +17,7 @@ from ipoa_mission.geometry import Points
 from ipoa_mission.planning.obstruction import NoPath
 from ipoa_mission.planning.proof import prove
 from ipoa_mission.routing.planned_returns import choose_returns, other_options_hint, why_not_planned
-from ipoa_mission.routing.route import NoRoute
+from ipoa_mission.routing.resample import NoRoute
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.survey.assembly import assemble_survey
 from ipoa_mission.survey.survey_area import Area

@@ -20,8 +20,7 @@ from ipoa_mission.flight.flight import plan_flight
 from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.link.channel import open_channel
 from ipoa_mission.planning.path_problem import PathTask
-from ipoa_mission.planning.plan import Plan
-from ipoa_mission.planning.planner import plan_path
+from ipoa_mission.planning.planner import Plan, plan_path
 from ipoa_mission.scenario import Scenario, read_scenario
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot
 from ipoa_mission.simulator.mock_server import Server

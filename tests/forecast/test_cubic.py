@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 import scipy
 
-from ipoa_mission.forecast.timing.cubic import derivatives, values
+from ipoa_mission.forecast.timing.bound import derivatives, values
 
 
 @pytest.mark.parametrize("count", [3, 4, 5, 50, 3000])

@@ -19,7 +19,7 @@ from ipoa_mission.forecast.deviation.law import law_of, not_measured
 from ipoa_mission.forecast.deviation.proximity import proximity_risks
 from ipoa_mission.forecast.timing.track import Pieces
 from ipoa_mission.planning.obstruction import NoPath
-from ipoa_mission.planning.plan import Plan
+from ipoa_mission.planning.planner import Plan
 from ipoa_mission.progress import silent
 from ipoa_mission.routing.seek import plan_with_margins
 from ipoa_mission.scenario import Scenario

@@ -13,7 +13,7 @@ from ipoa_mission.link.reconnect import LinkLoss
 from ipoa_mission.link.telemetry import Position
 from ipoa_mission.logs.flight_log import LoggedFlight
 from ipoa_mission.simulator.mock_profile import asks_every
-from ipoa_mission.world.obstacles.cylinder import RoundZone
+from ipoa_mission.world.obstacles.kinds import RoundZone
 
 
 def bare(kind: type[Any], **fields: Any) -> Any:

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from ipoa_mission.planning.cost import curve_cost, path_cost
+from ipoa_mission.planning.problem import curve_cost, path_cost
 from ipoa_mission.planning.spline import Spline
 from tests.planning.conftest import Make
 

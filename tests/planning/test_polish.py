@@ -1,9 +1,8 @@
 import numpy as np
 import pytest
 
-from ipoa_mission.planning.cost import curve_cost
 from ipoa_mission.planning.polish import polish, polish_until_proved
-from ipoa_mission.planning.problem import Candidate, follow, prepare, refine
+from ipoa_mission.planning.problem import Candidate, curve_cost, follow, prepare, refine
 from ipoa_mission.planning.spline import Spline
 from ipoa_mission.scenario import Scenario
 from tests.planning.conftest import Make, Town

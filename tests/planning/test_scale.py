@@ -2,9 +2,9 @@ import numpy as np
 import pytest
 
 from ipoa_mission import Airspace, Bounds, Limits, PathProblem, plan_path
-from ipoa_mission.planning.cost import curve_cost
 from ipoa_mission.planning.lattice import LatticeStrategy
 from ipoa_mission.planning.planner import SearchStrategy
+from ipoa_mission.planning.problem import curve_cost
 from ipoa_mission.planning.spline import Spline
 from ipoa_mission.world.obstacles import Cylinder, Prism
 from ipoa_mission.world.terrain import Flat

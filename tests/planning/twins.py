@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ipoa_mission.geometry import Points, Vector, climb_angles, leg_lengths, turning_angles
-from ipoa_mission.planning.cost import node_weights
 from ipoa_mission.planning.obstacle_grid import LEAST, LEVER, Rules, Soft
+from ipoa_mission.planning.problem import node_weights
 from ipoa_mission.scenario.path_limits import Limits
 from ipoa_mission.world.airspace import Airspace
 

@@ -8,8 +8,8 @@ from ipoa_mission.autopilot.commands import WAYPOINTS, Command
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.timing.estimate import Estimate
 from ipoa_mission.mission.items import Mission, change_speed, land, takeoff, waypoint
-from ipoa_mission.planning.cost import curve_cost
-from ipoa_mission.planning.plan import Plan
+from ipoa_mission.planning.planner import Plan
+from ipoa_mission.planning.problem import curve_cost
 from ipoa_mission.planning.proof import prove_curve
 from ipoa_mission.planning.spline import Spline
 from ipoa_mission.report.drawn_flight import item_legs

@@ -10,8 +10,8 @@ from ipoa_mission.forecast.deviation.proximity import proximity_risks
 from ipoa_mission.forecast.timing.track import pieces_of
 from ipoa_mission.planning.planner import plan_path
 from ipoa_mission.routing.assemble import narrowed_route
-from ipoa_mission.routing.composed import composed_route
-from ipoa_mission.routing.route import push_clear
+from ipoa_mission.routing.fastest import composed_route
+from ipoa_mission.routing.resample import push_clear
 from ipoa_mission.scenario import Scenario, parse_scenario
 from tests.quick_search import QUICK
 

@@ -7,12 +7,11 @@ import pytest
 from ipoa_mission import read_scenario
 from ipoa_mission.errors import MissionError
 from ipoa_mission.planning.obstruction import NoPath
-from ipoa_mission.planning.plan import Plan
-from ipoa_mission.planning.planner import plan_path
+from ipoa_mission.planning.planner import Plan, plan_path
 from ipoa_mission.progress import silent
 from ipoa_mission.routing import seek
 from ipoa_mission.routing.attempt import Attempt
-from ipoa_mission.routing.route import NoRoute
+from ipoa_mission.routing.resample import NoRoute
 from tests.quick_search import QUICK
 
 SCENARIO = read_scenario(Path(__file__).parents[2] / "missions" / "sitl.toml")

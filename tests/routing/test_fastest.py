@@ -14,15 +14,13 @@ from ipoa_mission.forecast.timing.estimate import kinematics
 from ipoa_mission.forecast.timing.track import thinned
 from ipoa_mission.geodesy import LocalFrame
 from ipoa_mission.mission.mission_io import read_mission
-from ipoa_mission.planning.cost import curve_cost
-from ipoa_mission.planning.plan import Plan
-from ipoa_mission.planning.planner import plan_path
+from ipoa_mission.planning.planner import Plan, plan_path
+from ipoa_mission.planning.problem import curve_cost
 from ipoa_mission.planning.proof import prove, prove_curve
 from ipoa_mission.planning.spline import Spline, basis
 from ipoa_mission.routing.assemble import choose_route
-from ipoa_mission.routing.build import build_mission, draft_mission
-from ipoa_mission.routing.resample import strays
-from ipoa_mission.routing.route import Route
+from ipoa_mission.routing.attempt import build_mission, draft_mission
+from ipoa_mission.routing.resample import Route, strays
 from ipoa_mission.scenario import Scenario, parse_scenario
 from ipoa_mission.simulator.fly import fly_built_in as fly_here
 from tests.examples import some, vehicles

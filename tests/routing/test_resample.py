@@ -8,7 +8,7 @@ from scipy.optimize import lsq_linear
 from ipoa_mission.planning.spline import Spline
 from ipoa_mission.routing._corridor import fewest_legs
 from ipoa_mission.routing.fastest import _least_squares, relaxed
-from ipoa_mission.routing.resample import NO_PLACES, corridor, every, is_far, stations, strays
+from ipoa_mission.routing.resample import NO_PLACES, corridor, evenly_spaced, every, is_far, strays
 
 RNG = np.random.default_rng(4)
 CURVES = [Spline(np.cumsum(RNG.normal((12, 5, 0.5), (6, 9, 2), (n, 3)), axis=0)) for n in (4, 7, 10, 14, 20)]
@@ -118,7 +118,7 @@ def test_relaxed_line_is_straight_at_a_weave_and_wide_round_a_corner() -> None:
         np.testing.assert_allclose(line[[0, -1]], corner.control[[0, -1]], atol=1e-9)
     via = corner.points(np.array([0.5]))
     assert np.linalg.norm(relaxed(corner, 5.0, via) - via, axis=1).min() < 1e-9
-    waypoints = stations(line, 12.0, 40.0, NO_PLACES)
+    waypoints = evenly_spaced(line, 12.0, 40.0, NO_PLACES)
     steps = np.linalg.norm(np.diff(waypoints, axis=0), axis=1)
     assert steps[:-1].max() <= 12.0
     assert steps[-1] == pytest.approx(40.0, abs=0.1)

@@ -9,12 +9,12 @@ from ipoa_mission.checks.check import check_mission
 from ipoa_mission.finding import Severity
 from ipoa_mission.flight.flight import plan_flight
 from ipoa_mission.mission.written_files import plan_text
-from ipoa_mission.planning.cost import curve_cost
-from ipoa_mission.planning.plan import Plan
+from ipoa_mission.planning.planner import Plan
+from ipoa_mission.planning.problem import curve_cost
 from ipoa_mission.planning.proof import prove_curve
 from ipoa_mission.planning.spline import Spline, basis
 from ipoa_mission.routing.attempt import Attempt
-from ipoa_mission.routing.route import Route
+from ipoa_mission.routing.resample import Route
 from ipoa_mission.routing.seek import TooNear
 from ipoa_mission.scenario import Scenario
 from tests.examples import vehicles

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from ipoa_mission import Airspace, Bounds, Cylinder, Flat, Sphere
-from ipoa_mission.world.obstacles.prism import Prism
+from ipoa_mission.world.obstacles.kinds import Prism
 
 BODIES = (
     Sphere("ball", (20.0, 0.0, 25.0), 6.0),

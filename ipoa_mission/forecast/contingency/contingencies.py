@@ -218,7 +218,6 @@ class Contingencies:
         return tuple(row for contingency in contingencies_of(self.forecast) for row in self.rows(contingency, timed))
 
     def rows(self, contingency: Contingency, timed: bool = True) -> tuple[ContingencyRow, ...]:
-        """Return the rows of one contingency; with times and energy if `timed`."""
         if (unknown := self._unknown(contingency, *self.in_air)) is not None:
             return (unknown,)
         samples = self.samples(contingency)

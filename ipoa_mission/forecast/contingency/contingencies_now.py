@@ -37,7 +37,6 @@ class ContingenciesNow:
         self._late_s = 0.0
 
     def at(self, time: float) -> tuple[tuple[ContingencyRow, float | None], ...]:
-        """Return row and duration [s] of each contingency, at a time of the forecast [s]."""
         return tuple((row, self._seconds(row, time)) for row in map(self._row, self._rows, (time,) * len(self._rows)))
 
     def time_at(self, place: Vector, time: float) -> tuple[float, float]:

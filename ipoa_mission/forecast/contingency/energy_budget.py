@@ -160,7 +160,6 @@ class Budget:
 
 
 def budget_of(forecast: Forecast) -> Budget | None:
-    """Return the cached budget; None where the energy is unknown."""
     return forecast.cached(_budget)
 
 

@@ -96,7 +96,6 @@ class ClearanceGuarantee:
 
     @property
     def clearance(self) -> KeptLimit | None:
-        """Return the least clearance on the way, shortfalls first."""
         solid = [limit for limit in self.limits if limit.in_cruise and limit.limit in ("obstacles", "ground")]
         finite = [limit for limit in solid if np.isfinite(limit.guaranteed)]
         return min(finite, key=lambda limit: (not limit.falls_short, limit.guaranteed), default=None)

@@ -39,7 +39,6 @@ class Quantiles:
 
     @property
     def _logs(self) -> tuple[Vector, float]:
-        """Return logarithms of chances, and their slope beyond the last distance."""
         logs = np.log(self.chances)
         return logs, (logs[-1] - logs[-2]) / (self.distances[-1] - self.distances[-2])
 

@@ -15,6 +15,7 @@ from ipoa_mission.forecast.deviation.law import DeviationLaw
 from ipoa_mission.forecast.timing.track import Pieces
 from ipoa_mission.geometry import Vector
 from ipoa_mission.world.airspace import Airspace
+from ipoa_mission.world.obstacles.obstacle import distance_of
 
 TYPICAL_CHANCE = 0.01  # at which vertical and level deviations are compared
 Numbers = NDArray[np.intp]
@@ -60,8 +61,7 @@ class ProximityRisks:
 
     @cached_property
     def distance(self) -> Vector:
-        outside = np.hypot(np.maximum(self.lateral, 0.0), np.maximum(self.above, 0.0))
-        return np.asarray(outside + np.minimum(np.maximum(self.lateral, self.above), 0.0))
+        return distance_of(self.lateral, self.above)
 
     @cached_property
     def facing(self) -> Vector:

@@ -65,7 +65,6 @@ class Leg:
 
     @property
     def name(self) -> str:
-        """Return its name; after a jump with its begin."""
         names = {Phase.CRUISE: "the leg to it", Phase.RETURN: "the way home", Phase.TAKEOFF: "the climb"}
         name = names.get(self.phase, "the descent")
         if self.jumped_from < 0:
@@ -254,7 +253,6 @@ class _LegBuilder:
         yield self._vertical(seq, Phase.LANDING, top)
 
     def _returns(self, seq: int) -> Iterator[Leg]:
-        """Return legs home or to the chosen rally point, then alternatives."""
         places, version = [triple(place) for place in self._rally_points()], self.mission.firmware_version
         order = ReturnOrder(triple(self.at), places, version=version)
         route = self.mission.autopilot.return_route(self.parameters, order)

@@ -1,17 +1,31 @@
-"""Unroll a mission into visits, its jumps followed, and find how a return from them is flown."""
+"""Unroll a mission into visits, its jumps followed; find how a return from them is flown, and where it is unknown."""
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
+from typing import NamedTuple
 
-from ipoa_mission.autopilot.commands import FLOWN_TO, JUMPS, LAST_NAV, TAKEOFFS, Command, Frame, plain_frame
+from ipoa_mission.autopilot.commands import (
+    FLOWN_TO,
+    JUMPS,
+    LAST_NAV,
+    TAKEOFFS,
+    WAYPOINTS,
+    Command,
+    Frame,
+    command_name,
+    plain_frame,
+)
 from ipoa_mission.autopilot.parameters import Parameters
 from ipoa_mission.autopilot.returning import HOME, MissionLanding, ReturnBy, ReturnOrder, ReturnRoute
 from ipoa_mission.errors import BadInput, EndlessFlight, NotModeled
+from ipoa_mission.forecast.itinerary.copter_curves import WITH_PLACE, circle_radius, entry_is_unsure, reads_as_here
+from ipoa_mission.forecast.itinerary.flown_legs import LEVEL_SPEEDS
 from ipoa_mission.geodesy import Geodetic, LocalFrame
-from ipoa_mission.geometry import Place
+from ipoa_mission.geometry import Place, Vector
 from ipoa_mission.ground import LEVEL, Ground
 from ipoa_mission.mission.items import Item, Mission
-from ipoa_mission.mission.program import Program, as_flown, jump_target, program_of, repeats
+from ipoa_mission.mission.program import Program, as_flown, is_passed, jump_target, next_navigated, program_of, repeats
 
 # Above LAST_NAV, but not instant.
 UNTIMED = frozenset({Command.NAV_SCRIPT_TIME, Command.NAV_ATTITUDE_TIME, Command.CONDITION_GATE})
@@ -127,3 +141,124 @@ def _unrolled(mission: Mission) -> list[int]:
     if program.stuck_at is not None:
         raise EndlessFlight(f"{mission.autopilot.model} finds no next item", place=f"item {program.stuck_at + 1}")
     return order
+
+
+MAX_TURN_DEG = 150.0  # limit of the forecast's accuracy: docs/lab/flight-time.md
+NO_PLACE = (math.nan, math.nan, math.nan)
+
+
+class Unknown(NamedTuple):
+    seq: int
+    why: str
+    hint: str
+    code: str = "way-unknown"
+
+
+def find_unknown(mission: Mission) -> Iterator[Unknown]:
+    autopilot, items = mission.autopilot, as_flown(mission).items
+    program = Program(items, LocalFrame(mission.home), autopilot, version=mission.firmware_version)
+    circles, splines = Command.NAV_LOITER_TURNS in autopilot.command_effects.flown, autopilot.guidance.flies_splines
+    yield from past_jumps(mission)
+    here: Place | None = None
+    braking = _braking_lengths(mission) if splines else []
+    for n, item in enumerate(items):
+        if (why := autopilot.command_effects.why_unknown(item.command, item.params)) is not None:
+            yield Unknown(n + 1, why, "leave it out, or fly it without a forecast (--anyway)")
+        place, before = program.place(n, here or NO_PLACE), here
+        if circles and item.command == Command.NAV_LOITER_TURNS:
+            if circle_radius(item) > 150.0:
+                why = "circles beyond 150 m are flown up to 1.0 m off their forecast"
+                yield Unknown(n + 1, why, "fly it as waypoints")
+            if here is not None and entry_is_unsure(here, place, circle_radius(item)):
+                why = "it begins near the circle's center: the side of its entry is random"
+                yield Unknown(n + 1, why, "begin it farther from the center")
+            here = None
+        elif item.command in TAKEOFFS:
+            here = (*(here or HOME)[:2], place[2])
+        elif item.command in FLOWN_TO:
+            here = place
+        if splines and item.command == Command.NAV_SPLINE_WAYPOINT:
+            yield from _after_a_spline(program, n)
+            length = math.inf if before is None else math.dist(before, place)
+            if length < 0.95 * braking[n] and _stops(program, n, place):
+                why = f"it stops on a spline of less than {braking[n]:.1f} m: it flies up to 2.0 m beyond its forecast"
+                yield Unknown(n + 1, why, "stop at a waypoint, fly slower, or leave the spline more length")
+            if before is not None and _turns_back(program, n, before, place):
+                why = f"it turns by more than {MAX_TURN_DEG:g} degrees: flown up to 1.6 m off its forecast"
+                yield Unknown(n + 1, why, "turn at two waypoints")
+        elif item.command in WAYPOINTS and (next_index := program.onward(n)) is not None:
+            yield from _payload_elsewhere(mission, program, n, next_index)
+
+
+def past_jumps(mission: Mission) -> Iterator[Unknown]:
+    items = mission.items
+    if not any(item.command in JUMPS for item in items):
+        return
+    for n, instead in sorted(program_of(mission, items).followed()[1].items()):
+        jump = next((later + 1 for later in range(n, len(items)) if items[later].command in JUMPS), 0)
+        why = (
+            f"{mission.autopilot.model} flies on from here to item {instead + 1}, not to the target of the jump at "
+            f"item {jump}, because that target is no place"
+        )
+        hint = "let DO_JUMP name the waypoint itself, or hold here for a second"
+        yield Unknown(n + 1, why, hint, "jump-flown-elsewhere")
+
+
+def _after_a_spline(program: Program, n: int) -> Iterator[Unknown]:
+    items = program.items
+    for after in {next_navigated(items, n, program.autopilot), program.shaped_by(n)} - {None}:
+        assert after is not None
+        if items[after].command not in WITH_PLACE and not reads_as_here(items[after]):
+            name = command_name(items[after].command)
+            why = f"{name} after a spline is read as a place far away or up: the vehicle may dive into the ground"
+            yield Unknown(n + 1, why, "put a waypoint between them", "never-reached")
+
+
+def _braking_lengths(mission: Mission) -> list[float]:
+    """Return for each item the length of a spline on which it can stop from its speed [m]; 0 from a stop."""
+    autopilot, items = mission.autopilot, mission.items
+    table, values = autopilot.parameter_table, autopilot.complete(mission.parameters, mission.firmware_version)
+    both = table.by_meaning["cruise speed"], table.by_meaning["acceleration"]
+    speed, accel = (values[parameter.name] * parameter.unit for parameter in both)
+    changed = (n for n, item in enumerate(items) if item.command == Command.DO_CHANGE_SPEED)
+    changes = {n: items[n].params[1] for n in changed if items[n].params[0] in LEVEL_SPEEDS and items[n].params[1] > 0}
+    if any(item.command in JUMPS for item in items):
+        return [max([speed, *changes.values()]) ** 2 / accel] * len(items)
+    lengths, is_at_rest = list[float](), True
+    for n, item in enumerate(items):
+        speed = changes.get(n, speed)
+        lengths.append(0.0 if is_at_rest else speed**2 / accel)
+        if item.command in FLOWN_TO:
+            is_at_rest = item.command in TAKEOFFS or not is_passed(item)
+    return lengths
+
+
+def _stops(program: Program, n: int, place: Place) -> bool:
+    after = program.shaped_by(n)
+    if after is None or program.items[after].command not in WITH_PLACE or reads_as_here(program.items[after]):
+        return True
+    return math.dist(program.place(after, place)[:2], place[:2]) < 0.01
+
+
+def _turns_back(program: Program, n: int, before: Place, place: Place) -> bool:
+    after = program.shaped_by(n)
+    if after is None or program.items[after].command not in program.autopilot.guidance.flown_on_into:
+        return False
+    return turn_deg(before, place, program.place(after, place)) > MAX_TURN_DEG
+
+
+def turn_deg(before: Place | Vector, at: Place | Vector, after: Place | Vector) -> float:
+    """Return the turn at a place, 0 to 180; NaN where unknown."""
+    east, north, on_east, on_north = at[0] - before[0], at[1] - before[1], after[0] - at[0], after[1] - at[1]
+    return math.degrees(math.atan2(abs(east * on_north - north * on_east), east * on_east + north * on_north))
+
+
+def _payload_elsewhere(mission: Mission, program: Program, n: int, next_index: int) -> Iterator[Unknown]:
+    autopilot, item = mission.autopilot, program.items[next_index]
+    if item.command != Command.NAV_PAYLOAD_PLACE or not item.has_position:
+        return
+    parameters = autopilot.complete(mission.parameters, mission.firmware_version)
+    radius = parameters[autopilot.parameter_table.by_meaning["acceptance radius"].name] / 100
+    if abs(program.place(next_index, NO_PLACE)[2] - program.place(n, NO_PLACE)[2]) > radius:
+        why = "it waits at this height for that of the waypoint before, and never places the payload"
+        yield Unknown(next_index + 1, why, "give it the height of the waypoint before, or 0", "never-reached")

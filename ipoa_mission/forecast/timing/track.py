@@ -104,7 +104,6 @@ class Pieces(Track):
 
 
 def pieces_of(track: Track, spread: Points | None = None) -> Pieces:
-    """Cut a track of n samples, with their `spread` (n, 3), into pieces."""
     shortest = 0.05  # [m]
     is_kept = np.concatenate([[True], np.diff(np.floor(arc_lengths(track.points) / shortest)) > 0.0])
     is_kept[-1] = True

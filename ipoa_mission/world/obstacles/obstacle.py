@@ -1,10 +1,10 @@
-"""Interface of obstacles: a new kind is one file with a subclass of `Obstacle`.
+"""Interface of obstacles: a new kind is a subclass of `Obstacle`.
 
 The planner's kernels know only three elementary bodies, the `parts` of every kind.
 """
 
 from abc import ABC, abstractmethod
-from typing import Any, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 import shapely
@@ -43,6 +43,7 @@ class Obstacle(ABC):
     """
 
     name: str
+    solid: ClassVar[bool] = True
 
     @property
     @abstractmethod
@@ -65,10 +66,6 @@ class Obstacle(ABC):
     @property
     def convex(self) -> bool:
         return False
-
-    @property
-    def solid(self) -> bool:
-        return True
 
     @property
     def column(self) -> Column | None:
@@ -111,9 +108,7 @@ class Obstacle(ABC):
         if self.column is None:
             return np.asarray(np.min([part.leg_distances(a, b) for part in self.parts], axis=0))
         aside, above, below, _ = self.passing(a, b)
-        beyond = np.maximum(above, below)
-        outside = np.hypot(np.maximum(aside, 0.0), np.maximum(beyond, 0.0))
-        return np.asarray(outside + np.minimum(np.maximum(aside, beyond), 0.0))
+        return distance_of(aside, np.maximum(above, below))
 
     def outline(self) -> tuple[Plane, ...]:
         """Return open rings of the plan (n, 2), the outer one first."""
@@ -141,6 +136,10 @@ NO_EDGES = np.zeros((0, 4))
 
 class Part(Obstacle):
     @property
+    def parts(self) -> "tuple[Part, ...]":
+        return (self,)
+
+    @property
     @abstractmethod
     def plan_radius(self) -> float:
         """Return a radius around the middle of its box [m]."""
@@ -153,6 +152,12 @@ class Part(Obstacle):
 def _rectangle(corners: NDArray[np.float64]) -> Plane:
     (left, low), (right, high) = corners
     return np.array([(left, low), (right, low), (right, high), (left, high)])
+
+
+def distance_of(aside: Vector, above: Vector) -> Vector:
+    """Return signed distances to an upright body by those to its outline, and to its top or base, (n,) [m]."""
+    outside = np.hypot(np.maximum(aside, 0.0), np.maximum(above, 0.0))
+    return np.asarray(outside + np.minimum(np.maximum(aside, above), 0.0))
 
 
 def expect_positive(name: str, what: str, value: float) -> None:
