@@ -29,6 +29,7 @@ from ipoa_mission.errors import BadInput
 from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.itinerary.copter_curves import circle_turn
+from ipoa_mission.mission.item_words import name_items
 from ipoa_mission.mission.items import Item, Mission, Numbered, item_of, numbered_items
 from ipoa_mission.mission.positions import out_of_range
 from ipoa_mission.mission.program import Steps, as_flown, items_tagged, jump_target, program_of
@@ -194,9 +195,8 @@ def _terrain(mission: Mission) -> Iterator[Finding]:
     over = [seq for seq, item in enumerate(mission.items, 1) if plain_frame(item.frame) == Frame.GLOBAL_TERRAIN_ALT]
     sensor = mission.autopilot.guidance.terrain_by
     if over and sensor and not mission.parameters.get(sensor):
-        items = f"item{'s' if len(over) > 1 else ''} {', '.join(map(str, over))}"
         message = (
-            f"{items}: above terrain: {mission.autopilot.model} arms only with terrain data, which a ground "
+            f"{name_items(over)}: above terrain: {mission.autopilot.model} arms only with terrain data, which a ground "
             f"station sends or its card holds, or with a range finder ({sensor})"
         )
         yield Finding("terrain-data", Severity.WARNING, over[0], message)
@@ -368,10 +368,10 @@ def check_passing(forecast: Forecast) -> Iterator[Finding]:
     level = [seq for seq in rises if seq not in climbing]
     hint = f"give each a hold of {hold:g} s (param1): the vehicle stops there and waits for its height"
     if climbing:
-        words = f"{_named(climbing)}: {mission.autopilot.model} may pass at another height, and fly on without end"
+        words = f"{name_items(climbing)}: {mission.autopilot.model} may pass at another height, and fly on without end"
         yield Finding("waypoint-passed", Severity.ERROR, climbing[0], words, hint)
     if level:
-        words = f"{_named(level)}: {mission.autopilot.model} does not return to a waypoint that it passed"
+        words = f"{name_items(level)}: {mission.autopilot.model} does not return to a waypoint that it passed"
         yield Finding("waypoint-may-be-passed", Severity.WARNING, level[0], words, hint)
 
 
@@ -389,8 +389,3 @@ def _rises(forecast: Forecast) -> dict[int, float]:
             rise = abs(float(program.places[onward, 2] - program.places[n, 2]))
             rises[seq] = max(rise, rises.get(seq, 0.0))
     return dict(sorted(rises.items()))
-
-
-def _named(items: list[int]) -> str:
-    names = ", ".join(map(str, items[:5])) + (" and others" if len(items) > 5 else "")
-    return f"{'items' if len(items) > 1 else 'item'} {names}"

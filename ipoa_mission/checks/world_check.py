@@ -28,6 +28,7 @@ from ipoa_mission.forecast.deviation.law import not_measured
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.itinerary.flown_legs import Phase
 from ipoa_mission.forecast.leg_limits import ROUNDING, broken_limits
+from ipoa_mission.mission.item_words import name_items
 from ipoa_mission.mission.items import Mission, item_of
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.wind import CALM, Wind
@@ -220,13 +221,6 @@ def _remedy(paths: ContingencyPaths) -> str | None:
         return None
     value = higher.mission_as_read.parameters[by.name]
     return f"{by.name} = {value:.0f} makes it clear, in the vehicle and under [vehicle.parameters]"
-
-
-def name_items(seqs: Sequence[int]) -> str:
-    """3, 4, 5 and 7 are "items 3 to 5, 7"."""
-    runs = np.split(np.array(seqs), np.flatnonzero(np.diff(seqs) > 1) + 1)
-    words = ", ".join(str(run[0]) if len(run) == 1 else f"{run[0]} to {run[-1]}" for run in runs)
-    return f"item{'' if len(seqs) == 1 else 's'} {words}"
 
 
 def check_failsafe_landing(forecast: Forecast) -> Iterator[Finding]:

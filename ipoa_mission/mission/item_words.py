@@ -1,4 +1,7 @@
+"""Words for items and for lists of item numbers."""
+
 import math
+from collections.abc import Iterable
 
 from ipoa_mission.autopilot.commands import Command, short_name
 from ipoa_mission.mission.items import Item
@@ -33,6 +36,18 @@ def details_of(item: Item) -> str:
         case command if command in HOLDS:
             return ""
     return ", ".join(f"param{n} {value:g}" for n, value in enumerate(item.params, 1) if value and math.isfinite(value))
+
+
+def name_items(seqs: Iterable[int]) -> str:
+    """Return "items 3 to 5, 7" for 3, 4, 5 and 7."""
+    numbers, runs = sorted(set(seqs)), list[list[int]]()
+    for seq in numbers:
+        if runs and seq == runs[-1][-1] + 1:
+            runs[-1].append(seq)
+        else:
+            runs.append([seq])
+    words = ", ".join(f"{run[0]} to {run[-1]}" if len(run) > 1 else f"{run[0]}" for run in runs)
+    return f"item{'s' if len(numbers) > 1 else ''} {words}"
 
 
 def item_words(item: Item) -> str:

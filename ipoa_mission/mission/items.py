@@ -48,7 +48,6 @@ class Item:
 
     @property
     def has_position(self) -> bool:
-        """Return whether the vehicle flies to its latitude and longitude."""
         return self._is_flown_to and (self.latitude_deg, self.longitude_deg) != (0.0, 0.0)
 
     @property
@@ -203,13 +202,8 @@ class Mission:
 
     def altitude_above_home(self, item: Item) -> float:
         """Return an item's altitude over home [m]; NaN over terrain."""
-        match plain_frame(item.frame):
-            case Frame.GLOBAL:
-                return item.altitude - self.home.altitude
-            case Frame.GLOBAL_RELATIVE_ALT:
-                return item.altitude
-            case _:
-                return math.nan
+        is_known = plain_frame(item.frame) in (Frame.GLOBAL, Frame.GLOBAL_RELATIVE_ALT)
+        return item.height(self.home) if is_known else math.nan
 
 
 @dataclass(frozen=True)

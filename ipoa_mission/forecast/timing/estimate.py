@@ -1,7 +1,7 @@
 """Estimate the time of a mission by item, of its route, and as QGroundControl shows it."""
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -15,6 +15,7 @@ from ipoa_mission.forecast.timing.bound import Kinematics, least_time
 from ipoa_mission.forecast.timing.flight_model import NEVER_MISSED, FlightModel, Missed, Prediction
 from ipoa_mission.forecast.timing.track import Track
 from ipoa_mission.geometry import Points, Vector, arc_lengths, leg_lengths
+from ipoa_mission.mission.item_words import name_items
 from ipoa_mission.mission.items import Mission
 
 COUNTED_TERMS = (
@@ -167,10 +168,10 @@ def times_of(mission: Mission, route: Itinerary, prediction: Prediction) -> Esti
     items = _item_times(route, prediction)
     remarks = prediction.remarks
     if route.over_terrain:
-        remarks = (*remarks, f"{_items(route.over_terrain)}: height over terrain taken as height over home")
+        remarks = (*remarks, f"{name_items(route.over_terrain)}: height over terrain taken as height over home")
     conditions = [visit.seq for visit in route.visits if visit.item.command in CONDITIONS]
     if conditions:
-        remarks = (*remarks, f"{_items(conditions)}: the delayed action counts as done at once")
+        remarks = (*remarks, f"{name_items(conditions)}: the delayed action counts as done at once")
     knows_clock = mission.autopilot.guidance.waits_until_clock
     waits = [(visit.seq, visit.item.clock) for visit in route.visits if knows_clock and visit.item.clock]
     remarks += tuple(f"item {seq}: the wait until {until} is not in the times" for seq, until in waits)
@@ -187,11 +188,6 @@ def times_of(mission: Mission, route: Itinerary, prediction: Prediction) -> Esti
         remarks=tuple(dict.fromkeys(remarks)),
         waits=tuple(dict.fromkeys(f"of item {seq} until {until}" for seq, until in waits)),
     )
-
-
-def _items(seqs: Iterable[int]) -> str:
-    unique = dict.fromkeys(seqs)
-    return f"item{'s' if len(unique) > 1 else ''} {', '.join(map(str, unique))}"
 
 
 def _item_times(route: Itinerary, prediction: Prediction) -> tuple[ItemTime, ...]:
