@@ -235,6 +235,6 @@ def test_waypoint_that_may_be_passed_is_named_by_item_after_jumps() -> None:
     higher = replace(B, altitude=30.0)
     flown = replace(mission(UP, A, higher, C, jump(2, 2), D, BACK, autopilot=PX4), firmware_version=Version(1, 18))
     errors = [finding for finding in check_mission(flown) if finding.code == "waypoint-passed"]
-    assert [finding.message.partition(":")[0] for finding in errors] == ["items 2, 3"]
+    assert [finding.message.partition(":")[0] for finding in errors] == ["items 2 to 3"]
     endless = replace(flown, items=(*flown.items[:4], jump(2, -1), *flown.items[5:]))
     assert "error waypoint-passed 2" in codes_of(check_mission(endless))
