@@ -2,16 +2,13 @@
 
 import errno
 import os
-import select
 import sys
 import tempfile
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-from ipoa_mission.errors import BadInput, Unreadable, Unwritable, WrongFormat
-
-PIPE_TIMEOUT_S = 5.0  # for the first data [s]
+from ipoa_mission.errors import Unreadable, Unwritable, WrongFormat
 
 MISSIONS = (".plan", ".waypoints")
 _records: list[list[Path]] = []  # of `recorded_writes`
@@ -102,8 +99,7 @@ def unused(path: Path) -> Path:
 def read_text(path: Path) -> str:
     """Drop a byte order mark, keep line ends."""
     try:
-        data = _read_pipe(path) if path.is_fifo() else path.read_bytes()
-        return data.decode("utf-8-sig")
+        return path.read_bytes().decode("utf-8-sig")
     except OSError as error:
         raise Unreadable(f"cannot be read: {error.strerror}", place=path) from error
     except UnicodeDecodeError as error:
@@ -143,15 +139,6 @@ def copies(part: str) -> Iterator[Path]:
         there = Path(place) / package.name
         if there.is_dir() and there.resolve() != package.resolve():
             yield there / part
-
-
-def _read_pipe(path: Path) -> bytes:
-    pipe = os.open(path, os.O_RDONLY | os.O_NONBLOCK)
-    with os.fdopen(pipe, "rb") as file:
-        if not select.select([pipe], [], [], PIPE_TIMEOUT_S)[0]:
-            raise BadInput(f"expected data in this pipe within {PIPE_TIMEOUT_S:g} s", place=path)
-        os.set_blocking(pipe, True)
-        return file.read()
 
 
 def _umask() -> int:

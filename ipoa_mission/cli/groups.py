@@ -1,6 +1,5 @@
 from collections.abc import Iterable
 from dataclasses import dataclass
-from functools import cached_property
 from logging import getLogger
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -13,9 +12,7 @@ from ipoa_mission.link.on_deviation import OnDeviation
 from ipoa_mission.terminal import expect_free
 
 if TYPE_CHECKING:
-    from ipoa_mission.autopilot.version import Version
     from ipoa_mission.simulator.faults import Faults
-    from ipoa_mission.wind import Wind
 
 
 @dataclass
@@ -52,27 +49,12 @@ class FlownByOptions:
         typer.Option("--vehicle", metavar="FILE", help="A vehicle file written by `learn`: drag, lag, delays, power."),
     ] = None
 
-    @cached_property
-    def _read(self) -> tuple[dict[str, float], tuple[str, ...]]:
-        return options.read_parameter_options(self.param, self.param_file)
-
-    @property
-    def parameters(self) -> dict[str, float]:
-        return self._read[0]
-
-    @property
-    def parameter_remarks(self) -> tuple[str, ...]:
-        return self._read[1]
-
-    @cached_property
-    def version(self) -> "Version | None":
+    def __post_init__(self) -> None:
         from ipoa_mission.autopilot.version import Version
 
-        return None if self.firmware_version is None else Version.parsed(self.firmware_version)
-
-    @cached_property
-    def air(self) -> "Wind | None":
-        return options.read_wind_option(self.wind)
+        self.parameters, self.parameter_remarks = options.read_parameter_options(self.param, self.param_file)
+        self.version = None if self.firmware_version is None else Version.parsed(self.firmware_version)
+        self.air = options.read_wind_option(self.wind)
 
 
 @dataclass

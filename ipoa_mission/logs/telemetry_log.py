@@ -19,24 +19,6 @@ from ipoa_mission.geometry import Vector
 from ipoa_mission.link import messages as m
 from ipoa_mission.link.codec import Codec
 from ipoa_mission.link.mavftp import MISSION_FILE, Opcode, unpack
-from ipoa_mission.link.messages import (
-    AUTOPILOT_COMPONENT,
-    STATION_COMPONENT,
-    STATION_SYSTEM,
-    CommandAck,
-    CommandInt,
-    CommandLong,
-    CommandResult,
-    Current,
-    Event,
-    Heartbeat,
-    MavAutopilot,
-    Message,
-    ParamValue,
-    Reached,
-    Text,
-    TimeSync,
-)
 from ipoa_mission.link.mission_upload_file import unpack_mission
 from ipoa_mission.link.orders import parameter_value
 from ipoa_mission.link.telemetry import (
@@ -121,14 +103,14 @@ class Transfers:
             return None
 
 
-def vehicle_time(message: Message) -> float | None:
+def vehicle_time(message: m.Message) -> float | None:
     """Return the time since boot [s], if any."""
     match message:
         case Position() | Attitude() | LocalPosition():
             return message.time_s
         case SystemTime():
             return message.boot_s
-        case TimeSync(0, nanoseconds) if 0 < nanoseconds < 1e17:  # a greater one is no boot time
+        case m.TimeSync(0, nanoseconds) if 0 < nanoseconds < 1e17:  # a greater one is no boot time
             return nanoseconds / 1e9
     return None
 
@@ -181,48 +163,32 @@ class PX4Event(IntEnum):
     DISARMED_BY = 0x1F46777
 
 
-@dataclass
-class _Gathered:
-    transfers: Transfers = field(default_factory=Transfers)
-    messages: list[tuple[int, Message]] = field(default_factory=list)
-    times: list[tuple[int, float]] = field(default_factory=list)
-    state: Heartbeat | None = None
-    ordered: bool | None = None
-    changes: list[tuple[int, bool]] = field(default_factory=list)  # of arming, since the last heartbeat
-    unconfirmed: bool = False  # heartbeat still in the old state
-    version: str = ""
-    measured: list[tuple[int, Attitude | BatteryStatus | SystemStatus]] = field(default_factory=list)
-
-
 def read_telemetry_log(path: Path, system: int | None = None) -> Log:
     """Return positions and events of one autopilot: this system id, or the first multicopter."""
-    codec, gathered, missing = Codec(STATION_SYSTEM, STATION_COMPONENT), _Gathered(), LostFrames()
+    codec, missing = Codec(m.STATION_SYSTEM, m.STATION_COMPONENT), LostFrames()
     stamps, kinds = list[float](), dict[int, VehicleKind]()
-    chosen = None
+    reader: _Reader | None = None
     for record in read_tlog(path, missing):
         heard = codec.decode(record.frame)
         if heard is None or heard.message is None:
             continue
-        beat = heard.message if heard.component == AUTOPILOT_COMPONENT else None
-        if heard.system not in kinds and isinstance(beat, Heartbeat) and beat.autopilot != MavAutopilot.INVALID:
+        beat = heard.message if heard.component == m.AUTOPILOT_COMPONENT else None
+        if heard.system not in kinds and isinstance(beat, m.Heartbeat) and beat.autopilot != m.MavAutopilot.INVALID:
             kind = kinds[heard.system] = VehicleKind(beat.autopilot, beat.type)
-            if chosen is None and _is_flown(kind) and system in (None, heard.system):
-                chosen = heard.system
-        if chosen is None:
+            if reader is None and _is_flown(kind) and system in (None, heard.system):
+                reader = _Reader(heard.system, kind.autopilot)
+        if reader is None:
             continue
         number = len(stamps)
         stamps.append(record.unix_s)
-        if (heard.system, heard.component) == (chosen, AUTOPILOT_COMPONENT):
-            _note_vehicle(gathered, number, heard.message, kinds[chosen].autopilot)
-        elif heard.target.system in (0, chosen):
-            _note_station(gathered, number, heard.message)
-    if chosen is None:
+        if (heard.system, heard.component) == (reader.system, m.AUTOPILOT_COMPONENT):
+            reader.note_vehicle(number, heard.message)
+        elif heard.target.system in (0, reader.system):
+            reader.note_station(number, heard.message)
+    if reader is None:
         raise _not_in(path, kinds, system)
-    autopilot = kinds[chosen].autopilot
-    if gathered.state and gathered.changes and not gathered.changes[-1][1]:
-        _change(gathered, gathered.state.custom_mode, autopilot)
-    log = _dated(gathered, growing(stamps), autopilot)
-    return replace(log, remarks=(*_others(kinds, chosen), *missing.remarks(chosen), *log.remarks))
+    log = reader.log(growing(stamps))
+    return replace(log, remarks=(*_others(kinds, reader.system), *missing.remarks(reader.system), *log.remarks))
 
 
 def _is_flown(kind: VehicleKind) -> bool:
@@ -252,93 +218,108 @@ def _not_in(path: Path, kinds: Mapping[int, VehicleKind], system: int | None) ->
     return BadInput(words, code="other-vehicle", place=path)
 
 
-def _note_station(gathered: _Gathered, number: int, message: Message) -> None:
-    match message:
-        case CommandLong(Command.COMPONENT_ARM_DISARM, params) | CommandInt(Command.COMPONENT_ARM_DISARM, _, params):
-            gathered.ordered = params[0] >= 0.5
-    _note_transfer(gathered, number, message, by_vehicle=False)
+@dataclass
+class _Reader:
+    """Gathers the messages of one vehicle, and those to it, by their number in the log."""
+
+    system: int
+    autopilot: Autopilot
+    transfers: Transfers = field(default_factory=Transfers)
+    messages: list[tuple[int, m.Message]] = field(default_factory=list)
+    times: list[tuple[int, float]] = field(default_factory=list)
+    state: m.Heartbeat | None = None
+    ordered: bool | None = None
+    changes: list[tuple[int, bool]] = field(default_factory=list)  # of arming, since the last heartbeat
+    unconfirmed: bool = False  # heartbeat still in the old state
+    version: str = ""
+    measured: list[tuple[int, Attitude | BatteryStatus | SystemStatus]] = field(default_factory=list)
+
+    def note_station(self, number: int, message: m.Message) -> None:
+        match message:
+            case m.CommandLong(Command.COMPONENT_ARM_DISARM, params) | m.CommandInt(
+                Command.COMPONENT_ARM_DISARM, _, params
+            ):
+                self.ordered = params[0] >= 0.5
+        self._note_transfer(number, message, by_vehicle=False)
+
+    def note_vehicle(self, number: int, message: m.Message) -> None:
+        if (time := vehicle_time(message)) is not None:
+            self.times.append((number, time))
+        match message:
+            case m.Heartbeat():
+                self._beat(number, message)
+            case m.CommandAck(Command.COMPONENT_ARM_DISARM, m.CommandResult.ACCEPTED):
+                self._note_arming(number, not self._is_armed if self.ordered is None else self.ordered)
+            case m.Event(PX4Event.ARMED_BY | PX4Event.DISARMED_BY as event):
+                self._note_arming(number, event == PX4Event.ARMED_BY)
+            case m.Text(_, text):
+                if text.startswith((*ARMING_TEXTS, *DISARMING_TEXTS)) and not self.changes:  # else an echo
+                    self._note_arming(number, text.startswith(ARMING_TEXTS))
+                if self.autopilot.protocol_profile.tells_items and (begun := item_begun(text)):
+                    self.messages.append((number, begun))
+            case AutopilotVersion(_, version):
+                self.version = version_name(version)
+            case Attitude() | BatteryStatus() | SystemStatus():
+                self.measured.append((number, message))
+            case m.ParamValue():
+                message = replace(message, param_value=parameter_value(message, self.autopilot))
+        if isinstance(message, Position | m.Reached | m.Current | HomePosition | m.ParamValue | m.Text):
+            self.messages.append((number, message))
+        self._note_transfer(number, message, by_vehicle=True)
+
+    def _note_transfer(self, number: int, message: m.Message, by_vehicle: bool) -> None:
+        if (items := self.transfers.note(message, by_vehicle)) is not None:
+            self.messages.append((number, Held(items)))
+
+    @property
+    def _is_armed(self) -> bool:
+        return self.changes[-1][1] if self.changes else self.state is not None and self.state.armed
+
+    def _note_arming(self, number: int, armed: bool) -> None:
+        if armed != self._is_armed:
+            self.changes.append((number, armed))
+            self.unconfirmed = False
+
+    def _beat(self, number: int, beat: m.Heartbeat) -> None:
+        before = self.state
+        if before and self.changes and self.changes[-1][1] == beat.armed:
+            self._change(before.custom_mode)
+        elif self.unconfirmed:
+            self.changes.clear()
+        self.state, self.unconfirmed = beat, bool(self.changes)
+        if before is None or (before.armed, before.custom_mode) != (beat.armed, beat.custom_mode):
+            self.messages.append((number, presence(self.autopilot, beat.armed, beat.custom_mode)))
+
+    def _change(self, mode: int) -> None:
+        self.messages += [(number, presence(self.autopilot, armed, mode)) for number, armed in self.changes]
+        self.changes.clear()
+
+    def log(self, stamps: Vector) -> Log:
+        if self.state and self.changes and not self.changes[-1][1]:
+            self._change(self.state.custom_mode)
+        known_at = stamps[[number for number, _ in self.times]] if self.times else np.empty(0)
+        clock = unwrapped(known_at, np.array([time for _, time in self.times]))
+        times = vehicle_times(stamps, known_at, clock).tolist()
+        dated = [(times[n], message) for n, message in self.messages]
+        places = [(time, message) for time, message in dated if isinstance(message, Position)]
+        rows = [(time, p.latitude_deg, p.longitude_deg, p.altitude, p.height, *p.velocity) for time, p in places]
+        events = tuple((time, message) for time, message in dated if not isinstance(message, Position))
+        measured = _measured([(times[n], message) for n, message in self.measured])
+        remarks = () if len(clock) else (NO_CLOCK,)
+        return Log(self.autopilot, Fixes.of(np.array(rows).reshape(-1, 8)), events, self.version, remarks, measured)
 
 
-def _note_vehicle(gathered: _Gathered, number: int, message: Message, autopilot: Autopilot) -> None:
-    if (time := vehicle_time(message)) is not None:
-        gathered.times.append((number, time))
-    match message:
-        case Heartbeat():
-            _beat(gathered, number, message, autopilot)
-        case CommandAck(Command.COMPONENT_ARM_DISARM, CommandResult.ACCEPTED):
-            _note_arming(gathered, number, not _is_armed(gathered) if gathered.ordered is None else gathered.ordered)
-        case Event(PX4Event.ARMED_BY | PX4Event.DISARMED_BY as event):
-            _note_arming(gathered, number, event == PX4Event.ARMED_BY)
-        case Text(_, text):
-            if text.startswith((*ARMING_TEXTS, *DISARMING_TEXTS)) and not gathered.changes:  # else an echo
-                _note_arming(gathered, number, text.startswith(ARMING_TEXTS))
-            if autopilot.protocol_profile.tells_items and (begun := item_begun(text)):
-                gathered.messages.append((number, begun))
-        case AutopilotVersion(_, version):
-            gathered.version = version_name(version)
-        case Attitude() | BatteryStatus() | SystemStatus():
-            gathered.measured.append((number, message))
-        case ParamValue():
-            message = replace(message, param_value=parameter_value(message, autopilot))
-    if isinstance(message, Position | Reached | Current | HomePosition | ParamValue | Text):
-        gathered.messages.append((number, message))
-    _note_transfer(gathered, number, message, by_vehicle=True)
-
-
-def _note_transfer(gathered: _Gathered, number: int, message: Message, by_vehicle: bool) -> None:
-    if (items := gathered.transfers.note(message, by_vehicle)) is not None:
-        gathered.messages.append((number, Held(items)))
-
-
-def _is_armed(gathered: _Gathered) -> bool:
-    state = gathered.state
-    return gathered.changes[-1][1] if gathered.changes else state is not None and state.armed
-
-
-def _note_arming(gathered: _Gathered, number: int, armed: bool) -> None:
-    if armed != _is_armed(gathered):
-        gathered.changes.append((number, armed))
-        gathered.unconfirmed = False
-
-
-def _beat(gathered: _Gathered, number: int, beat: Heartbeat, autopilot: Autopilot) -> None:
-    before = gathered.state
-    if before and gathered.changes and gathered.changes[-1][1] == beat.armed:
-        _change(gathered, before.custom_mode, autopilot)
-    elif gathered.unconfirmed:
-        gathered.changes.clear()
-    gathered.state, gathered.unconfirmed = beat, bool(gathered.changes)
-    if before is None or (before.armed, before.custom_mode) != (beat.armed, beat.custom_mode):
-        gathered.messages.append((number, presence(autopilot, beat.armed, beat.custom_mode)))
-
-
-def _change(gathered: _Gathered, mode: int, autopilot: Autopilot) -> None:
-    gathered.messages += [(number, presence(autopilot, armed, mode)) for number, armed in gathered.changes]
-    gathered.changes.clear()
-
-
-def _dated(gathered: _Gathered, stamps: Vector, autopilot: Autopilot) -> Log:
-    known_at = stamps[[number for number, _ in gathered.times]] if gathered.times else np.empty(0)
-    clock = unwrapped(known_at, np.array([time for _, time in gathered.times]))
-    times = vehicle_times(stamps, known_at, clock)
-    placed = [(float(times[n]), message) for n, message in gathered.messages if isinstance(message, Position)]
-    rows = [(time, p.latitude_deg, p.longitude_deg, p.altitude, p.height, *p.velocity) for time, p in placed]
-    fixes = Fixes.of(np.array(rows).reshape(-1, 8))
-    events = tuple((float(times[n]), message) for n, message in gathered.messages if not isinstance(message, Position))
-    remarks = () if len(clock) else (NO_CLOCK,)
-    return Log(autopilot, fixes, events, gathered.version, remarks, _measured(gathered, times))
-
-
-def _measured(gathered: _Gathered, times: Vector) -> Measured:
+def _measured(dated: list[tuple[float, Attitude | BatteryStatus | SystemStatus]]) -> Measured:
+    """SYS_STATUS counts where no battery has a status of its own."""
     batteries: dict[int, list[Battery]] = {}
     general: list[Battery] = []
     attitude = []
-    for number, message in gathered.measured:
+    for time, message in dated:
         match message:
             case Attitude(_, roll, pitch, yaw):
-                attitude.append((float(times[number]), roll, pitch, yaw))
+                attitude.append((time, roll, pitch, yaw))
             case BatteryStatus(battery, voltage, current):
-                batteries.setdefault(battery, []).append((float(times[number]), voltage, current))
+                batteries.setdefault(battery, []).append((time, voltage, current))
             case _:
-                general.append((float(times[number]), message.voltage, message.current))
+                general.append((time, message.voltage, message.current))
     return Measured.of(batteries.values() or [general], attitude)

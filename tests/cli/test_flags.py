@@ -214,13 +214,9 @@ def test_a_full_disk_leaves_nothing_half_written(planned: Planned, tmp_path: Pat
         subprocess.run(["umount", disk], check=True)
 
 
-def test_a_pipe_that_nobody_writes_into_ends_the_command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("ipoa_mission.files.PIPE_TIMEOUT_S", 0.2)
+def test_a_pipe_is_read_to_its_end(tmp_path: Path) -> None:
     pipe = tmp_path / "pipe"
     os.mkfifo(pipe)
-    with refuses("bad-input", "pipe"):
-        read_text(pipe)
-    monkeypatch.setattr("ipoa_mission.files.PIPE_TIMEOUT_S", 20.0)
     writer = threading.Thread(target=lambda: pipe.write_text("words\n" * 30_000))
     writer.start()
     assert read_text(pipe) == "words\n" * 30_000
