@@ -213,7 +213,7 @@ def _clearance_as_json(flown: "FlownClearance") -> dict[str, Any]:
         | {"east": round(east, 3), "north": round(north, 3), "up": round(up, 3)},
         **picked(flown, "time_s", "kept"),
         "required": required,
-        **picked(flown, "planned", "guaranteed", "strayed"),
+        **picked(flown, "planned", "guaranteed"),
     }
 
 

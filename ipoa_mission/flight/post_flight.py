@@ -2,7 +2,6 @@
 
 import math
 from dataclasses import dataclass
-from itertools import pairwise
 
 import numpy as np
 
@@ -52,14 +51,13 @@ def landed_elsewhere(forecast: Forecast, record: FlightRecord) -> tuple[str, ...
 class FlownClearance:
     """The smallest clearance of a flight, and the planned one [m].
 
-    `least` has the smallest slack, east, north, up of home. `strayed`: the largest distance from the planned legs.
+    `least` has the smallest slack, east, north, up of home.
     """
 
     least: Check
     place: Geodetic
     time_s: float
     planned: float | None = None
-    strayed: float | None = None
     guaranteed: float | None = None
 
     @property
@@ -70,11 +68,10 @@ class FlownClearance:
         near, required = self.least.nearest, self.least.required
         where = f"{self.place.latitude_deg:.6f}, {self.place.longitude_deg:.6f}, up {near.place[2]:.1f} m"
         guaranteed = "" if self.guaranteed is None else f", {down(self.guaranteed):.2f} m guaranteed"
-        strayed = "" if self.strayed is None else f"; at most {self.strayed:.1f} m from the planned legs"
         verdict = "" if self.kept else ", which was NOT kept"
         return (
             f"least clearance flown {down(near.distance):.2f} m, to {near.what} at {where}, "
-            f"{self.time_s:.1f} s after arming{guaranteed}; {up(required):.2f} m required{verdict}{strayed}"
+            f"{self.time_s:.1f} s after arming{guaranteed}; {up(required):.2f} m required{verdict}"
         )
 
 
@@ -101,16 +98,15 @@ def flown_clearance(record: FlightRecord, scenario: Scenario, mission: Mission |
         return None
     at = np.asarray(least.nearest.place)
     near = int(np.argmin(np.linalg.norm(points - at, axis=1)))
-    planned = strayed = guaranteed = None
+    planned = guaranteed = None
     forecast = None if mission is None else Forecast(mission, scenario)
-    if forecast is not None and (legs := forecast.cruise):
+    if forecast is not None and forecast.cruise:
         checks = forecast.proof.checks
         planned = min(check.nearest.distance for check in checks if check.limit in ("obstacles", "ground"))
-        strayed = _farthest(_between(points, legs[0].points[0], legs[-1].points[-1]), [leg.points for leg in legs])
         guarantee = forecast.guarantee_if_known
         clearance = None if guarantee is None else guarantee.clearance
         guaranteed = None if clearance is None else clearance.guaranteed
-    return FlownClearance(least, scenario.frame.geodetic(at), float(times[near]), planned, strayed, guaranteed)
+    return FlownClearance(least, scenario.frame.geodetic(at), float(times[near]), planned, guaranteed)
 
 
 def _flown(record: FlightRecord, scenario: Scenario) -> Points:
@@ -143,19 +139,3 @@ def _in_column(points: Points) -> int:
     radius = 3.0  # of vertical climb and descent [m]
     outside = np.flatnonzero(np.linalg.norm((points - points[0])[:, :2], axis=1) > radius)
     return int(outside[0]) if len(outside) else len(points)
-
-
-def _between(points: Points, first: Points, last: Points) -> Points:
-    begin = int(np.argmin(np.linalg.norm(points - first, axis=1)))
-    end = int(np.argmin(np.linalg.norm(points - last, axis=1)))
-    return points[begin : max(end, begin) + 1]
-
-
-def _farthest(points: Points, polylines: list[Points]) -> float:
-    nearest = np.full(len(points), np.inf)
-    for polyline in polylines:
-        for a, b in pairwise(polyline):
-            along, square = b - a, float(np.dot(b - a, b - a))
-            share = np.clip((points - a) @ along / square, 0.0, 1.0) if square else np.zeros(len(points))
-            nearest = np.minimum(nearest, np.linalg.norm(points - (a + share[:, None] * along), axis=1))
-    return float(nearest.max())
