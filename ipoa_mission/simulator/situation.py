@@ -37,24 +37,16 @@ class Conditions:
 STANDARD_CONDITIONS = Conditions()
 
 
+@dataclass
 class SimulatedVehicle:
-    """Position [m] and velocity [m/s]: east, north, up; lean: level acceleration g tan(angle) [m/s^2]; yaw [rad]."""
+    """Place [m] and motion [m/s]: east, north, up; lean: level acceleration g tan(angle) [m/s^2]; yaw [rad]."""
 
-    def __init__(self, conditions: Conditions = STANDARD_CONDITIONS) -> None:
-        self.conditions = conditions
-        self.x = self.y = self.z = 0.0
-        self.vx = self.vy = self.vz = 0.0
-        self.lean_x = self.lean_y = 0.0
-        self.yaw = 0.0
-        self.on_ground = True
-
-    @property
-    def place(self) -> Place:
-        return self.x, self.y, self.z
-
-    @property
-    def motion(self) -> Place:
-        return self.vx, self.vy, self.vz
+    conditions: Conditions = STANDARD_CONDITIONS
+    place: Place = (0.0, 0.0, 0.0)
+    motion: Place = (0.0, 0.0, 0.0)
+    lean: tuple[float, float] = (0.0, 0.0)
+    yaw: float = 0.0
+    on_ground: bool = True
 
 
 class MissionState(IntEnum):

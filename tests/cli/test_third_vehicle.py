@@ -134,13 +134,13 @@ class StraightController:
         while self.ahead and left > 0.0:
             far = math.dist(self.body.place, self.ahead[0])
             share = min(1.0, left / far) if far > 0.0 else 1.0
-            places = zip(self.body.place, self.ahead[0], strict=True)
-            self.body.x, self.body.y, self.body.z = (a + share * (b - a) for a, b in places)
+            (x, y, z), (to_x, to_y, to_z) = self.body.place, self.ahead[0]
+            self.body.place = x + share * (to_x - x), y + share * (to_y - y), z + share * (to_z - z)
             left -= far
             if share == 1.0:
                 self.ahead.pop(0)
-        self.now.landed = self.body.on_ground = self.body.z <= 0.0 and self.now.landed
-        if self.body.z > 0.0:
+        self.now.landed = self.body.on_ground = self.body.place[2] <= 0.0 and self.now.landed
+        if self.body.place[2] > 0.0:
             self.now.landed = self.body.on_ground = False
         if not self.ahead:
             self._arrived()

@@ -182,9 +182,9 @@ class ArduCopterController:
     def _update_body(self) -> None:
         body, state = self._body, self._copter.state
         body.yaw = state.yaw % (2.0 * math.pi)
-        body.x, body.y, body.z = self._copter.place
-        body.vx, body.vy, body.vz = state.velocity.real, state.velocity.imag, state.vz
-        body.lean_x, body.lean_y = state.lean.real, state.lean.imag
+        body.place = self._copter.place
+        body.motion = state.velocity.real, state.velocity.imag, state.vz
+        body.lean = state.lean.real, state.lean.imag
         if state.z > self._floor:
             self._floor = -math.inf
         body.on_ground = state.z <= self._floor
