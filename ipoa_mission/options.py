@@ -20,7 +20,6 @@ if TYPE_CHECKING:
 NAMES = ("campus",)
 ANYWAY = "Continue although a check fails: mission, home, firmware, class of vehicle, another vehicle with its id."
 link_option = partial(typer.Option, rich_help_panel="The link")
-bad_link_option = partial(typer.Option, rich_help_panel="Faults of the link to the built-in autopilot")
 
 
 class Backend(StrEnum):

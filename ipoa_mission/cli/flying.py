@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from ipoa_mission.cli.groups import FaultOptions, FileOutput, FlightOptions, FlownByOptions, SearchOptions
+from ipoa_mission.cli.groups import FileOutput, FlightOptions, FlownByOptions, SearchOptions
 from ipoa_mission.cli.interrupting import ChangesMade, interruptible
 from ipoa_mission.cli.linking import connect_to, states_firmware
 from ipoa_mission.cli.planners import FlyJob, FlyOptions, planner_of, planners
@@ -26,7 +26,6 @@ if TYPE_CHECKING:
     from ipoa_mission.link.vehicle import Vehicle
     from ipoa_mission.mission.flight_record import FlightRecord
     from ipoa_mission.progress import Progress
-    from ipoa_mission.simulator.faults import Faults
 
 log = logging.getLogger(__name__)
 
@@ -43,7 +42,6 @@ def fly(
         ),
     ],
     asked: FlyOptions,
-    worse: FaultOptions,
 ) -> None:
     """Fly a mission from upload to landing, and compare the flown time with the estimate.
 
@@ -64,11 +62,10 @@ def fly(
     is_planned, link, ignore = source.suffix.lower() == ".toml", asked.on_vehicle.link, asked.ignore or ()
     if not is_planned:
         _expect_no_plan(source, {"--report": to.report, "--optimizer": search.optimizer})
-    faults = worse.faults()
-    _expect_together(asked.on_vehicle, faults)
+    _expect_link(asked.on_vehicle)
     expect_folder(to.folder)
     expect_log(on_link.log)
-    fly_job: FlyJob = partial(_fly_built_in, changes, seed=search.seed, faults=faults)
+    fly_job: FlyJob = partial(_fly_built_in, changes, search.seed)
     if link is not None:
         fly_job = partial(_fly_on_link, changes, source, asked)
     if is_planned:
@@ -105,7 +102,7 @@ def fly(
         raise typer.Exit(1)
 
 
-def _fly_built_in(changes: ChangesMade, job: "Job", frames_log: Path, *, seed: int, faults: "Faults") -> "FlownJob":
+def _fly_built_in(changes: ChangesMade, seed: int, job: "Job", frames_log: Path) -> "FlownJob":
     from ipoa_mission.cli.mission_source import FlownJob, landing_remarks
     from ipoa_mission.simulator.fly import board, conditions_for, fly_aboard
 
@@ -113,7 +110,7 @@ def _fly_built_in(changes: ChangesMade, job: "Job", frames_log: Path, *, seed: i
     with (
         changes.reporting(f"{frames_log} has the part flown"),
         progress_bar("flying") as bar,
-        board(job.mission, conditions, faults, frames_log) as vehicle,
+        board(job.mission, conditions, log=frames_log) as vehicle,
     ):
         record = fly_aboard(vehicle, job.mission, flying=bar)
     changes.note_flown(job.name, record.armed)
@@ -125,7 +122,8 @@ def _fly_on_link(changes: ChangesMade, source: Path, asked: FlyOptions, job: "Jo
     from ipoa_mission.cli.mission_source import FlownJob, landing_remarks, read_job
 
     on_vehicle, on_link = asked.on_vehicle, asked.on_link
-    _begun_at_item(job, on_vehicle.begin)  # an unknown item is an error before connecting
+    first = on_vehicle.begin - 1
+    _begun(job, first)  # an unknown item is an error before connecting
     try:
         with connect_to(on_vehicle.link or "", on_link, frames_log) as vehicle:
             if not states_firmware(source, asked.flown_by.autopilot):
@@ -139,7 +137,7 @@ def _fly_on_link(changes: ChangesMade, source: Path, asked: FlyOptions, job: "Jo
                 )
             on_link.system = vehicle.system  # the next flight is this vehicle's, whatever else is heard
             planned = job.forecast
-            job = _begun_at_item(replace(job, forecast=planned.on(vehicle.firmware_version())), on_vehicle.begin)
+            job = _begun(replace(job, forecast=planned.on(vehicle.firmware_version())), first)
             remarks, record = _fly_stages(changes, asked, vehicle, job, planned)
             changes.note_flown(job.name, record.armed)
     except MissionError as error:
@@ -197,15 +195,10 @@ def _fly_stages(
     return remarks, record
 
 
-def _begun_at_item(job: "Job", item: int) -> "Job":
-    from ipoa_mission.checks.unsafe import begun_at
-    from ipoa_mission.forecast.forecast import Forecast
+def _begun(job: "Job", first: int) -> "Job":
+    from ipoa_mission.flight.procedure import begun_forecast
 
-    begun = Forecast(begun_at(job.mission, item - 1), wind=job.forecast.wind)
-    if item == 1:
-        return job
-    log.info("%s: from item %d on estimated %.1f s", job.name, item, begun.estimate.total_s)
-    return replace(job, begun=begun)
+    return replace(job, begun=begun_forecast(job.forecast, first))
 
 
 def _expect_no_plan(source: Path, options: dict[str, object]) -> None:
@@ -214,20 +207,14 @@ def _expect_no_plan(source: Path, options: dict[str, object]) -> None:
             raise OptionConflict(f"expected a scenario, not {source}", hint="a mission is flown as it is", place=option)
 
 
-def _expect_together(on_vehicle: FlightOptions, faults: "Faults") -> None:
-    """Refuse a vehicle's options without a link, and the built-in autopilot's with one."""
+def _expect_link(on_vehicle: FlightOptions) -> None:
+    """Refuse a vehicle's options without a link."""
     if on_vehicle.link is None and on_vehicle != (defaults := FlightOptions()):
         changed = (on_vehicle.begin != 1, on_vehicle.set_params, on_vehicle.on_deviation != defaults.on_deviation)
         raise OptionConflict(
             "needs --link",
             hint="the built-in autopilot begins at the first item, and flies by the forecast's model",
             place=", ".join(compress(("--from", "--set-params", "--on-deviation"), changed)),
-        )
-    if on_vehicle.link is not None and not faults.is_none:
-        raise OptionConflict(
-            "cannot be combined with --loss, --duplicate, --delay or --reorder",
-            hint="they are for the built-in autopilot, which flies without --link",
-            place="--link",
         )
 
 
@@ -242,4 +229,4 @@ def demo(
     Example: `ipoa-mission demo`
     """
     files = FileOutput(out, report=True, force=force, as_json=as_json)
-    fly(or_packed(Path(NAMES[0])), FlyOptions(SearchOptions(seed), FlownByOptions(), files=files), FaultOptions())
+    fly(or_packed(Path(NAMES[0])), FlyOptions(SearchOptions(seed), FlownByOptions(), files=files))

@@ -2,7 +2,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from logging import getLogger
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
@@ -10,9 +10,6 @@ from ipoa_mission import options
 from ipoa_mission.errors import OptionConflict
 from ipoa_mission.link.on_deviation import OnDeviation
 from ipoa_mission.terminal import expect_free
-
-if TYPE_CHECKING:
-    from ipoa_mission.simulator.faults import Faults
 
 
 @dataclass
@@ -150,22 +147,3 @@ class FlightOptions:
         OnDeviation,
         options.link_option("--on-deviation", help="Order sent once if the flight deviates from the forecast."),
     ] = OnDeviation.HOLD
-
-
-@dataclass
-class FaultOptions:
-    loss: Annotated[
-        float, options.bad_link_option("--loss", metavar="SHARE", min=0, max=1, help="Share of lost frames.")
-    ] = 0.0
-    duplicate: Annotated[
-        float, options.bad_link_option("--duplicate", metavar="SHARE", min=0, max=1, help="Share of duplicated frames.")
-    ] = 0.0
-    delay: Annotated[float, options.bad_link_option("--delay", metavar="S", min=0, help="Delay of a frame [s].")] = 0.0
-    reorder: Annotated[
-        float, options.bad_link_option("--reorder", metavar="SHARE", min=0, max=1, help="Share of reordered frames.")
-    ] = 0.0
-
-    def faults(self) -> "Faults":
-        from ipoa_mission.simulator.faults import Faults
-
-        return Faults(self.loss, self.duplicate, self.delay, self.reorder)

@@ -1,21 +1,39 @@
 from collections.abc import Mapping
 from contextlib import closing, suppress
 from dataclasses import dataclass, replace
-from functools import cache
+from functools import cache, partial
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from ipoa_mission import options
 from ipoa_mission.autopilot.autopilot import Autopilot, default_autopilot
-from ipoa_mission.cli.groups import FaultOptions
 from ipoa_mission.errors import BadInput, OptionConflict
 from ipoa_mission.terminal import notes, print_json, print_lines
 
 if TYPE_CHECKING:
     from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot
+    from ipoa_mission.simulator.faults import Faults
 
+faulty_option = partial(typer.Option, rich_help_panel="Faults of the link")
 ZURICH = (47.397742, 8.545594, 488.0)
+
+
+@dataclass
+class FaultOptions:
+    loss: Annotated[float, faulty_option("--loss", metavar="SHARE", min=0, max=1, help="Share of lost frames.")] = 0.0
+    duplicate: Annotated[
+        float, faulty_option("--duplicate", metavar="SHARE", min=0, max=1, help="Share of duplicated frames.")
+    ] = 0.0
+    delay: Annotated[float, faulty_option("--delay", metavar="S", min=0, help="Delay of a frame [s].")] = 0.0
+    reorder: Annotated[
+        float, faulty_option("--reorder", metavar="SHARE", min=0, max=1, help="Share of reordered frames.")
+    ] = 0.0
+
+    def faults(self) -> "Faults":
+        from ipoa_mission.simulator.faults import Faults
+
+        return Faults(self.loss, self.duplicate, self.delay, self.reorder)
 
 
 @dataclass
@@ -39,7 +57,7 @@ class MockOptions:
     ] = 1.0
     system: options.SystemOption = None
     key: options.KeyOption = None
-    seed: Annotated[int, options.bad_link_option("--seed", metavar="N", min=0, help="Seed of the losses.")] = 0
+    seed: Annotated[int, faulty_option("--seed", metavar="N", min=0, help="Seed of the losses.")] = 0
 
 
 def mock(worse: FaultOptions, how: MockOptions, as_json: options.JsonOption = False) -> None:

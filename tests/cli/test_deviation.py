@@ -75,6 +75,3 @@ def test_a_flight_that_outlasts_the_users_time_is_left_in_the_air(run: Run, auto
 def test_vehicle_options_are_refused_without_a_vehicle(run: Run) -> None:
     ended = run(f"fly {SITL} --on-deviation rtl")
     assert (ended.code, "--on-deviation: needs --link" in ended.err) == (2, True)
-    ended = run(f"fly {SITL} --link udpin:127.0.0.1:0 --loss 0.1")
-    assert ended.code == 2
-    assert "hint: they are for the built-in autopilot, which flies without --link" in ended.err

@@ -54,7 +54,7 @@ def test_fly_tells_machines_when_each_item_was_done(run: Run, planned: Planned) 
 
 def test_a_mission_file_flies_without_its_scenario(run: Run, planned: Planned) -> None:
     _, folder = planned("sitl")
-    ended = run(f"fly {folder}/sitl.plan --out flown --loss 0.2")
+    ended = run(f"fly {folder}/sitl.plan --out flown")
     assert ended.code == 0, ended.err
     assert [path.name for path in Path("flown").iterdir()] == ["sitl.tlog"]
 

@@ -218,7 +218,6 @@ def test_ctrl_c_while_measuring_says_that_the_runs_are_kept(run: Run, monkeypatc
         ("plan {typo}", "typo.toml: "),
         ("plan {file}", "file: "),
         ("fly {mission} --report", "--report: expected a scenario"),
-        ("fly {mission} --link udpin:127.0.0.1:0 --loss 0.1", "--link: cannot be combined with --loss"),
         ("fly {mission} --param-file nothing.parm", "nothing.parm: cannot be read"),
         ("export {mission} there/is/none.kml", "there/is/none.kml: cannot be written: No such file or directory"),
         (
