@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from ipoa_mission import options
+import ipoa_mission.options as options
 from ipoa_mission.errors import OptionConflict
 from ipoa_mission.link.on_deviation import OnDeviation
 from ipoa_mission.terminal import expect_free

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from ipoa_mission import options
+import ipoa_mission.options as options
 from ipoa_mission.autopilot.autopilot import Autopilot, default_autopilot
 from ipoa_mission.errors import BadInput, OptionConflict
 from ipoa_mission.terminal import notes, print_json, print_lines
