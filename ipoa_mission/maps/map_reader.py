@@ -23,18 +23,18 @@ from ipoa_mission.maps.planar import flat
 from ipoa_mission.maps.table_layers import FIRST_BYTES, read_table
 
 GEOJSON = (".geojson", ".json", ".geojsonl", ".geojsons", ".geojsonseq", ".ndjson", ".jsonl")
-_WHOLE: dict[str, Callable[[Path], Sequence[Feature]]] = {
+_WHOLE_FILE_READERS: dict[str, Callable[[Path], Sequence[Feature]]] = {
     **dict.fromkeys(GEOJSON, read_geojson),
     ".kml": read_kml,
     ".kmz": read_kmz,
     ".osm": read_osm,
 }
 # In batches, without what is elsewhere.
-_LARGE: dict[str, Callable[[Path, MapWindow], Iterator[list[Feature]]]] = {
+_BATCH_READERS: dict[str, Callable[[Path, MapWindow], Iterator[list[Feature]]]] = {
     ".pbf": read_pbf,
     **dict.fromkeys(FIRST_BYTES, read_table),
 }
-READERS = (*_WHOLE, *_LARGE)
+READERS = (*_WHOLE_FILE_READERS, *_BATCH_READERS)
 
 
 def read_features(path: Path, around: MapWindow | None = None) -> tuple[Feature, ...]:
@@ -44,18 +44,18 @@ def read_features(path: Path, around: MapWindow | None = None) -> tuple[Feature,
 def read_batches(path: Path, around: MapWindow) -> Iterator[Sequence[Feature]]:
     suffix = path.suffix.lower()
     with many_objects():
-        if suffix in _WHOLE:
-            features = _WHOLE[suffix](path)
+        if suffix in _WHOLE_FILE_READERS:
+            features = _WHOLE_FILE_READERS[suffix](path)
             if around.window != around.near:
                 boxes = shapely.bounds([feature.shape for feature in features]).reshape(-1, 4)
                 features = [*compress(features, around.wants(boxes).tolist())]
             if features:
                 yield features
-        elif suffix not in _LARGE:
+        elif suffix not in _BATCH_READERS:
             words = f"expected a file that ends in {', '.join(READERS)}, not in {path.suffix or 'nothing'}"
             raise WrongSuffix(words, place=path)
         elif around.window == around.near:
-            yield from _LARGE[suffix](path, around)
+            yield from _BATCH_READERS[suffix](path, around)
             around.expect_near(path)
         else:
             try:
@@ -72,7 +72,7 @@ def _small_part(
     path: Path, version: tuple[int, int], window: Degrees | None, near: Degrees | None
 ) -> tuple[tuple[Feature, ...], int]:
     around = MapWindow(window, near)
-    features = tuple(chain.from_iterable(_LARGE[path.suffix.lower()](path, around)))
+    features = tuple(chain.from_iterable(_BATCH_READERS[path.suffix.lower()](path, around)))
     around.expect_near(path)
     return features, around.elsewhere
 

@@ -79,13 +79,13 @@ class MapWindow:
         self._box[2:] = np.fmax(self._box[2:], np.fmax.reduce(boxes[:, 2:], initial=-np.inf))
         return np.asarray(near | np.isnan(boxes).any(axis=1))
 
-    def wants(self, boxes: NDArray[np.float64], things: int = 1) -> NDArray[np.bool_]:
+    def wants(self, boxes: NDArray[np.float64]) -> NDArray[np.bool_]:
         """Return which boxes (n, 4) [deg] are wanted, (n,), as those of NaN are."""
         near = self.are_near(boxes)
         if self.window is None:
             return near
         wanted = np.isnan(boxes).any(axis=1) | self.window.meets(boxes)
-        self.elsewhere += things * int((~wanted).sum())
+        self.elsewhere += int((~wanted).sum())
         return np.asarray(wanted)
 
     def expect_near(self, path: Path) -> None:

@@ -44,6 +44,14 @@ FIRST_BYTES = {
 }
 
 
+class _Shapes(NamedTuple):
+    """Their column and conversion; `is_cut`: names of columns may be truncated, as in a Shapefile."""
+
+    column: str
+    to_degrees: ToDegrees
+    is_cut: bool = False
+
+
 def read_table(path: Path, around: MapWindow) -> Iterator[list[Feature]]:
     arrow = imported("pyarrow", f"{path}: reading it needs pyarrow, which is not installed", "maps", BadInput)
     suffix, any_there = path.suffix.lower(), False
@@ -72,18 +80,19 @@ def _layers(path: Path, around: MapWindow) -> list[list[Feature]]:
 
 
 def _layer(pyogrio: Any, path: Path, name: str, place: str, around: MapWindow) -> list[Feature]:
-    info, count, is_cut = pyogrio.read_info(path, layer=name), 0, path.suffix.lower() == ".shp"
+    info, count, features = pyogrio.read_info(path, layer=name), 0, list[Feature]()
     if not info["crs"]:
         words = "expected a file that names its coordinate system"
         raise NoCoordinateSystem(words, place=path, hint="a Shapefile names it in the .prj file next to it")
-    to_degrees, features = degrees_of(CRS.from_user_input(info["crs"])), list[Feature]()
+    to_degrees, is_cut = degrees_of(CRS.from_user_input(info["crs"])), path.suffix.lower() == ".shp"
     chosen = {"layer": name, "return_fids": True, "batch_size": BATCH, "use_pyarrow": True}
     with pyogrio.raw.open_arrow(path, **chosen) as (meta, batches):
+        shapes = _Shapes(meta["geometry_name"] or "wkb_geometry", to_degrees, is_cut)
         for batch in batches:
             count += batch.num_rows
-            number, shapes = batch.schema.names[0], meta["geometry_name"] or "wkb_geometry"
+            number = batch.schema.names[0]
             places = [f"{place}[{n}]" for n in batch.column(number).to_pylist()]
-            features += _features(batch.drop_columns([number]), shapes, to_degrees, places, around, is_cut)
+            features += _features(batch.drop_columns([number]), shapes, places, around)
     if count < info["features"]:
         raise DamagedFile(f"expected {info['features']} rows, but only {count} can be read", place=path)
     return features
@@ -108,33 +117,21 @@ def _expect_whole(path: Path) -> None:
         raise DamagedFile(f"expected a .dbf file with the {indexed} rows of the .shx", place=path)
 
 
-class _About(NamedTuple):
-    """The column of shapes, their conversion, and box columns: west, south, east, north [deg]."""
-
-    column: str
-    to_degrees: ToDegrees
-    boxes: tuple[str, ...]
-
-
 def _row_groups(arrow: Any, path: Path, around: MapWindow) -> Iterator[list[Feature]]:
     with import_module("pyarrow.parquet").ParquetFile(path) as file:
-        shapes = _about(file, arrow, path)
+        shapes = _shapes_of(file, arrow, path)
         columns = [shapes.column, *_tag_columns(file.schema_arrow, arrow, shapes.column)]
         row, largest = 0, 2_000_000_000  # unpacked [bytes]
         for number in range(file.num_row_groups):
-            group = file.metadata.row_group(number)
-            if group.total_byte_size > largest:
+            if file.metadata.row_group(number).total_byte_size > largest:
                 raise TooLarge(f"expected groups of rows of at most {largest / 1e9:g} GB", place=path)
-            if (box := _box_of(group, shapes.boxes)) is not None and not around.wants(box, group.num_rows).any():
-                row += group.num_rows
-                continue
             for batch in file.iter_batches(BATCH, [number], columns):
                 places = [f"{path}: row[{n}]" for n in range(row, row + batch.num_rows)]
-                yield _features(batch, shapes.column, shapes.to_degrees, places, around)
+                yield _features(batch, shapes, places, around)
                 row += batch.num_rows
 
 
-def _about(file: Any, arrow: Any, path: Path) -> _About:
+def _shapes_of(file: Any, arrow: Any, path: Path) -> _Shapes:
     metadata = (file.schema_arrow.metadata or {}).get(b"geo")
     if metadata is None:
         raise NothingThere(
@@ -147,8 +144,6 @@ def _about(file: Any, arrow: Any, path: Path) -> _About:
         column = geo["primary_column"]
         about = geo["columns"][column]
         encoding, system = about["encoding"], about.get("crs", "OGC:CRS84")
-        covering = (about.get("covering") or {}).get("bbox") or {}
-        boxes = tuple(".".join(covering[side]) for side in ("xmin", "ymin", "xmax", "ymax")) if covering else ()
     except (ValueError, TypeError, KeyError, AttributeError) as error:
         raise BadInput("expected GeoParquet's metadata of its columns", place=f"{path}: geo") from error
     schema = file.schema_arrow
@@ -158,10 +153,9 @@ def _about(file: Any, arrow: Any, path: Path) -> _About:
     if system is None:
         raise NoCoordinateSystem("expected a file that names its coordinate system", place=path)
     try:
-        known = CRS.from_user_input(system)
+        return _Shapes(column, degrees_of(CRS.from_user_input(system)))
     except (CRSError, TypeError) as error:
         raise NoCoordinateSystem("expected a coordinate system as PROJ's JSON has it", place=f"{path}: crs") from error
-    return _About(column, degrees_of(known), boxes if known.is_geographic else ())
 
 
 def _tag_columns(schema: Any, arrow: Any, shapes: str) -> Iterator[str]:
@@ -174,35 +168,21 @@ def _tag_columns(schema: Any, arrow: Any, shapes: str) -> Iterator[str]:
             yield field.name
 
 
-def _box_of(group: Any, columns: tuple[str, ...]) -> NDArray[np.float64] | None:
-    about = {}
-    for n in range(group.num_columns if columns else 0):
-        column = group.column(n)
-        if column.path_in_schema in columns:
-            about[column.path_in_schema] = column.statistics
-    if not columns or any(about.get(name) is None or not about[name].has_min_max for name in columns):
-        return None
-    west, south, east, north = (about[name] for name in columns)
-    box = np.array([[west.min, south.min, east.max, north.max]], float)
-    goes_round = west.max > east.max or west.min > east.min  # across longitude 180
-    return None if goes_round or not np.isfinite(box).all() else box
-
-
-def _features(
-    batch: Any, column: str, to_degrees: ToDegrees, places: Sequence[str], around: MapWindow, is_cut: bool = False
-) -> list[Feature]:
-    """Return the wanted rows of an Arrow batch; `is_cut`: its names may be truncated, as in a Shapefile."""
-    shapes = _shapes(batch.column(column).to_numpy(zero_copy_only=False), to_degrees, places)
-    wanted = np.flatnonzero(around.wants(shapely.bounds(shapes)))
+def _features(batch: Any, shapes: _Shapes, places: Sequence[str], around: MapWindow) -> list[Feature]:
+    """Return the wanted rows of an Arrow batch."""
+    wkb = batch.column(shapes.column).to_numpy(zero_copy_only=False)
+    drawn = _drawn(wkb, shapes.to_degrees, places)
+    wanted = np.flatnonzero(around.wants(shapely.bounds(drawn)))
+    rows = batch.drop_columns([shapes.column]).take(wanted).to_pylist()
     features = list[Feature]()
-    for n, row in zip(wanted.tolist(), batch.drop_columns([column]).take(wanted).to_pylist(), strict=True):
-        plain = {uncut(key, str(value)) if is_cut else key: _plain(value) for key, value in row.items()}
-        blank, part = frozenset(blank_keys(plain)), truncated(plain, shapes[n])
-        features.append(Feature(places[n], shapes[n], dict(tags_of(plain)), blank, part))
+    for n, row in zip(wanted.tolist(), rows, strict=True):
+        plain = {uncut(key, str(value)) if shapes.is_cut else key: _plain(value) for key, value in row.items()}
+        blank, part = frozenset(blank_keys(plain)), truncated(plain, drawn[n])
+        features.append(Feature(places[n], drawn[n], dict(tags_of(plain)), blank, part))
     return features
 
 
-def _shapes(wkb: NDArray[Any], to_degrees: ToDegrees, places: Sequence[str]) -> NDArray[Any]:
+def _drawn(wkb: NDArray[Any], to_degrees: ToDegrees, places: Sequence[str]) -> NDArray[Any]:
     """Return shapes in degrees; null becomes empty."""
 
     def convert(corners: Corners) -> Corners:
@@ -216,8 +196,8 @@ def _shapes(wkb: NDArray[Any], to_degrees: ToDegrees, places: Sequence[str]) -> 
     except (shapely.errors.GEOSException, BadInput) as error:
         if len(wkb) > 1:
             half = len(wkb) // 2
-            first = _shapes(wkb[:half], to_degrees, places[:half])
-            return np.concatenate([first, _shapes(wkb[half:], to_degrees, places[half:])])
+            first = _drawn(wkb[:half], to_degrees, places[:half])
+            return np.concatenate([first, _drawn(wkb[half:], to_degrees, places[half:])])
         if isinstance(error, BadInput):
             raise
         raise InvalidRing(f"expected a shape: {error}", place=places[0]) from error
