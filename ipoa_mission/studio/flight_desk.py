@@ -39,8 +39,12 @@ class FlightDesk:
         self._expect_free("a flight is under way: no other link can be heard", "let it end")
         self._task = asyncio.create_task(self._listen(link))
 
+    @property
+    def is_busy(self) -> bool:
+        return self._task is not None and not self._task.done() and self._phase != "over"
+
     def _expect_free(self, words: str, hint: str) -> None:
-        if self._task is not None and not self._task.done() and self._phase != "over":
+        if self.is_busy:
             raise MissionError(words, hint=hint, code="flight-under-way")
 
     async def start(self, request: Start) -> None:

@@ -17,6 +17,7 @@ from ipoa_mission.studio.scenario_document import Document
 from ipoa_mission.studio.vocabulary import PageMessage, Window, as_json, place_of
 
 SETTLE_TIME_S = 0.6  # before the proved path is planned
+ALONE_LIMIT_S = 120.0  # of planners, without window and flight
 KEPT = (
     *("area", "world", "mission", "checked", "replay", "sketch", "coarse_survey", "plan", "survey", "contingencies"),
     *("loaded", "state", "trouble"),
@@ -51,6 +52,7 @@ class Session:
         self._jobs: dict[str, asyncio.Task[object]] = {}
         self._drags: dict[Window, requests.Drag] = {}
         self._latest: dict[str, dict[str, Any]] = {}
+        self._alone_s = 0.0
 
     def join(self, window: Window) -> None:
         self._windows.add(window)
@@ -268,17 +270,25 @@ class Session:
         if name in self._jobs:
             self._jobs[name].cancel()
 
-    def look_at_disk(self) -> None:
+    async def look_after(self, step_s: float) -> None:
+        """Follow the file, and close the planners when no window was open for `ALONE_LIMIT_S`."""
         revision = self.document.revision
         if self.document.look_at_disk():
             self.send_all(self.document.as_answer())
             if self.document.revision != revision:
                 self._follow()
+        self._alone_s = 0.0 if self._windows or self._flights.is_busy else self._alone_s + step_s
+        if ALONE_LIMIT_S <= self._alone_s < ALONE_LIMIT_S + step_s:
+            await self._close_planners()
+            self._forget(*FOLLOWS, "world", "mission")
 
     async def close(self) -> None:
+        await asyncio.gather(self._flights.close(), self._close_planners())
+
+    async def _close_planners(self) -> None:
         for name in self._jobs:
             self._stop(name)
-        await asyncio.gather(self._flights.close(), self._quick.close(), self._thorough.close())
+        await asyncio.gather(self._quick.close(), self._thorough.close())
         await asyncio.gather(*self._jobs.values(), return_exceptions=True)
 
     def _forget(self, *names: str) -> None:

@@ -116,7 +116,7 @@ class Sessions:
             while True:
                 await asyncio.sleep(FILE_CHECK_S)
                 for session in self._sessions():
-                    session.look_at_disk()
+                    await session.look_after(FILE_CHECK_S)
         finally:
             await asyncio.gather(*(session.close() for session in self._sessions()))
 

@@ -10,6 +10,8 @@ from ipoa_mission.studio.answers import Trouble
 from ipoa_mission.studio.flight_desk import FlightDesk
 from ipoa_mission.studio.processes import Process
 from ipoa_mission.studio.requests import Upload
+from ipoa_mission.studio.session import Session
+from tests.studio.conftest import MEADOW
 
 WORDS = ("one", "two\n\u2028", "three")
 
@@ -99,3 +101,22 @@ def test_edits_during_the_loading_of_a_plan_are_not_loaded(tmp_path: Path) -> No
 
     asyncio.run(whole())
     assert [order["revision"] for order in orders] == [7]  # a start is refused: another plan is shown
+
+
+def test_planners_of_a_closed_page_end_after_two_minutes(tmp_path: Path) -> None:
+    (tmp_path / "meadow.toml").write_bytes(MEADOW.read_bytes())
+
+    async def whole() -> None:
+        session, window = Session(tmp_path / "meadow.toml"), asyncio.Queue[dict[str, Any]]()
+        session.join(window)
+        while session._quick._process is None:
+            await asyncio.sleep(0.05)
+        planner = session._quick._process
+        await session.look_after(200.0)
+        assert planner.returncode is None  # a window is open
+        session.leave(window)
+        await session.look_after(200.0)
+        assert await asyncio.wait_for(planner.wait(), 10.0) != 0
+        await session.close()
+
+    asyncio.run(whole())
