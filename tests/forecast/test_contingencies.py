@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 from typer.testing import CliRunner
 
 from ipoa_mission import Forecast, plan_flight, read_mission, read_scenario
-from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.autopilot.commands import Command, Frame
+from ipoa_mission.autopilot.failsafe import FailsafeProfile
 from ipoa_mission.autopilot.returning import COMPUTED, TIMED, Contingency
 from ipoa_mission.autopilot.version import Version
 from ipoa_mission.cli.app import app
@@ -337,7 +337,7 @@ def test_a_contingency_that_the_vehicle_does_not_have_is_not_listed(
 
 def test_a_vehicle_of_whose_failsafes_nothing_is_known_has_what_all_have(monkeypatch: pytest.MonkeyPatch) -> None:
     forecast = forecast_of("campus")
-    monkeypatch.setattr(type(forecast.mission.autopilot), "failsafes", Autopilot.failsafes)
+    monkeypatch.setattr(type(forecast.mission.autopilot), "failsafe_profile", FailsafeProfile())
     assert contingencies_of(forecast) == (Contingency.RTL, Contingency.LAND, Contingency.HOLD)
 
 
