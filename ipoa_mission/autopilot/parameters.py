@@ -5,6 +5,8 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Annotated, NamedTuple, TypeAlias, get_origin, get_type_hints
 
+from ipoa_mission.errors import BadInput
+
 Parameters: TypeAlias = Mapping[str, float]
 NO_PARAMETERS: Parameters = {}
 SINGLE_MAX = 3.4e38  # a float's maximum in MAVLink
@@ -45,6 +47,7 @@ class ParameterTable:
     further: tuple[Parameter, ...]
     set_up: tuple[Parameter, ...]
     surely_there: tuple[tuple[str, ...], ...]  # alternative names
+    positive: tuple[str, ...] = ()  # must be above 0
     packs_integers: bool = False
     limits_speed: str = ""  # PX4: the limit MPC_XY_VEL_MAX; ArduCopter: the cruise speed WPNAV_SPEED
     fastest: float = 40.0  # twice both firmwares' documented maximum [m/s]
@@ -86,6 +89,16 @@ class ParameterTable:
         given = self.by_old_names(dict.fromkeys(by, 0.0)).keys()
         kept = {name: value for name, value in parameters.items() if not self.by_old_names({name: 0.0}).keys() & given}
         return kept | dict(by)
+
+    def expect_positive(self, parameters: Parameters) -> None:
+        """Raise BadInput for a value that must be above 0."""
+        for name in self.positive:
+            if not parameters[name] > 0:
+                raise BadInput(f"expected more than 0, not {parameters[name]:g}", place=name)
+
+    def usable(self, parameters: Parameters) -> dict[str, float]:
+        """Drop values that must be above 0 and are not."""
+        return {name: value for name, value in parameters.items() if name not in self.positive or value > 0}
 
     def speed_limit(self, parameters: Parameters) -> float:
         """Return `fastest`, or the vehicle's higher limit [m/s]."""

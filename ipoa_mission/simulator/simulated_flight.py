@@ -76,8 +76,9 @@ class SimulatedFlight(Situation):
 
     @property
     def parameters(self) -> Parameters:
-        """ArduCopter's by their names before 4.7."""
-        return self.autopilot.complete(self._parameters, self.conditions.version)
+        """ArduCopter's by their names before 4.7, without values that would stop a flight."""
+        complete = self.autopilot.complete(self._parameters, self.conditions.version)
+        return self.autopilot.parameter_table.usable(complete)
 
     @property
     def on_ground(self) -> bool:

@@ -48,6 +48,14 @@ def test_a_mission_is_flown_item_by_item_and_ends_disarmed_at_home(autopilot: Au
 
 
 @both
+def test_a_value_of_0_that_must_be_above_0_is_ignored(autopilot: Autopilot) -> None:
+    table = autopilot.parameter_table
+    flight = SimulatedFlight(autopilot, HOME, {**table.moving, table.by_meaning["cruise speed"].name: 0.0})
+    flight.arm()
+    assert flight.armed
+
+
+@both
 def test_a_disarmed_vehicle_stays_on_the_ground(autopilot: Autopilot) -> None:
     flight = SimulatedFlight(autopilot, HOME, {})
     flight.load(MISSION)

@@ -21,7 +21,7 @@ from ipoa_mission.vehicles.arducopter.dynamics.procedures import (
     payload_place,
     return_home,
 )
-from ipoa_mission.vehicles.arducopter.limits import LANDED_S, copter_limits, usable
+from ipoa_mission.vehicles.arducopter.limits import LANDED_S, copter_limits
 
 
 class ArduCopterController:
@@ -33,7 +33,7 @@ class ArduCopterController:
         """Ignore `chance`: SITL flights repeat to a tenth of a second."""
         self._body, self._now, self._parameters = body, situation, parameters
         conditions = body.conditions
-        limits = copter_limits(usable(parameters), conditions.version)
+        limits = copter_limits(parameters, conditions.version)
         airframe = airframe_of(conditions.vehicle).at_altitude(situation.program.frame.home.altitude)
         self._copter = Copter(limits, conditions.wind, airframe, ground=conditions.ground)
         self._copter.start_at(body.place)

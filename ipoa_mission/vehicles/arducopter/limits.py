@@ -10,7 +10,6 @@ from typing import Annotated, NamedTuple
 from ipoa_mission.autopilot.failsafe import FenceLimit, OwnFence
 from ipoa_mission.autopilot.parameters import Parameters, parameters_of_fields
 from ipoa_mission.autopilot.version import Version
-from ipoa_mission.errors import BadInput
 from ipoa_mission.geometry import GRAVITY
 from ipoa_mission.vehicles.arducopter.parameter_table import PARAMETER_TABLE
 
@@ -22,11 +21,6 @@ CENTIMETER = 0.01  # resolution of heights [m]
 BRAKES_CLIMB = (4, 8)
 SENSE_OF_RATE = (4, 7)  # since then CIRCLE_RATE's sign sets every sense
 EXCEPT_RTL = 2.0  # WP_YAW_BEHAVIOR: along the path except in RTL
-
-POSITIVE = (
-    "WPNAV_SPEED", "WPNAV_SPEED_UP", "WPNAV_SPEED_DN", "WPNAV_ACCEL", "WPNAV_ACCEL_Z", "WPNAV_JERK", "WPNAV_RADIUS",
-    "PSC_JERK_XY", "PSC_JERK_Z", "PSC_POSXY_P", "PSC_VELXY_FLTE", "PSC_POSZ_P", "ANGLE_MAX", "LAND_SPEED",
-)  # fmt: skip
 
 
 #: These enable the fence, always or from arming or take-off.
@@ -82,11 +76,6 @@ class CopterReturn(NamedTuple):
         if self.cone >= 0.5:
             top = min(top, max(distance * self.cone, least))
         return max(min(top, self.ceiling), above)
-
-
-def usable(parameters: Parameters) -> Parameters:
-    """Drop values that must be positive and are not."""
-    return {name: value for name, value in parameters.items() if name not in POSITIVE or value > 0}
 
 
 class CopterLimits(NamedTuple):
@@ -145,9 +134,7 @@ def copter_limits(parameters: Parameters, version: Version | None = None) -> Cop
         BadInput: a parameter that must be positive is not.
     """
     given = PARAMETER_TABLE.complete(parameters)
-    for name in POSITIVE:
-        if not given[name] > 0:
-            raise BadInput(f"expected more than 0, not {given[name]:g}", place=name)
+    PARAMETER_TABLE.expect_positive(given)
     p = {name: given[name] / (1.0 / row.unit) for name, row in PARAMETER_TABLE.by_name.items() if name in given}
     turning = math.radians(min(p["ATC_RATE_R_MAX"], p["ATC_RATE_P_MAX"]))
     jerk = min(p["WPNAV_JERK"], turning * GRAVITY) if turning > 0 else p["WPNAV_JERK"]

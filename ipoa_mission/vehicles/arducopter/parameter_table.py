@@ -73,6 +73,10 @@ FURTHER = (
     Parameter("WPNAV_RFND_USE", None, newer="WP_RFND_USE"),
     Parameter("TERRAIN_ENABLE", None, INT8),
 )
+POSITIVE = (
+    "WPNAV_SPEED", "WPNAV_SPEED_UP", "WPNAV_SPEED_DN", "WPNAV_ACCEL", "WPNAV_ACCEL_Z", "WPNAV_JERK", "WPNAV_RADIUS",
+    "PSC_JERK_XY", "PSC_JERK_Z", "PSC_POSXY_P", "PSC_VELXY_FLTE", "PSC_POSZ_P", "ANGLE_MAX", "LAND_SPEED",
+)  # fmt: skip
 
 
 def _radio() -> Iterator[Parameter]:
@@ -107,6 +111,7 @@ PARAMETER_TABLE = ParameterTable(
         Parameter("FS_THR_VALUE", 975.0, INT16),
         Parameter("FS_GCS_ENABLE", 0.0, INT8),
     ),
+    positive=POSITIVE,
     surely_there=(("MAV_SYSID", "SYSID_THISMAV"), ("FRAME_CLASS",)),
     limits_speed="WPNAV_SPEED",
 )

@@ -8,9 +8,14 @@ from typing import Annotated, NamedTuple, TypeVar
 
 from ipoa_mission.autopilot.parameters import Parameters, parameters_of_fields
 from ipoa_mission.autopilot.version import Version
-from ipoa_mission.errors import BadInput
 from ipoa_mission.geometry import GRAVITY, Vector
-from ipoa_mission.vehicles.px4_multicopter.parameter_table import DEFAULTS, MEASURED, SINCE_SPLIT, SPLITS_AXES
+from ipoa_mission.vehicles.px4_multicopter.parameter_table import (
+    DEFAULTS,
+    MEASURED,
+    PARAMETER_TABLE,
+    SINCE_SPLIT,
+    SPLITS_AXES,
+)
 
 RANGE_LAG_S = 0.14  # of the height over the ground by a range finder [s]
 NO_RANGE_FINDER = 10_000.0  # SIH_DISTSNSR_OVR of a vehicle without one [m]
@@ -19,12 +24,6 @@ BRAKES_LATE = 0.6  # from the order of LAND or hold to braking, as flown [s]
 STAGES = 3  # contact, maybe landed, landed
 
 TURN_FIRST = 4.0  # MPC_YAW_MODE: yaw first
-POSITIVE = (
-    "MPC_XY_CRUISE", "MPC_XY_VEL_MAX", "MPC_XY_TRAJ_P", "MPC_XY_ERR_MAX", "MPC_XY_P", "MPC_ACC_HOR", "MPC_JERK_AUTO",
-    "MPC_Z_V_AUTO_UP", "MPC_Z_V_AUTO_DN", "MPC_ACC_UP_MAX", "MPC_ACC_DOWN_MAX", "MPC_TKO_SPEED", "MPC_LAND_SPEED",
-    "MPC_LAND_CRWL", "MPC_XY_VEL_P_ACC", "MPC_YAWRAUTO_MAX", "MPC_YAWRAUTO_ACC", "NAV_ACC_RAD", "NAV_MC_ALT_RAD",
-    "MC_ROLL_P", "MPC_Z_VEL_MAX_UP", "MPC_Z_VEL_MAX_DN", "MPC_THR_HOVER",
-)  # fmt: skip
 
 Speed = TypeVar("Speed", float, Vector)
 
@@ -134,9 +133,7 @@ def px4_limits(parameters: Parameters, version: Version | None = None) -> Px4Lim
     """
     splits = (version or MEASURED[-1]).series >= SPLITS_AXES
     p = {**DEFAULTS, **(SINCE_SPLIT if splits else {}), **parameters}
-    for name in POSITIVE:
-        if not p[name] > 0:
-            raise BadInput(f"expected more than 0, not {p[name]:g}", place=name)
+    PARAMETER_TABLE.expect_positive(p)
     climb = min(p["MPC_Z_V_AUTO_UP"], p["MPC_Z_VEL_MAX_UP"])
     descent = min(p["MPC_Z_V_AUTO_DN"], p["MPC_Z_VEL_MAX_DN"])
     least_thrust = p["MPC_THR_MIN"] / p["MPC_THR_HOVER"]

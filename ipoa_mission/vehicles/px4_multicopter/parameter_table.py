@@ -78,6 +78,12 @@ FURTHER = (
     Parameter("NAV_DLL_ACT", 0.0, INT32),
 )
 
+POSITIVE = (
+    "MPC_XY_CRUISE", "MPC_XY_VEL_MAX", "MPC_XY_TRAJ_P", "MPC_XY_ERR_MAX", "MPC_XY_P", "MPC_ACC_HOR", "MPC_JERK_AUTO",
+    "MPC_Z_V_AUTO_UP", "MPC_Z_V_AUTO_DN", "MPC_ACC_UP_MAX", "MPC_ACC_DOWN_MAX", "MPC_TKO_SPEED", "MPC_LAND_SPEED",
+    "MPC_LAND_CRWL", "MPC_XY_VEL_P_ACC", "MPC_YAWRAUTO_MAX", "MPC_YAWRAUTO_ACC", "NAV_ACC_RAD", "NAV_MC_ALT_RAD",
+    "MC_ROLL_P", "MPC_Z_VEL_MAX_UP", "MPC_Z_VEL_MAX_DN", "MPC_THR_HOVER",
+)  # fmt: skip
 _INPUTS = (
     "ROLL", "PITCH", "THROTTLE", "YAW", "FLTMODE", "RETURN_SW", "LOITER_SW", "OFFB_SW", "KILL_SW", "ARM_SW", "GEAR_SW",
     "TRANS_SW", "FLAPS", "AUX1", "AUX2", "AUX3", "PARAM1", "PARAM2", "PARAM3",
@@ -101,6 +107,7 @@ PARAMETER_TABLE = ParameterTable(
         Parameter("COM_LOW_BAT_ACT", 3.0, INT32),
         Parameter("NAV_RCL_ACT", 2.0, INT32),
     ),
+    positive=POSITIVE,
     surely_there=(("MAV_SYS_ID",), ("SYS_AUTOSTART",)),
     packs_integers=True,
     limits_speed="MPC_XY_VEL_MAX",
