@@ -87,10 +87,6 @@ class Framer:
     def __init__(self) -> None:
         self._buffer = b""
 
-    @property
-    def is_torn(self) -> bool:
-        return bool(self._buffer)
-
     def feed(self, data: bytes) -> Iterator[bytes]:
         """Yield completed good frames; buffer one at most."""
         self._buffer += data

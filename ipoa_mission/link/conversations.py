@@ -9,8 +9,6 @@ from ipoa_mission.errors import MissionError
 from ipoa_mission.link import messages as m
 from ipoa_mission.link.dialogue import Ask, Dialogue, NoAnswer, Pause, SendOnce, Step, T, Tell, TimeUp
 from ipoa_mission.link.events import words_of
-from ipoa_mission.link.item_payloads import Payloads, as_items
-from ipoa_mission.link.item_run import ItemsRead, ItemsSent
 from ipoa_mission.link.mavftp import list_checksum
 from ipoa_mission.mission.items import Item
 from ipoa_mission.progress import Progress, count, silent
@@ -83,7 +81,6 @@ def offer(
     kind: int,
     opening: type[Ask] | type[Tell] = Ask,
     asked: Callable[[int], None] = lambda seq: None,
-    packed: Payloads | None = None,
 ) -> Dialogue[int | None]:
     """Return ACCEPTED, or what followed the last item: None for silence, or a doubtful refusal.
 
@@ -92,43 +89,44 @@ def offer(
     count.
     """
     in_order = opening is Ask
-    run = ItemsSent(kind, len(items), items=items, packed=packed, asked=asked)
-    last = len(items) - 1
+    at, last = -1, len(items) - 1
+    doubt: int | None = None  # a refusal without a later request
     texts = VehicleTexts()
     step: Step = opening(m.Count(len(items), kind))
     while True:
         try:
             heard = yield step
         except NoAnswer as silence:
-            if run.at == last and items:  # a client that sends no final Ack (MAVProxy)
-                return run.doubt
-            if run.doubt is not None:
-                raise MissionRefused(run.doubt, kind, max(run.at, 0), str(texts)) from None
-            raise NoAnswer(f"{silence} after {max(run.at, 0)} of {len(items)} items of the {list_name(kind)}") from None
+            if at == last and items:  # a client that sends no final Ack (MAVProxy)
+                return doubt
+            if doubt is not None:
+                raise MissionRefused(doubt, kind, max(at, 0), str(texts)) from None
+            raise NoAnswer(f"{silence} after {max(at, 0)} of {len(items)} items of the {list_name(kind)}") from None
         step = None
         match heard:
-            case m.Request(seq, k) if k == kind and seq <= last and (not in_order or run.at <= seq <= run.at + 1):
-                run.asked_for(seq)
-                step = Tell(m.ItemAt(seq, items[seq], kind), run if in_order else None)
+            case m.Request(seq, k) if k == kind and seq <= last and (not in_order or at <= seq <= at + 1):
+                at, doubt = seq, None
+                asked(seq)
+                step = Tell(m.ItemAt(seq, items[seq], kind))
                 if in_order and seq == last:
                     yield SendOnce(step.message)
                     step = Pause(3.0)  # after it the read-back decides
             case m.Ack(m.Result.ACCEPTED, k) if k == kind:
-                if run.at == last or not in_order:
+                if at == last or not in_order:
                     asked(len(items))
                     return m.Result.ACCEPTED
             case m.Ack(m.Result.INVALID_SEQUENCE, k) if k == kind:
-                run.doubt = m.Result.INVALID_SEQUENCE
+                doubt = m.Result.INVALID_SEQUENCE
             case m.Ack(m.Result.ERROR, k) if k == kind:
-                run.doubt = m.Result.ERROR
+                doubt = m.Result.ERROR
                 step = Pause(REFUSAL_TIMEOUT_S)
             case m.Ack(result, k) if k == kind:
                 yield from listen_for_words(texts)
-                raise MissionRefused(result, kind, max(run.at, 0), str(texts))
-            case None if run.at == last and items:
-                return run.doubt
+                raise MissionRefused(result, kind, max(at, 0), str(texts))
+            case None if at == last and items:
+                return doubt
             case None:
-                raise MissionRefused(run.doubt or m.Result.ERROR, kind, max(run.at, 0), str(texts))
+                raise MissionRefused(doubt or m.Result.ERROR, kind, max(at, 0), str(texts))
             case _:
                 texts.note(heard)
 
@@ -139,24 +137,22 @@ class RequestStyle:
     rebukes: bool = False
 
 
-def fetch(
-    count: int, kind: int, take: Take, style: RequestStyle | None = None, run: ItemsRead | None = None
-) -> Dialogue[int]:
-    """Pass items from `run.at` (else 0) to `take`; return its first refusal. The caller sends the closing Ack."""
+def fetch(count: int, kind: int, take: Take, style: RequestStyle | None = None, first: int = 0) -> Dialogue[int]:
+    """Pass items from `first` on to `take`; return its first refusal. The caller sends the closing Ack."""
     doubt: int | None = None
-    style, reading = style or RequestStyle(), run or ItemsRead(kind, count, at=0)
-    while reading.at < count:
-        step: Step = Ask(m.Request(reading.at, kind, style.legacy), item=True, run=run)
+    style = style or RequestStyle()
+    for seq in range(first, count):
+        step: Step = Ask(m.Request(seq, kind, style.legacy), item=True)
         while True:
             try:
                 heard = yield step
             except NoAnswer as silence:
                 if doubt is not None:
-                    raise MissionRefused(doubt, kind, reading.at) from None
-                raise NoAnswer(f"{silence} after {reading.at} of {count} items of the {list_name(kind)}") from None
+                    raise MissionRefused(doubt, kind, seq) from None
+                raise NoAnswer(f"{silence} after {seq} of {count} items of the {list_name(kind)}") from None
             step = None
             match heard:
-                case m.ItemAt(s, _, k) as item if k == kind and s == reading.at:
+                case m.ItemAt(s, _, k) as item if k == kind and s == seq:
                     result = take(s, item)
                     if result != m.Result.ACCEPTED:
                         return result
@@ -166,29 +162,25 @@ def fetch(
                 case m.Ack(result, k) if k == kind and result in DOUBTFUL_REFUSALS:
                     doubt = result
                 case m.Ack(result, k) if k == kind and result != m.Result.ACCEPTED:
-                    raise MissionRefused(result, kind, reading.at)
-        reading.at += 1
+                    raise MissionRefused(result, kind, seq)
     return m.Result.ACCEPTED
 
 
-def read_list(kind: int, progress: Progress = silent) -> Dialogue[list[Item | bytes]]:
-    """Return items or payloads; a transfer closed for silence (PX4: after 5 s) is opened again at the next item."""
-    stored: list[Item | bytes] = []
+def read_list(kind: int, progress: Progress = silent) -> Dialogue[list[Item]]:
+    """Return the items; a transfer closed for silence (PX4: after 5 s) is opened again at the next item."""
+    stored: list[Item] = []
     total = yield from open_list(kind)
     idle = 0
 
-    def keep(item: Item | bytes) -> None:
-        stored.append(item)
-        count(progress, len(stored), total)
-
     def take(seq: int, heard: m.ItemAt) -> int:
-        keep(heard.item)
+        stored.append(heard.item)
+        count(progress, len(stored), total)
         return m.Result.ACCEPTED
 
     while True:
         before = len(stored)
         try:
-            yield from fetch(total, kind, take, run=ItemsRead(kind, total, at=before, keep=keep))
+            yield from fetch(total, kind, take, first=before)
         except TimeUp as late:
             raise TimeUp(f"{late}: {len(stored)} of {total} items of the {list_name(kind)} had come") from None
         except NoAnswer as silence:
@@ -257,7 +249,7 @@ class KeepsChanging(MissionError):
 
 def read_consistent(
     kind: int, numbers: Iterator[int] | None, progress: Progress = silent
-) -> Dialogue[tuple[list[Item | bytes], int]]:
+) -> Dialogue[tuple[list[Item], int]]:
     """Return the list and its checksum (0: none), equal before and after the reading.
 
     Without `numbers` for the checksum, a change goes unnoticed.
@@ -284,4 +276,4 @@ def download(
     kind: int, progress: Progress = silent, numbers: Iterator[int] | None = None
 ) -> Dialogue[tuple[Item, ...]]:
     stored, _ = yield from read_consistent(kind, numbers, progress)
-    return as_items(stored)
+    return tuple(stored)

@@ -17,7 +17,6 @@ from dataclasses import dataclass
 from typing import Generic, Literal, TypeAlias, TypeVar
 
 from ipoa_mission.errors import MissionError
-from ipoa_mission.link.item_run import ItemRun, ItemsRead, ItemsSent
 from ipoa_mission.link.messages import Ack, CommandAck, Count, FileTransfer, ItemAt, Message, Request
 
 T = TypeVar("T")
@@ -59,19 +58,15 @@ class TimeUp(Unfinished):
 
 @dataclass(frozen=True)
 class Ask:
-    """`item`: by the shorter timer; `run`: items that may be read without the dialogue."""
+    """`item`: by the shorter timer."""
 
     message: Message
     item: bool = False
-    run: ItemsRead | None = None
 
 
 @dataclass(frozen=True)
 class Tell:
-    """`run`: items that may be sent without the dialogue."""
-
     message: Message
-    run: ItemsSent | None = None
 
 
 @dataclass(frozen=True)
@@ -204,7 +199,6 @@ class Exchange(Generic[T]):
         self._awaited: Ask | Tell | Pause = Pause(math.inf)
         self._since = self._sent = self._heard = now
         self._repeats = 0
-        self._ran_from = -1
         self._acted_on: tuple[Message | None, float] = (None, -math.inf)
         self._result: T | None = None
         self._follow(self._resume(None), now)
@@ -227,30 +221,6 @@ class Exchange(Generic[T]):
 
     def asked_for_s(self, now: float) -> float:
         return 0.0 if self.finished or isinstance(self._awaited, Pause) else now - self._since
-
-    def run(self) -> ItemRun | None:
-        """Return the items to transfer without the dialogue; report them to `ran`."""
-        if self.finished or self._repeats or isinstance(self._awaited, Pause) or self._awaited.run is None:
-            return None
-        run = self._awaited.run
-        if run.is_at_last_item:
-            return None
-        run.sent_s = self._sent
-        run.wait_s = self._wait_s if isinstance(self._awaited, Ask) else self._patience.silence_s
-        self._ran_from = run.at
-        return run
-
-    def ran(self, run: ItemRun, now: float) -> None:
-        if run.at == self._ran_from:
-            return
-        self._heard = now
-        self._since = self._sent = run.sent_s
-        if isinstance(run, ItemsRead):
-            self._awaited = Ask(run.question, item=True, run=run)
-            self._acted_on = (None, now)
-            self._tempo.sample(run.round_trip_s)
-        else:
-            self._acted_on = (run.acted_on, run.sent_s)
 
     def outgoing(self) -> list[Message]:
         messages, self._outbox = self._outbox, []

@@ -15,7 +15,6 @@ from ipoa_mission.link.channel import Channel, Peer
 from ipoa_mission.link.codec import EVERYONE, Codec, Heard, Target, is_old, is_signed
 from ipoa_mission.link.definitions import Definition
 from ipoa_mission.link.dialogue import Cancelled, Dialogue, Exchange, NoAnswer, Silence, T, Tempo, TimeUp
-from ipoa_mission.link.item_run import ItemFrames, ItemRun
 from ipoa_mission.link.messages import AUTOPILOT_COMPONENT, Heartbeat, MavAutopilot, Message
 from ipoa_mission.link.routes import CLAIM_S, Routes
 from ipoa_mission.link.signing import Doubt
@@ -69,10 +68,6 @@ class Carrier(Protocol):
 
     def close(self) -> None: ...
 
-    def carry_on(self, run: ItemRun, target: Target, until: float, is_over: Callable[[], bool]) -> list[Heard]:
-        """Take the steps of a run until something else is heard."""
-        return self.receive(min(until, run.sent_s + run.wait_s))
-
     def note_answer(self, target: Target) -> None:
         return
 
@@ -122,7 +117,6 @@ class Line(Carrier):
         self._signing: set[Target] = set()
         self._understands: set[Target] = set()
         self._next_heartbeat = channel.now()
-        self._frames: ItemFrames | None = None
         self.overhearing: Callable[[bytes], None] | None = None
         """Called with every whole frame of known peers."""
 
@@ -151,35 +145,6 @@ class Line(Carrier):
         heard: list[Heard] = []
         for data, peer in self.channel.receive(min(until, self._next_heartbeat)):
             heard += self._hear(data, peer)
-        return heard
-
-    def carry_on(self, run: ItemRun, target: Target, until: float, is_over: Callable[[], bool]) -> list[Heard]:
-        channel, holder = self.channel, self._routes.holder(target)
-        if holder is None or self._routes.framer(holder).is_torn:
-            return super().carry_on(run, target, until, is_over)
-        if self._frames is None or self._frames.run is not run:
-            self._frames = ItemFrames(run, self.codec, target)
-        frames, peers, begun_at = self._frames, self._routes.to(target), run.at
-        heard: list[Heard] | None = None
-        while heard is None:
-            self._send_heartbeat()
-            limit = min(until, run.sent_s + run.wait_s)
-            got = channel.receive(min(limit, self._next_heartbeat))
-            now = channel.now()
-            for data, peer in got:
-                if heard is None and peer == holder and frames.take(data):
-                    if self._log:
-                        self._log.write(data, channel.unix_s())
-                    self._send(frames.reply(channel.unix_s()), peers)
-                    run.round_trip_s, run.sent_s = now - run.sent_s, now
-                else:
-                    heard = (heard or []) + self._hear(data, peer)
-            if heard is None and (run.is_at_last_item or is_over() or now >= (limit if not got else until)):
-                heard = []
-        if run.at != begun_at:
-            self._routes.claim(target, holder, run.sent_s)
-            self._routes.learn(target, holder, run.sent_s)
-            self._is_old[target] = False
         return heard
 
     def _send_heartbeat(self) -> None:
@@ -241,7 +206,7 @@ class Line(Carrier):
         assert self._again is not None, "asked of `reopens` first"
         self.channel.close()
         self.channel = self._again()
-        self._routes, self._rivals, self._frames = Routes(), {}, None
+        self._routes, self._rivals = Routes(), {}
 
     def close(self) -> None:
         self.channel.close()
@@ -344,12 +309,7 @@ def converse(
                 for message in exchange.outgoing():
                     line.send(message, target)
                 moment = min(exchange.deadline, until, now() + NOTICE_S)
-                if (run := exchange.run()) is None:
-                    everything = line.receive(moment)
-                else:
-                    everything = line.carry_on(run, target, min(until, now() + NOTICE_S), lambda: interrupt.is_pending)
-                    exchange.ran(run, now())
-                for heard in everything:
+                for heard in line.receive(moment):
                     if (heard.system, heard.component) == target and heard.message is not None:
                         if now() - heard_s >= quiet_s:
                             break

@@ -4,7 +4,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 
 from ipoa_mission.autopilot.autopilot import Autopilot
-from ipoa_mission.errors import MissionError
+from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.link.conversations import (
     DOUBTFUL_REFUSALS,
     READ_ATTEMPTS,
@@ -18,10 +18,10 @@ from ipoa_mission.link.conversations import (
     read_list,
 )
 from ipoa_mission.link.dialogue import Cancelled, Dialogue, NoAnswer, Pause, SendOnce, Step, TimeUp, wait
-from ipoa_mission.link.item_payloads import Payloads, first_difference, pack_items
 from ipoa_mission.link.messages import NO_MISSION, WARNING, Ack, Current, Message, MissionType, Request, Result
+from ipoa_mission.link.wire import expect_sendable
 from ipoa_mission.mission.items import Item
-from ipoa_mission.mission.stored_mission import Difference, first_number
+from ipoa_mission.mission.stored_mission import Difference, compare, first_number
 from ipoa_mission.progress import Progress, count, silent
 
 #: Without any item: two.
@@ -73,10 +73,15 @@ class Upload:
     kind: int = MissionType.MISSION
     numbers: Iterator[int] | None = field(default=None, repr=False, compare=False)
 
-    packed: Payloads = field(init=False, repr=False, compare=False)
-
     def __post_init__(self) -> None:
-        object.__setattr__(self, "packed", pack_items(self.items, self.kind, self.first))
+        if len(self.items) > 0xFFFF:
+            words = f"expected {0xFFFF} items at most, as many as MAVLink can count, not {len(self.items)}"
+            raise BadInput(words)
+        for number, item in enumerate(self.items, self.first):
+            try:
+                expect_sendable(item)
+            except BadInput as error:
+                raise error.at(f"item {number}") from None
 
     @property
     def first(self) -> int:
@@ -96,12 +101,12 @@ class Upload:
         """Check whether the vehicle may report it unflyable after the Ack."""
         return self.autopilot.protocol_profile.judges_later and self.kind == MissionType.MISSION and len(self.items) > 0
 
-    def difference(self, stored: Sequence[Item | bytes]) -> Difference | None:
+    def difference(self, stored: Sequence[Item]) -> Difference | None:
         """ArduPilot may answer its home alone for an empty list."""
         home = self.autopilot.counts_home if self.kind == MissionType.MISSION else 0
         if not self.items and len(stored) <= home:
             return None
-        return first_difference(self.items, self.packed, stored, self.autopilot)
+        return compare(self.items, stored, self.autopilot)
 
 
 @dataclass
@@ -266,7 +271,7 @@ def _store(job: Upload, course: UploadState, progress: Progress) -> Dialogue[Non
         course.before, course.furthest = course.furthest, -1
         try:
             course.reports.reset_at_offer()
-            result = yield from offer(job.items, job.kind, asked=note, packed=job.packed)
+            result = yield from offer(job.items, job.kind, asked=note)
             course.reports.reset_at_reading()
             stored, course.checksum = yield from read_consistent(job.kind, job.numbers)
         except NoAnswer as silence:

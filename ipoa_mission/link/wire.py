@@ -17,6 +17,7 @@ from ipoa_mission.mission.items import Item
 
 Fields: TypeAlias = Mapping[str, Any]
 INT32_MAX = 2**31 - 1  # "no value"
+SINGLE_MAX = (2.0 - 2.0**-23) * 2.0**127
 GLOBAL_FRAMES = frozenset({*PLAIN_FRAME, *PLAIN_FRAME.values()})
 
 
@@ -58,6 +59,19 @@ def coordinate(degrees: float, frame: int) -> int:
     if not -INT32_MAX <= value < INT32_MAX:
         raise BadInput(f"expected one that fits MAVLink's 32 bits, not {degrees}", place="coordinate")
     return value
+
+
+def expect_sendable(item: Item) -> None:
+    """Raise BadInput if a number does not fit into its field of MISSION_ITEM_INT."""
+    for name, number, most in (("command", item.command, 0xFFFF), ("frame", item.frame, 0xFF)):
+        if not 0 <= number <= most:
+            raise BadInput(f"expected a number from 0 to {most}, not {number}", place=name)
+    coordinate(item.latitude_deg, item.frame)
+    coordinate(item.longitude_deg, item.frame)
+    singles = {f"param{n}": value for n, value in enumerate(item.params, start=1)} | {"altitude": item.altitude}
+    for name, value in singles.items():
+        if SINGLE_MAX < abs(value) < math.inf:
+            raise BadInput(f"expected a number that fits in single precision, not {value:g}", place=name)
 
 
 def degrees(value: int, frame: int) -> float:

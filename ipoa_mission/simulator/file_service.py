@@ -5,7 +5,6 @@ from dataclasses import dataclass, replace
 
 from ipoa_mission.errors import MissionError
 from ipoa_mission.link.codec import Target
-from ipoa_mission.link.item_payloads import PAYLOAD
 from ipoa_mission.link.mavftp import (
     LIST_FILES,
     LONGEST_DATA,
@@ -18,7 +17,7 @@ from ipoa_mission.link.mavftp import (
     unpack,
 )
 from ipoa_mission.link.messages import FileTransfer, MissionType
-from ipoa_mission.link.mission_upload_file import HEADER, pack_mission, unpack_mission
+from ipoa_mission.link.mission_upload_file import HEADER, ITEM_BYTES, pack_mission, unpack_mission
 from ipoa_mission.mission.items import Item
 
 MOST_CLIENTS = 16
@@ -45,7 +44,7 @@ class FileService:
         replace: Callable[[tuple[Item, ...]], bool],
     ) -> None:
         self._offered, self._listed, self._replace = offered, listed, replace
-        self._longest = HEADER.size + most_items * PAYLOAD.itemsize
+        self._longest = HEADER.size + most_items * ITEM_BYTES
         self._sessions: dict[Target, FileSession] = {}
 
     def answers(self, message: FileTransfer, client: Target) -> list[FileTransfer]:

@@ -7,7 +7,7 @@ import pytest
 
 from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.geodesy import Geodetic
-from ipoa_mission.link.item_run import ItemsSent
+from ipoa_mission.link import upload
 from ipoa_mission.link.vehicle import Vehicle
 from ipoa_mission.link.vehicle_state import NotReady
 from ipoa_mission.mission.mission_io import read_mission, write_mission
@@ -193,17 +193,15 @@ def test_a_key_in_a_file_goes_before_the_passphrase(
 def test_ctrl_c_during_an_upload_says_what_the_vehicle_holds(
     run: Run, autopilot: Serve, mission: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    asked_for = ItemsSent.asked_for
     pressed: list[bool] = []
 
-    def impatient(run: ItemsSent, seq: int) -> None:
-        asked_for(run, seq)
-        if not pressed and seq == 2:
+    def impatient(progress: object, done: int, total: int) -> None:
+        if not pressed and done == 2:
             pressed.append(True)
             signal.raise_signal(signal.SIGINT)
 
     with autopilot() as link:
-        monkeypatch.setattr(ItemsSent, "asked_for", impatient)
+        monkeypatch.setattr(upload, "count", impatient)
         monkeypatch.setattr(signal, "getsignal", lambda number: signal.default_int_handler)
         ended = run(f"upload {mission} --link {link} --log up.tlog")
     assert ended.code == 130

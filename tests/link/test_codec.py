@@ -16,7 +16,6 @@ from ipoa_mission.link import codec, telemetry, wire
 from ipoa_mission.link import messages as m
 from ipoa_mission.link.codec import EVERYONE, Codec, Framer, Target, frames
 from ipoa_mission.link.definitions import definition_of, message_name, message_number
-from ipoa_mission.link.item_payloads import pack_items
 from ipoa_mission.link.signing import Signer
 from ipoa_mission.link.tlog import read_tlog
 from ipoa_mission.link.upload import Upload
@@ -369,9 +368,9 @@ def test_a_whole_datagram_is_heard_at_once_behind_half_a_frame() -> None:
 def test_coordinates_beyond_the_largest_and_smallest_are_errors(frame: int, unit: float) -> None:
     for value in (2**31 - 2, 1 - 2**31):
         item = dataclasses.replace(FINE, frame=frame, latitude_deg=0.0, longitude_deg=value * unit)
-        (packed,) = pack_items([item], 0)
-        assert packed["y"] == wire.coordinate(item.longitude_deg, frame) == value
+        wire.expect_sendable(item)
+        assert wire.coordinate(item.longitude_deg, frame) == value
     for value in (2**31 - 1, -(2**31)):
         item = dataclasses.replace(FINE, frame=frame, longitude_deg=value * unit)
         with refuses("bad-input", "item 1: coordinate"):
-            pack_items([item], 0)
+            Upload([item], Autopilot.PX4)

@@ -375,3 +375,22 @@ def test_a_flood_of_clients_does_not_grow_without_bound() -> None:
         ask(file_service, OPEN, client=Target(n, 1))
     assert len(file_service._sessions) <= MOST_CLIENTS
     assert LONGEST_DATA == 239
+
+
+numbers = st.floats(width=32)
+items = st.builds(
+    Item,
+    command=st.integers(0, 0xFFFF),
+    frame=st.sampled_from([0, 2, 3, 5, 6, 10, 11, 1]),
+    params=st.tuples(numbers, numbers, numbers, numbers),
+    latitude_deg=st.integers(-900_000_000, 900_000_000).map(lambda n: n / 1e7) | st.just(math.nan),
+    longitude_deg=st.integers(-1_800_000_000, 1_800_000_000).map(lambda n: n / 1e7) | st.just(math.nan),
+    altitude=numbers,
+    autocontinue=st.booleans(),
+)
+
+
+@given(st.lists(items, max_size=4))
+def test_mission_file_is_read_as_it_was_packed(some: list[Item]) -> None:
+    data = pack_mission(some)
+    assert pack_mission(unpack_mission(data)) == data
