@@ -74,7 +74,7 @@ class Codec:
         is_radio = definition.name == "RADIO_STATUS"  # never signed
         if self.signer and not self.signer.accepts(frame, system, component) and not is_radio:
             return None
-        if definition.name not in wire.LAYOUTS:
+        if not wire.is_read(definition.name):
             return Heard(system, component, EVERYONE, None, frame)
         raw = definition.unpack(frame[6:-2] if is_old(frame) else frame[HEADER_BYTES : HEADER_BYTES + frame[1]])
         target = Target(getattr(raw, "target_system", 0), getattr(raw, "target_component", 0))

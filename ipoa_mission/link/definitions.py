@@ -146,6 +146,14 @@ def message_name(number: int) -> str | None:
     return DEFINITIONS[number].name if number in DEFINITIONS else None
 
 
+def unit_and_type(message: str, field: str) -> tuple[str, str]:
+    """Return MAVLink's unit of a field ("": none) and its type."""
+    kind = ardupilotmega.mavlink_map.get(message_number(message))
+    if kind is None:  # of PX4's own
+        return "", ""
+    return kind.fieldunits_by_name.get(field, ""), kind.fieldtypes[kind.fieldnames.index(field)]
+
+
 def params_in_words(command: int) -> dict[int, str]:
     """Return MAVLink's descriptions of the used params, 1 to 7.
 

@@ -124,7 +124,7 @@ class MavsdkLine(Carrier):
     def _read(self, raw: Any) -> Heard:
         target = Target(raw.target_system_id, raw.target_component_id)
         message = None
-        if raw.message_name in wire.LAYOUTS:
+        if wire.is_read(raw.message_name):
             fields = json.loads(raw.fields_json)
             numbers = {key: math.nan if value is None else value for key, value in fields.items()}
             message = wire.read(raw.message_name, SimpleNamespace(**numbers))

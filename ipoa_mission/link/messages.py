@@ -1,11 +1,11 @@
-"""One frozen class a message, in SI units and degrees; unscaled fields keep MAVLink's name.
+"""One frozen class a message. A field with MAVLink's own name has its value too; others are in SI units and degrees.
 
 Received numbers stay integers: an unknown one is no error.
 """
 
 from dataclasses import dataclass
 from enum import IntEnum
-from typing import dataclass_transform
+from typing import Annotated, ClassVar, TypeAlias, dataclass_transform
 
 from ipoa_mission.mission.items import Item
 
@@ -71,59 +71,65 @@ AUTOPILOT_COMPONENT = 1
 STATION_SYSTEM, STATION_COMPONENT = 245, 190
 
 
+#: A field's annotation has MAVLink's names, where they differ.
+Kind: TypeAlias = Annotated[int, "mission_type"]
+ParamId: TypeAlias = Annotated[str, "param_id"]
+
+
 @dataclass_transform(frozen_default=True)
 @dataclass(frozen=True)
 class Message:
-    """Each subclass is a frozen dataclass."""
+    """Each subclass is a frozen dataclass; `name` is MAVLink's, if it has one."""
 
-    def __init_subclass__(cls) -> None:
+    NAME: ClassVar[str]
+
+    def __init_subclass__(cls, name: str = "") -> None:
         dataclass(frozen=True)(cls)
+        cls.NAME = name
 
 
-class Count(Message):
+class Count(Message, name="MISSION_COUNT"):
     count: int
-    kind: int = MissionType.MISSION
+    kind: Kind = MissionType.MISSION
 
 
-class Request(Message):
+class Request(Message, name="MISSION_REQUEST_INT"):
     seq: int
-    kind: int = MissionType.MISSION
-    legacy: bool = False
+    kind: Kind = MissionType.MISSION
+    legacy: bool = False  # MISSION_REQUEST
 
 
-class ItemAt(Message):
-    """MISSION_ITEM_INT; `current` 2 and 3 are orders to a flying ArduPilot, never sent here."""
+class ItemAt(Message, name="MISSION_ITEM_INT"):
+    """`current` 2 and 3 are orders to a flying ArduPilot, never sent here."""
 
     seq: int
     item: Item
-    kind: int = MissionType.MISSION
+    kind: Kind = MissionType.MISSION
     current: int = 0
 
 
-class Ack(Message):
-    """MISSION_ACK with the `Result`; PX4 adds its id of the list (0: none)."""
-
-    result: int
-    kind: int = MissionType.MISSION
-    opaque_id: int = 0
+class Ack(Message, name="MISSION_ACK"):
+    result: Annotated[int, "type"]
+    kind: Kind = MissionType.MISSION
+    opaque_id: int = 0  # PX4's id of the list; 0: none
 
 
-class RequestList(Message):
-    kind: int = MissionType.MISSION
+class RequestList(Message, name="MISSION_REQUEST_LIST"):
+    kind: Kind = MissionType.MISSION
 
 
-class ClearAll(Message):
-    kind: int = MissionType.MISSION
+class ClearAll(Message, name="MISSION_CLEAR_ALL"):
+    kind: Kind = MissionType.MISSION
 
 
-class SetCurrent(Message):
-    """MISSION_SET_CURRENT (superseded by command 224, which PX4 lacks)."""
+class SetCurrent(Message, name="MISSION_SET_CURRENT"):
+    """Superseded by command 224, which PX4 lacks."""
 
     seq: int
 
 
-class Current(Message):
-    """MISSION_CURRENT; states: 0 unknown, 1 none, 2 not started, 3 active, 4 paused, 5 done.
+class Current(Message, name="MISSION_CURRENT"):
+    """States: 0 unknown, 1 none, 2 not started, 3 active, 4 paused, 5 done.
 
     `total`: 0 unknown, 65535 no mission; `mission_id`: as in its `Ack`.
     """
@@ -135,17 +141,17 @@ class Current(Message):
     mission_id: int = 0
 
 
-class Reached(Message):
+class Reached(Message, name="MISSION_ITEM_REACHED"):
     seq: int
 
 
-class WritePartialList(Message):
+class WritePartialList(Message, name="MISSION_WRITE_PARTIAL_LIST"):
     start_index: int
     end_index: int
-    kind: int = MissionType.MISSION
+    kind: Kind = MissionType.MISSION
 
 
-class Heartbeat(Message):
+class Heartbeat(Message, name="HEARTBEAT"):
     type: int
     autopilot: int
     base_mode: int = 0
@@ -157,112 +163,108 @@ class Heartbeat(Message):
         return bool(self.base_mode & ARMED_FLAG)
 
 
-class Text(Message):
-    """STATUSTEXT; severity 0 (emergency) to 7 (debug); chunks of a long text share an `id`."""
+class Text(Message, name="STATUSTEXT"):
+    """Severity 0 (emergency) to 7 (debug); chunks of a long text share an `id`."""
 
     severity: int
-    text: str
+    text: Annotated[str, "text"]
     id: int = 0
     chunk_seq: int = 0
 
 
-class Event(Message):
-    """EVENT of PX4; the ground station has its words."""
+class Event(Message, name="EVENT"):
+    """The ground station has PX4's words."""
 
-    number: int
+    number: Annotated[int, "id"]
     log_levels: int
-    arguments: bytes = b""
+    arguments: Annotated[bytes, "arguments"] = b""
 
 
-class Ping(Message):
-    """PING; a request is addressed to (0, 0)."""
+class Ping(Message, name="PING"):
+    """A request is addressed to (0, 0)."""
 
     time_usec: int
     seq: int
 
 
-class TimeSync(Message):
-    """TIMESYNC [ns]: a question has `tc1` 0."""
+class TimeSync(Message, name="TIMESYNC"):
+    """[ns]; a question has `tc1` 0."""
 
     tc1: int
     ts1: int
 
 
-class CommandLong(Message):
+class CommandLong(Message, name="COMMAND_LONG"):
     command: int
-    params: tuple[float, float, float, float, float, float, float] = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    params: Annotated[tuple[float, float, float, float, float, float, float], *(f"param{n}" for n in range(1, 8))] = (
+        0.0,
+        0.0,
+        0.0,
+        0.0,
+        0.0,
+        0.0,
+        0.0,
+    )
     confirmation: int = 0
 
 
-class CommandInt(Message):
-    """COMMAND_INT; x and y on the command's own scale."""
-
+class CommandInt(Message, name="COMMAND_INT"):
     command: int
     frame: int
-    params: tuple[float, float, float, float]
-    x: int
+    params: Annotated[tuple[float, float, float, float], "param1", "param2", "param3", "param4"]
+    x: int  # on the command's own scale
     y: int
     z: float
 
 
-class CommandAck(Message):
+class CommandAck(Message, name="COMMAND_ACK"):
     command: int
     result: int
     progress: int = 0
     result_param2: int = 0
 
 
-class SetMode(Message):
+class SetMode(Message, name="SET_MODE"):
     base_mode: int
     custom_mode: int
 
 
-class ParamRequestList(Message):
-    """PARAM_REQUEST_LIST."""
+class ParamRequestList(Message, name="PARAM_REQUEST_LIST"):
+    pass
 
 
-class ParamRequestRead(Message):
-    """PARAM_REQUEST_READ by name, or by index unless -1."""
-
-    param_id: str
-    param_index: int = -1
+class ParamRequestRead(Message, name="PARAM_REQUEST_READ"):
+    param_id: ParamId
+    param_index: int = -1  # by name
 
 
-class ParamSet(Message):
-    param_id: str
+class ParamSet(Message, name="PARAM_SET"):
+    param_id: ParamId
     param_value: float
-    param_type: int = 9
+    param_type: int = 9  # a float
 
 
-class ParamValue(Message):
-    """PARAM_VALUE; type 9 is a float."""
-
-    param_id: str
+class ParamValue(Message, name="PARAM_VALUE"):
+    param_id: ParamId
     param_value: float
     param_type: int
     param_count: int
     param_index: int
 
 
-class MessageInterval(Message):
-    """MESSAGE_INTERVAL [us]; 0 unknown, -1 never."""
-
+class MessageInterval(Message, name="MESSAGE_INTERVAL"):
     message_id: int
-    interval_us: int
+    interval_us: int  # 0 unknown, -1 never
 
 
-class RequestDataStream(Message):
-    """REQUEST_DATA_STREAM: MAV_DATA_STREAM (0: all) at a rate [Hz]."""
-
-    req_stream_id: int
-    req_message_rate: int
+class RequestDataStream(Message, name="REQUEST_DATA_STREAM"):
+    req_stream_id: int  # MAV_DATA_STREAM; 0: all
+    req_message_rate: int  # [Hz]
     start_stop: int = 1
 
 
-class FileTransfer(Message):
-    """251 bytes of MAVFTP."""
-
-    payload: bytes
+class FileTransfer(Message, name="FILE_TRANSFER_PROTOCOL"):
+    payload: Annotated[bytes, "payload"]  # 251 bytes of MAVFTP
 
 
 #: Messages that only the two ends of a transfer need.

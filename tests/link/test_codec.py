@@ -2,7 +2,7 @@ import dataclasses
 import math
 import random
 from pathlib import Path
-from typing import cast
+from typing import get_type_hints
 
 import pytest
 from fastcrc.crc16 import mcrf4xx
@@ -25,7 +25,7 @@ from tests.refused import refuses
 NOW = 1_767_225_600.0
 FIRST_GUESS = {int: 1, float: 1.5, str: "WORDS", bytes: b"\x01\x02"}
 UNKNOWN_THERE = {m.Event, telemetry.ProtocolVersion}
-KINDS = sorted({layout.kind for layout in wire.LAYOUTS.values()}, key=lambda kind: kind.__name__)
+KINDS = sorted(wire.KINDS.values(), key=lambda kind: kind.__name__)
 
 
 def example(kind: type[m.Message]) -> m.Message:
@@ -44,8 +44,8 @@ def example(kind: type[m.Message]) -> m.Message:
     }
     if kind in special:
         return special[kind]
-    types = {field.name: cast(type, field.type) for field in dataclasses.fields(kind)}
-    return kind(**{name: FIRST_GUESS.get(hint, False) for name, hint in types.items()})
+    hints = get_type_hints(kind)
+    return kind(**{field.name: FIRST_GUESS.get(hints[field.name], False) for field in dataclasses.fields(kind)})
 
 
 @pytest.mark.parametrize("kind", KINDS, ids=lambda kind: kind.__name__)
