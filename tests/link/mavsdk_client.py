@@ -3,7 +3,10 @@
 import json
 import signal
 import sys
-from typing import Any
+from collections.abc import Sequence
+
+import mavsdk
+from mavsdk.plugins import mission_raw
 
 from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.geodesy import Geodetic
@@ -12,7 +15,9 @@ from ipoa_mission.link.dialogue import Cancelled, NoAnswer
 from ipoa_mission.link.mavsdk_backend import MavsdkVehicle, connect
 from ipoa_mission.link.messages import MissionType
 from ipoa_mission.link.upload import Unflyable
-from ipoa_mission.mission.items import FenceCircle, Mission, return_to_launch, takeoff, waypoint
+from ipoa_mission.link.wire import coordinate
+from ipoa_mission.mission.items import FenceCircle, Item, Mission, return_to_launch, takeoff, waypoint
+from ipoa_mission.mission.stored_mission import to_wire
 from tests.quick_link import hurry
 
 HOME = Geodetic(47.4, 8.5, 400.0)
@@ -36,20 +41,34 @@ def spoil(vehicle: MavsdkVehicle) -> dict[str, object]:
     except Unflyable as error:
         results["unflyable"] = str(error)
     many = [waypoint(Geodetic(47.4 + 1e-5 * n, 8.5), 30.0) for n in range(500)]
-    spell = vehicle._mavsdk_item
 
-    def press(seq: int, *rest: Any) -> Any:
-        if seq == len(many):
+    def press(share: float, words: str) -> None:
+        if words == "400 of 501":
             signal.raise_signal(signal.SIGINT)
-        return spell(seq, *rest)
 
-    vehicle._mavsdk_item = press  # type: ignore[assignment,method-assign]
     try:
-        vehicle.upload(Mission(HOME, (takeoff(HOME, 20.0), *many), Autopilot.PX4))
+        vehicle.upload(Mission(HOME, (takeoff(HOME, 20.0), *many), Autopilot.PX4), press)
     except Cancelled as cancelled:
         results["cancelled_as_told"] = stored_count(vehicle) == (1 if "keeps" in str(cancelled) else len(many) + 1)
-    vehicle._mavsdk_item = spell  # type: ignore[method-assign]
     return results
+
+
+def transfer_by_mavsdk_alone(url: str, items: Sequence[Item]) -> bool:
+    """Return whether its own transfers bring a mission to the vehicle and back."""
+    instance = mavsdk.Mavsdk(mavsdk.Configuration.create_with_component_type(mavsdk.ComponentType.GROUND_STATION))
+    instance.add_any_connection(url.replace(":", "://", 1))
+    system = instance.first_autopilot(10.0)
+    raw = mission_raw.MissionRaw(system)
+    rows = []
+    for seq, item in enumerate(items):
+        place = (coordinate(item.latitude_deg, item.frame), coordinate(item.longitude_deg, item.frame))
+        numbers = (seq, item.frame, item.command, int(seq == 0), int(item.autocontinue), *item.params)
+        rows.append(mission_raw.MissionItem(*numbers, *place, item.altitude, 0))
+    raw.upload_mission(rows)
+    stored = [(row.command, row.x, row.y) for row in raw.download_mission()]
+    instance.destroy()
+    first = len(stored) - len(items[1:])  # ArduPilot's home is its own
+    return stored[first:] == [(row.command, row.x, row.y) for row in rows[1:]]
 
 
 def main(url: str) -> None:
@@ -78,6 +97,7 @@ def main(url: str) -> None:
             "samples": len(record.path),
             **results,
         }
+    result["by_mavsdk_alone"] = transfer_by_mavsdk_alone(url, to_wire(sent))
     sys.stdout.write("RESULT " + json.dumps(result) + "\n")
 
 

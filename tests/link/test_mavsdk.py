@@ -53,6 +53,7 @@ def test_mavsdk_uploads_starts_and_sees_the_mission_finish(family: Autopilot, ru
         "rally_is_kept": True,
         "reached": [0, 1, 2, 3, 4],
         "completed": True,
+        "by_mavsdk_alone": True,
     }
 
 
