@@ -14,7 +14,7 @@ If the other side stays silent, `NoAnswer` is raised in the dialogue.
 import math
 from collections.abc import Callable, Generator
 from dataclasses import dataclass
-from typing import Generic, Literal, TypeAlias, TypeVar
+from typing import Any, Generic, Literal, TypeAlias, TypeVar
 
 from ipoa_mission.errors import MissionError
 from ipoa_mission.link.messages import Ack, CommandAck, Count, FileTransfer, ItemAt, Message, Request
@@ -30,11 +30,10 @@ class Unfinished(MissionError):
         message: str,
         hint: str | None = None,
         *,
-        code: str | None = None,
-        place: object = None,
         list_on_vehicle: Literal["old", "new", "either", "unknown"] | None = None,
+        **more: Any,
     ) -> None:
-        super().__init__(message, hint, code=code, place=place)
+        super().__init__(message, hint, **more)
         self.list_on_vehicle = list_on_vehicle
         if list_on_vehicle is not None:
             self.known["list_on_vehicle"] = list_on_vehicle
@@ -126,20 +125,16 @@ SPECIFIED = Patience()
 class Tempo:
     """A link's round trip by RFC 6298 with Karn's rule, with shorter waits than TCP's."""
 
-    FASTEST_S = 0.05
-    SLOWEST_S = 6.0
+    FASTEST_S, SLOWEST_S = 0.05, 6.0
     LONGEST_BACKOFF = 1.5
-    #: In a row: a slow link, not a lossy one.
-    SLOW_LINK_REPEATS = 5
+    SLOW_LINK_REPEATS = 5  # in a row: a slow link, not a lossy one
 
     def __init__(self, patience: Patience) -> None:
         self.patience = patience
-        self._shortest = 0.0
-        self._loses = False
+        self.loses = False  # a repeat was too late for an echo
+        self.doubts = 0  # answers to repeated questions since the last round trip
         self._mean: float | None = None
-        self._spread = 0.0
-        self._backoff = 1.0
-        self._doubts = 0
+        self._shortest, self._spread, self._backoff = 0.0, 0.0, 1.0
 
     def wait_s(self, item: bool) -> float:
         wait = self.patience.item_s if item else self.patience.answer_s
@@ -151,8 +146,7 @@ class Tempo:
 
     def sample(self, seconds: float) -> None:
         """Count the round trip of an unrepeated question."""
-        self._backoff = 1.0
-        self._doubts = 0
+        self._backoff, self.doubts = 1.0, 0
         if self._mean is None:
             self._mean, self._spread, self._shortest = seconds, seconds / 4, seconds
         else:
@@ -166,21 +160,13 @@ class Tempo:
 
         PX4 repeats each question over a slow link. After a loss each repeat is answered.
         """
-        if self._loses or not self.patience.adapt:
+        if self.loses or not self.patience.adapt:
             return self.patience.echo_s
         return max(self.patience.echo_s, self._shortest)
 
-    def lost(self) -> None:
-        """Note a repeat too late for an echo."""
-        self._loses = True
-
-    def doubt(self) -> None:
-        """Note a repeated question: no round trip."""
-        self._doubts += 1
-
     def repeated(self) -> None:
         """Back off a little on a lossy link, more on a slow one."""
-        longest = self.LONGEST_BACKOFF if self._doubts < self.SLOW_LINK_REPEATS else 16.0
+        longest = self.LONGEST_BACKOFF if self.doubts < self.SLOW_LINK_REPEATS else 16.0
         self._backoff = min(self._backoff * 1.5, longest)
 
 
@@ -241,9 +227,9 @@ class Exchange(Generic[T]):
             if self._repeats == 0:
                 self._tempo.sample(now - self._sent)
             else:
-                self._tempo.doubt()
+                self._tempo.doubts += 1
         elif message == last:
-            self._tempo.lost()
+            self._tempo.loses = True
         self._acted_on = (message, now)
         self._follow(step, now)
 
@@ -263,12 +249,7 @@ class Exchange(Generic[T]):
     def interrupt(self, error: MissionError, now: float) -> None:
         if self.finished:
             return
-        try:
-            step = self._dialogue.throw(error)
-        except StopIteration as stop:
-            self._finish(stop.value)
-        else:
-            self._follow(step, now)
+        self._follow(self._move(lambda: self._dialogue.throw(error)), now)
 
     def _is_hopeless(self, item: bool, now: float) -> bool:
         patience = self._patience
@@ -281,10 +262,13 @@ class Exchange(Generic[T]):
         return self._repeats >= patience.alive_retries and now - self._since >= patience.silence_s
 
     def _resume(self, message: Message | None) -> Step:
+        return self._move(lambda: self._dialogue.send(message))
+
+    def _move(self, move: Callable[[], Step]) -> Step:
         try:
-            return self._dialogue.send(message)
+            return move()
         except StopIteration as stop:
-            self._finish(stop.value)
+            self.finished, self._result = True, stop.value
             return None
 
     def _follow(self, step: Step, now: float) -> None:
@@ -307,7 +291,3 @@ class Exchange(Generic[T]):
         if self._repeats >= self._patience.alive_retries:
             self._wait_s = max(self._wait_s, self._patience.answer_s)
         self._outbox.append(message)
-
-    def _finish(self, result: T) -> None:
-        self.finished = True
-        self._result = result

@@ -27,8 +27,6 @@ CAUSE_S = 5.0  # of silence, until its cause is reported
 
 
 class SpeaksMavlink1(MissionError):
-    """The vehicle is heard in MAVLink 1 only, and ignores MAVLink 2."""
-
     def __init__(self, system: int) -> None:
         super().__init__(
             f"vehicle {system} speaks MAVLink 1 only, and does not answer to MAVLink 2",
@@ -79,10 +77,8 @@ class Carrier(Protocol):
         """Raise Contested if two vehicles use this system id."""
         return
 
-    @property
-    def reopens(self) -> bool:
-        """Check whether `reopen` can repair the link."""
-        return False
+    #: Whether `reopen` can repair the link.
+    reopens: bool = False
 
     def reopen(self) -> None:
         """Raise LinkDown, or open the link; all peers are then unknown."""
@@ -107,7 +103,7 @@ class Line(Carrier):
         self, channel: Channel, codec: Codec, log: str | Path | None = None, again: Callable[[], Channel] | None = None
     ) -> None:
         self.channel = channel
-        self._again = again
+        self._again, self.reopens = again, again is not None
         self.codec = codec
         self._log = TlogWriter(log) if log else None
         self._routes = Routes()
@@ -125,8 +121,6 @@ class Line(Carrier):
 
     def send(self, message: Message, target: Target = EVERYONE) -> None:
         frame = self.codec.encode(message, target, self.channel.unix_s())
-        if 0 not in target:
-            self._routes.speak_to(target)
         self._send(frame, self._routes.to(target))
 
     def send_payload(self, definition: Definition, payload: bytes) -> None:
@@ -141,24 +135,19 @@ class Line(Carrier):
 
     def receive(self, until: float) -> list[Heard]:
         """Return messages to us or to everyone; send our heartbeat when due."""
-        self._send_heartbeat()
+        now = self.now()
+        if now >= self._next_heartbeat:  # each second, as type MAV_TYPE_GCS
+            self._next_heartbeat = now + 1.0
+            self.send(Heartbeat(6, MavAutopilot.INVALID))
         heard: list[Heard] = []
         for data, peer in self.channel.receive(min(until, self._next_heartbeat)):
             heard += self._hear(data, peer)
         return heard
 
-    def _send_heartbeat(self) -> None:
-        """Each second, as type MAV_TYPE_GCS."""
-        now = self.channel.now()
-        if now >= self._next_heartbeat:
-            self._next_heartbeat = now + 1.0
-            self.send(Heartbeat(6, MavAutopilot.INVALID))
-
     def _hear(self, data: bytes, peer: Peer) -> list[Heard]:
         heard: list[Heard] = []
         now = self.channel.now()
-        framer = self._routes.framer(peer)
-        for frame in framer.datagram(data) if self.channel.datagrams else framer.feed(data):
+        for frame in self._routes.frames(data, peer, self.channel.datagrams):
             decoded = self.codec.decode(frame)
             if decoded is None or not self._is_known(decoded, peer, now):
                 continue
@@ -197,10 +186,6 @@ class Line(Carrier):
             for (system, component), doubt in sorted(doubts.items())
             if component == AUTOPILOT_COMPONENT
         }
-
-    @property
-    def reopens(self) -> bool:
-        return self._again is not None
 
     def reopen(self) -> None:
         assert self._again is not None, "asked of `reopens` first"
@@ -255,20 +240,18 @@ class Interrupt:
     """Note the first Ctrl-C; raise KeyboardInterrupt at the second."""
 
     def __init__(self) -> None:
-        self._is_noted = self._is_taken = False
+        self.is_pending = self._is_noted = False
 
     def __call__(self, signal_number: int, frame: object) -> None:
         if self._is_noted:
             raise KeyboardInterrupt
-        self._is_noted = True
-
-    @property
-    def is_pending(self) -> bool:
-        return self._is_noted and not self._is_taken
+        self._is_noted = self.is_pending = True
 
     def take(self) -> bool:
-        is_pending, self._is_taken = self.is_pending, self._is_noted
-        return is_pending
+        if not self.is_pending:
+            return False
+        self.is_pending = False
+        return True
 
 
 @contextmanager

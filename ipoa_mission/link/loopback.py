@@ -20,16 +20,9 @@ class FarEnd(Protocol):
     def deadline(self) -> float: ...
 
 
-class Pipe(Protocol):
-    def push(self, data: bytes, now: float) -> None: ...
+class Pipe:
+    """One direction, without faults."""
 
-    def pop(self, now: float) -> list[bytes]: ...
-
-    @property
-    def deadline(self) -> float: ...
-
-
-class PerfectPipe:
     def __init__(self) -> None:
         self._waiting: list[bytes] = []
 
@@ -51,8 +44,7 @@ class Loopback:
 
     def __init__(self, far: FarEnd, there: Pipe | None = None, back: Pipe | None = None) -> None:
         self.far = far
-        self._there = there or PerfectPipe()
-        self._back = back or PerfectPipe()
+        self._there, self._back = there or Pipe(), back or Pipe()
         self._now = 0.0
 
     def now(self) -> float:

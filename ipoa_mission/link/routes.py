@@ -4,6 +4,8 @@ Two ground stations with one name (system, component) both get the answers. A ve
 claims its name alone.
 """
 
+from collections.abc import Iterator
+
 from ipoa_mission.link.channel import Peer
 from ipoa_mission.link.codec import Framer, Target
 
@@ -21,12 +23,12 @@ class Routes:
         self._spoken_to: set[Target] = set()
         self._framers: dict[Peer, Framer] = {}
 
-    def framer(self, peer: Peer) -> Framer:
+    def frames(self, data: bytes, peer: Peer, datagrams: bool) -> Iterator[bytes]:
         framer = self._framers.pop(peer, None) or Framer()
         self._framers[peer] = framer
         while len(self._framers) > MAX_PEERS:
             del self._framers[next(iter(self._framers))]
-        return framer
+        return framer.datagram(data) if datagrams else framer.feed(data)
 
     def learn(self, name: Target, peer: Peer, now: float) -> None:
         """Replace peers of its name silent for `CLAIM_S`; a full table drops such an entry, else one unaddressed."""
@@ -57,12 +59,10 @@ class Routes:
         holder, _ = self._claims.get(name, (None, 0.0))
         return holder
 
-    def speak_to(self, name: Target) -> None:
-        """Keep it in a full table."""
-        self._spoken_to.add(name)
-
     def to(self, target: Target) -> set[Peer]:
-        """All peers for a broadcast."""
+        """Return all peers for a broadcast; keep an addressed name in a full table."""
+        if 0 not in target:
+            self._spoken_to.add(target)
         return {
             peer
             for (system, component), peer in self._heard

@@ -6,6 +6,7 @@ import random
 from dataclasses import dataclass
 
 from ipoa_mission.errors import BadInput
+from ipoa_mission.link.loopback import Pipe
 
 
 @dataclass(frozen=True)
@@ -48,7 +49,7 @@ class Faults:
         return not (self.loss or self.duplicate or self.delay_s or self.reorder)
 
 
-class BadPipe:
+class BadPipe(Pipe):
     """One direction; the same seed gives the same faults."""
 
     MAX_QUEUED = 100_000

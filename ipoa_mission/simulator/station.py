@@ -26,8 +26,7 @@ class Station:
     def receive(self, data: bytes, peer: Peer, now: float) -> None:
         """Ignore bytes that are no frame, are not signed with our key, or are for others."""
         self._now = now
-        framer = self._routes.framer(peer)
-        for frame in framer.datagram(data) if self._datagrams else framer.feed(data):
+        for frame in self._routes.frames(data, peer, self._datagrams):
             heard = self._codec.decode(frame)
             if heard is None:
                 continue
@@ -52,8 +51,6 @@ class Station:
         sent: list[tuple[bytes, Peer | None]] = []
         for message, target in self.autopilot.outgoing():
             frame = self._codec.encode(message, target, EPOCH_S + self._now)
-            if 0 not in target:
-                self._routes.speak_to(target)
             peers = self._routes.to(target)
             holder = self._routes.holder(target)
             if isinstance(message, TRANSFER) and holder is not None:

@@ -237,7 +237,7 @@ def test_losing_packets_slows_the_timer_little_and_a_slow_link_much() -> None:
         lossy.repeated()
     assert lossy.wait_s(item=True) == Tempo.LONGEST_BACKOFF * usual
     for _ in range(Tempo.SLOW_LINK_REPEATS):
-        lossy.doubt()
+        lossy.doubts += 1
     for _ in range(10):
         lossy.repeated()
     assert lossy.wait_s(item=True) == Tempo.SLOWEST_S

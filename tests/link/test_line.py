@@ -251,7 +251,7 @@ def test_a_flood_of_peers_does_not_grow_without_bound() -> None:
     routes = Routes()
     for n in range(1000):
         routes.learn(Target(n % 256, n // 256), f"peer {n}", float(n))
-        routes.framer(f"peer {n}")
+        routes.frames(b"", f"peer {n}", datagrams=True)
     assert len(routes.to(EVERYONE)) == MAX_PEERS
     assert len(routes._framers) == MAX_PEERS
 
@@ -259,7 +259,7 @@ def test_a_flood_of_peers_does_not_grow_without_bound() -> None:
 def test_made_up_ids_do_not_evict_whom_we_speak_to() -> None:
     routes = Routes()
     routes.learn(BOB, "bob", 0.0)
-    routes.speak_to(BOB)
+    routes.to(BOB)
     for n in range(400):
         routes.learn(Target(1 + n % 40, 1), "mallory", 0.01 * n)
     assert routes.to(BOB) == {"bob"}
