@@ -1,13 +1,14 @@
 """The mission service: `offer` and `fetch` are the two ends of a transfer; `download` detects changes meanwhile."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import partial
+from typing import Literal
 
 from ipoa_mission.errors import MissionError
 from ipoa_mission.link import messages as m
-from ipoa_mission.link.dialogue import Ask, Dialogue, NoAnswer, Pause, SendOnce, Step, T, Tell, TimeUp
+from ipoa_mission.link.dialogue import Ask, Cancelled, Dialogue, NoAnswer, Pause, SendOnce, Step, T, Tell, TimeUp
 from ipoa_mission.link.events import words_of
 from ipoa_mission.link.mavftp import list_checksum
 from ipoa_mission.mission.items import Item
@@ -34,8 +35,20 @@ class MissionRefused(MissionError):
 
 
 def list_name(kind: int) -> str:
-    names = {m.MissionType.MISSION: "mission", m.MissionType.FENCE: "fence", m.MissionType.RALLY: "rally points"}
-    return names.get(m.MissionType(kind), "lists") if kind in set(m.MissionType) else "lists"
+    return {0: "mission", 1: "fence", 2: "rally points"}.get(kind, "lists")
+
+
+_LEFT: Mapping[str, tuple[str, str | None]] = {
+    "old": ("cancelled: the vehicle keeps the {} it had", None),
+    "new": ("cancelled too late: the vehicle holds the whole new {}", "clear it if it must not be flown"),
+    "either": ("cancelled: the vehicle holds a whole {}, the old or the new one, and does not say which", None),
+}
+
+
+def cancelled(kind: int, left: Literal["old", "new", "either"]) -> Cancelled:
+    """Return the error that names the list on the vehicle."""
+    words, hint = _LEFT[left]
+    return Cancelled(words.format(list_name(kind)), hint, list_on_vehicle=left)
 
 
 @dataclass
@@ -238,8 +251,6 @@ READ_ATTEMPTS = 5
 
 
 class KeepsChanging(MissionError):
-    """The vehicle holds what was sent, but keeps reporting another list."""
-
     def __init__(self, kind: int) -> None:
         super().__init__(
             f"the vehicle reports another {list_name(kind)} each time that its list is read",
@@ -250,12 +261,9 @@ class KeepsChanging(MissionError):
 def read_consistent(
     kind: int, numbers: Iterator[int] | None, progress: Progress = silent
 ) -> Dialogue[tuple[list[Item], int]]:
-    """Return the list and its checksum (0: none), equal before and after the reading.
+    """Return the list and its checksum (0: none), equal before and after the reading; raise KeepsChanging.
 
     Without `numbers` for the checksum, a change goes unnoticed.
-
-    Raises:
-        KeepsChanging: the list differed each time.
     """
     before = None
     if numbers is not None:

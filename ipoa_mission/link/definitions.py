@@ -56,26 +56,11 @@ class Definition:
         return tuple(vars(self.unpack(b"")).values())
 
 
-_PX4_DEFINITIONS = (
+_PX4_DEFINITIONS = (  # without fields that nobody reads
     Definition(
-        300,
-        "PROTOCOL_VERSION",
-        struct.Struct("<HHH8B8B"),
-        ("version", "min_version", "max_version", "spec_version_hash", "library_version_hash"),
-        (1, 1, 1, 8, 8),
-        217,
+        300, "PROTOCOL_VERSION", struct.Struct("<HHH16x"), ("version", "min_version", "max_version"), (1,) * 3, 217
     ),
-    Definition(
-        410,
-        "EVENT",
-        struct.Struct("<IIHBBB40s"),
-        (
-            *("id", "event_time_boot_ms", "sequence"),
-            *("destination_component", "destination_system", "log_levels", "arguments"),
-        ),
-        (1,) * 7,
-        160,
-    ),
+    Definition(410, "EVENT", struct.Struct("<I8xB40s"), ("id", "log_levels", "arguments"), (1,) * 3, 160),
 )
 
 
@@ -138,6 +123,10 @@ def _dialect(name: str) -> ModuleType:
         raise BadInput(words, hint=names, code="unknown-dialect", place="dialect") from None
 
 
+def definition_of(name: str) -> Definition:
+    return _BY_NAME[name]
+
+
 def message_number(name: str) -> int:
     return _BY_NAME[name].number
 
@@ -164,7 +153,3 @@ def params_in_words(command: int) -> dict[int, str]:
     described = {} if known is None else known.param
     unused = ("Empty", "Reserved", "empty", "reserved", "Unused")
     return {number: words for number, words in sorted(described.items()) if words and not words.startswith(unused)}
-
-
-def definition_of(name: str) -> Definition:
-    return _BY_NAME[name]

@@ -7,7 +7,6 @@ the arming disarms the vehicle, unless it may be in the air.
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.autopilot.commands import Command, VehicleCommand
 from ipoa_mission.errors import MissionError
 from ipoa_mission.link.dialogue import Cancelled, Dialogue, NoAnswer, SendOnce, TimeUp, until, wait
@@ -55,23 +54,14 @@ class NotYet(CommandRefused):
 
 @dataclass(frozen=True)
 class Departure:
-    """A flight that is about to begin.
-
-    Attributes:
-        moving: the first item that moves the vehicle: ArduPilot soon reports it.
-        climb: height of an ArduPilot before a first item that is no take-off [m].
-    """
+    """A flight that is about to begin."""
 
     state: VehicleState
     first: int
-    moving: int
-    climb: float = 0.0
+    moving: int  # the first item that moves the vehicle: ArduPilot soon reports it
+    climb: float = 0.0  # height of an ArduPilot before a first item that is no take-off [m]
     onboard_lists: tuple[OnboardList, ...] = ()
     progress: Progress = silent
-
-    @property
-    def autopilot(self) -> Autopilot:
-        return self.state.autopilot
 
 
 def subscribe(state: VehicleState) -> Dialogue[None]:
@@ -101,13 +91,7 @@ def expect_on_ground(state: VehicleState) -> None:
 
 
 def prepare(departure: Departure, ready_s: float = LIMITS.ready_s) -> Dialogue[None]:
-    """Prepare for arming: current item, mode, position, pre-arm checks.
-
-    Raises:
-        NotReady, TimeUp: armed already, or not ready in time.
-        NotFlown: it is not a multicopter.
-        NoAnswer, CommandRefused: it does not accept its current item.
-    """
+    """Prepare for arming: current item, mode, position, pre-arm checks. Raise as `Vehicle.prepare`."""
     state = departure.state
     yield from until(lambda: state.armed is not None and state.custom_mode is not None, SHOWN_S)
     state.expect_flown()
@@ -120,7 +104,7 @@ def prepare(departure: Departure, ready_s: float = LIMITS.ready_s) -> Dialogue[N
 
 
 def _await_ready(departure: Departure, ready_s: float) -> Dialogue[None]:
-    state, mode = departure.state, departure.autopilot.modes.arming
+    state, mode = departure.state, departure.state.autopilot.modes.arming
     waited_s, reason = 0.0, ""
     try:
         while True:
@@ -132,7 +116,7 @@ def _await_ready(departure: Departure, ready_s: float) -> Dialogue[None]:
                 yield from command(VehicleCommand.RUN_PREARM_CHECKS)
                 yield from wait(LIMITS.retry_s)
                 reason = _not_ready_reason(state)
-                if lasting := departure.autopilot.protocol_profile.arming_words.lasting(reason):
+                if lasting := departure.state.autopilot.protocol_profile.arming_words.lasting(reason):
                     words = f"the vehicle cannot be armed: {'; '.join(lasting)}"
                     raise NotReady(words, hint=str(state), code="arming-refused")
             else:
@@ -165,14 +149,8 @@ def depart_when_ready(departure: Departure, left_s: Callable[[], float]) -> Dial
 
 
 def depart(departure: Departure) -> Dialogue[None]:
-    """Arm a prepared vehicle that provably holds our lists, and start its mission.
-
-    Raises:
-        NotYet: not armed, for reasons that pass with time.
-        Replaced, NotReady: it holds another list, was not armed, or not started.
-        CommandRefused, NoAnswer, Cancelled, TimeUp: the hint is its state; on the ground it was disarmed.
-    """
-    state, reasons = departure.state, departure.autopilot.protocol_profile.arming_words
+    """Arm a prepared vehicle that provably holds our lists; start its mission. Raise as `Vehicle.start`, or NotYet."""
+    state, reasons = departure.state, departure.state.autopilot.protocol_profile.arming_words
     may_be_armed, attempt = False, 0
     try:
         while True:
@@ -202,7 +180,7 @@ def depart(departure: Departure) -> Dialogue[None]:
 
 def _begin(departure: Departure) -> Dialogue[None]:
     state = departure.state
-    if departure.autopilot.protocol_profile.starts_by_command:
+    if departure.state.autopilot.protocol_profile.starts_by_command:
         if departure.climb > 0.0:
             yield from _order("take off", Command.NAV_TAKEOFF, *(0.0,) * 6, departure.climb)
             least = departure.climb - LIMITS.climbed_below
@@ -211,13 +189,13 @@ def _begin(departure: Departure) -> Dialogue[None]:
         yield from until(lambda: state.current is not None, LIMITS.retry_s)
         expect_unchanged(departure.onboard_lists)
         yield from _order("start the mission", VehicleCommand.MISSION_START)
-    mode = departure.autopilot.modes.mission
+    mode = departure.state.autopilot.modes.mission
     if not (yield from until(lambda: state.armed is True and state.custom_mode == mode, SHOWN_S)):
         raise NotReady(f"the vehicle did not begin its mission: {state}", code="mission-not-begun")
 
 
 def _set_first(departure: Departure) -> Dialogue[None]:
-    state, first, home = departure.state, departure.first, departure.autopilot.counts_home
+    state, first, home = departure.state, departure.first, departure.state.autopilot.counts_home
     begins = range(first, departure.moving + 1)
     state.current = None
     yield from set_current(first, home, restart=True)

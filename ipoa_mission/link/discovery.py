@@ -8,12 +8,10 @@ from ipoa_mission.autopilot.commands import VehicleCommand
 from ipoa_mission.autopilot.vehicle_kind import VehicleKind
 from ipoa_mission.autopilot.version import Version
 from ipoa_mission.link.codec import Heard, Target
-from ipoa_mission.link.dialogue import NoAnswer
-from ipoa_mission.link.line import Carrier, Line
+from ipoa_mission.link.line import Line
 from ipoa_mission.link.messages import AUTOPILOT_COMPONENT, STANDBY, Heartbeat, MavAutopilot, Ping
 from ipoa_mission.link.orders import message_request, order
 from ipoa_mission.link.telemetry import AutopilotVersion
-from ipoa_mission.link.vehicle_state import VehicleState
 
 VERSIONS_S = 3.0
 
@@ -51,15 +49,6 @@ def versions_of(line: Line, systems: Iterable[int], seconds: float = VERSIONS_S)
                     version = Version.of_flight_sw(heard.message.flight_sw_version)
                     versions |= {} if version is None else {heard.system: version}
     return versions
-
-
-def await_booted(line: Carrier, system: int, state: VehicleState, until: float) -> None:
-    """Wait until an ArduPilot has booted, else raise NoAnswer: before, it answers NO_SPACE."""
-    while not state.booted:
-        if line.now() >= until:
-            raise NoAnswer("the vehicle has not finished its start-up", code="not-started-up")
-        for heard in autopilots_in(line.receive(until)).values():
-            state.booted |= heard.system == system and heard.is_ready
 
 
 def autopilots_in(heard: Iterable[Heard]) -> dict[int, FoundVehicle]:

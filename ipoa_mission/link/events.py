@@ -1,6 +1,6 @@
 """PX4's EVENT numbers: component id and lower 24 bits of the name's FNV-1a hash.
 
-These are the names of PX4's mission feasibility check.
+These are the names of PX4's feasibility check of a multicopter's mission.
 """
 
 import struct
@@ -33,12 +33,6 @@ _MISSION_EVENTS = {
         "wp_dist_too_far": ("two waypoints are {0} m apart, and {1} m is the most", "<II"),
         "wp_gate_too_close": ("a waypoint and a gate are too close", "<"),
         "no_home_rel_alt": ("the vehicle has no home, but altitudes are relative to it", "<"),
-        "multiple_land": ("there is more than one landing start", "<"),
-        "land_before_rtl": ("a landing start is before the return", "<"),
-        "invalid_land": ("the landing start is not valid", "<"),
-        "approach_wp_below_land": ("the landing is approached from below", "<"),
-        "land_wp_inside_orbit_radius": ("the landing point lies inside the orbit", "<"),
-        "glide_slope_too_steep": ("the glide slope is steeper than {0}.{1} degrees", "<BB"),
     }.items()
 }
 

@@ -200,25 +200,18 @@ def _expect_flying(state: VehicleState) -> Dialogue[None]:
 
 
 class Monitor(Protocol):
-    """Compares samples with a forecast."""
-
     def local(self, at: Geodetic, height: float) -> "Vector": ...
     def interrupt(self) -> None: ...
     def see(self, time: float, place: "Vector", item: int | None) -> "Deviation | None": ...
 
 
 class Conformance:
-    """React to deviations of one vehicle's flight.
-
-    Attributes:
-        report: called with each deviation; its time counts from the arming [s].
-        ends_held: whether watching ends when a deviation holds the vehicle.
-    """
+    """React to deviations of one vehicle's flight; `report` gets each, with its time from the arming [s]."""
 
     def __init__(self, state: VehicleState, order: FlightOrder) -> None:
         self.on_deviation = OnDeviation.HOLD
         self.report: Callable[[Deviation], None] = lambda deviation: None
-        self.ends_held = True
+        self.ends_held = True  # watching ends when a deviation holds the vehicle
         self.deviations: list[Deviation] = []
         self._state, self._order = state, order
         self._monitor: Monitor | None = None

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 
 from ipoa_mission.errors import MissionError
 from ipoa_mission.link import mavftp, wire
-from ipoa_mission.link.conversations import READ_ATTEMPTS, KeepsChanging
+from ipoa_mission.link.conversations import READ_ATTEMPTS, KeepsChanging, cancelled
 from ipoa_mission.link.definitions import definition_of
 from ipoa_mission.link.dialogue import Cancelled, Dialogue, NoAnswer, TimeUp
 from ipoa_mission.link.messages import ItemAt, MissionType
@@ -63,29 +63,16 @@ def upload_by_file(job: Upload, progress: Progress = silent) -> Dialogue[int]:
     try:
         return (yield from _confirm_stored(job, closing))
     except TimeUp as late:
-        raise TimeUp(
-            f"{late}: the vehicle holds a whole mission, the old or the new one", list_on_vehicle="either"
-        ) from None
-    except Cancelled:
-        raise (yield from _cancelled_late(job, closing)) from None
-
-
-def _cancelled_late(job: Upload, closing: mavftp.FileMessage) -> Dialogue[Cancelled]:
-    """The file may have been taken."""
-    try:
-        yield from _confirm_stored(job, closing)
-    except mavftp.FileRefused:
-        return Cancelled("cancelled: the vehicle keeps the mission it had", list_on_vehicle="old")
-    except (NoAnswer, TimeUp, ReadBackDiffers, KeepsChanging):
-        return Cancelled(
-            "cancelled: the vehicle holds a whole mission, the old or the new one, and does not say which",
-            list_on_vehicle="either",
-        )
-    return Cancelled(
-        "cancelled too late: the vehicle holds the whole new mission",
-        hint="clear it if it must not be flown",
-        list_on_vehicle="new",
-    )
+        words = f"{late}: the vehicle holds a whole mission, the old or the new one"
+        raise TimeUp(words, list_on_vehicle="either") from None
+    except Cancelled:  # the file may have been taken
+        try:
+            yield from _confirm_stored(job, closing)
+        except mavftp.FileRefused:
+            raise cancelled(job.kind, "old") from None
+        except (NoAnswer, TimeUp, ReadBackDiffers, KeepsChanging):
+            raise cancelled(job.kind, "either") from None
+        raise cancelled(job.kind, "new") from None
 
 
 def _confirm_stored(job: Upload, closing: mavftp.FileMessage) -> Dialogue[int]:

@@ -79,7 +79,7 @@ def _is_named(onboard: OnboardList, state: VehicleState) -> Dialogue[bool]:
 
 def read_again(onboard: OnboardList, state: VehicleState) -> Dialogue[None]:
     """A replacement may have the length of a list without an id."""
-    is_watched = onboard.list_id != 0 and not onboard.job.has_checksum
+    is_watched = onboard.list_id != 0 and onboard.job.numbers is None
     if is_watched or onboard.changed:
         return
     try:

@@ -27,8 +27,6 @@ RETRY_S = 1.0
 
 
 class NotTheSameVehicle(MissionError):
-    """The vehicle heard after a link loss is another, or has changed: nothing is sent to it."""
-
     def __init__(self, system: int, lost_s: float, why: str) -> None:
         super().__init__(f"after {lost_s:.0f} s vehicle {system} is heard again, but {why}: nothing is sent to it")
 
@@ -66,16 +64,9 @@ class LinkLoss:
         report: Callable[[str], None],
         until_s: float = math.inf,
     ) -> list[Message]:
-        """Wait until the vehicle is identified; return its messages until then.
+        """Wait until the vehicle is identified; return its messages until then. Call `report` every second.
 
-        Args:
-            report: called every second.
-            until_s: the user's time limit, on the line's clock.
-
-        Raises:
-            LinkDown: the broken link cannot be opened again.
-            NotTheSameVehicle, OtherKind: another vehicle is heard, or another mission.
-            NoAnswer, TimeUp: it was not identified within `GIVE_UP_S`, or by `until_s`.
+        Raise LinkDown (no link), NotTheSameVehicle, OtherKind, NoAnswer (after `GIVE_UP_S`) or TimeUp (at `until_s`).
         """
         now, self._until_s = self._line.now(), until_s
         self._is_open = not isinstance(lost, LinkDown)
@@ -160,12 +151,7 @@ class LinkLoss:
 
 
 def recognize(candidate: VehicleState, known: KnownVehicle) -> Dialogue[None]:
-    """Ask questions only.
-
-    Raises:
-        OtherKind, Replaced, IdentityChanged: it is another vehicle, or holds another mission.
-        NotReady, NoAnswer: it does not report its list.
-    """
+    """Ask questions only. Raise IdentityChanged, OtherKind, Replaced (its list), NotReady or NoAnswer (no list)."""
     candidate.expect_flown()
     clock = yield from orders.request_clock()
     if clock is not None and clock.boot_s < known.clock_s - 1.0:

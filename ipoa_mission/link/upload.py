@@ -11,6 +11,7 @@ from ipoa_mission.link.conversations import (
     KeepsChanging,
     MissionRefused,
     VehicleTexts,
+    cancelled,
     list_name,
     observed,
     offer,
@@ -57,8 +58,6 @@ class Unflyable(MissionError):
 
 
 class Unplaced(Unflyable):
-    """Without a position PX4 finds every mission unflyable."""
-
     def __init__(self) -> None:
         super().__init__("it has no position yet, without which it accepts none")
         self.hint = "wait until it has a position (GPS), and upload again"
@@ -86,10 +85,6 @@ class Upload:
     @property
     def first(self) -> int:
         return first_number(self.items, self.autopilot)
-
-    @property
-    def has_checksum(self) -> bool:
-        return self.numbers is not None
 
     @property
     def truncates(self) -> bool:
@@ -174,10 +169,7 @@ def upload(job: Upload, progress: Progress = silent) -> Dialogue[int]:
     """Offer a list, read it back and compare, until they are equal; await PX4's verdict.
 
     Return the list's id (PX4) or checksum (ArduPilot), 0 if unknown. When cancelled, PX4 keeps its old list; otherwise
-    the new list is completed first.
-
-    Raises:
-        MissionRefused, NoAnswer, TimeUp: the hint reports what the vehicle holds now.
+    the new list is completed first. An error reports what the vehicle holds now.
     """
     course = UploadState()
     try:
@@ -211,50 +203,38 @@ def _confirm_stored(job: Upload, reports: MissionReports) -> Dialogue[None]:
         return
     for _ in range(READ_ATTEMPTS):
         reports.reset_ids()
-        yield from _expect_unchanged(job, reports)
+        try:
+            stored = yield from observed(read_list(job.kind), reports.note)
+        except (Cancelled, TimeUp, NoAnswer) as aborted:
+            raise type(aborted)(
+                f"{aborted}: the vehicle may no longer hold the {list_name(job.kind)} that was sent",
+                hint="it was verified, but since then not confirmed, or another one was reported",
+                list_on_vehicle="unknown",
+            ) from None
+        if (difference := job.difference(stored)) is not None:
+            raise Replaced(job.kind, difference)
         if reports.agrees(job):
             return
     raise KeepsChanging(job.kind)
 
 
-def _expect_unchanged(job: Upload, reports: MissionReports) -> Dialogue[None]:
-    try:
-        stored = yield from observed(read_list(job.kind), reports.note)
-    except (Cancelled, TimeUp, NoAnswer) as aborted:
-        raise type(aborted)(
-            f"{aborted}: the vehicle may no longer hold the {list_name(job.kind)} that was sent",
-            hint="it was verified, but since then not confirmed, or another one was reported",
-            list_on_vehicle="unknown",
-        ) from None
-    if (difference := job.difference(stored)) is not None:
-        raise Replaced(job.kind, difference)
-
-
 def _cancel(job: Upload, course: UploadState, progress: Progress) -> Dialogue[None]:
     """Leave a whole list on the vehicle; Cancelled says which."""
-    name = list_name(job.kind)
     if job.truncates:
         course.attempt = 0
         yield from _store(job, course, progress)
-        words = f"cancelled: the vehicle had already dropped its old {name}, so the new one was completed"
+        words = (
+            f"cancelled: the vehicle had already dropped its old {list_name(job.kind)}, so the new one was completed"
+        )
         raise Cancelled(words, hint="it is whole and verified; clear it if it must not be flown", list_on_vehicle="new")
     yield from _refuse_requests(job.kind)
-    if course.may_be_whole and (yield from _holds(job)):
-        words = f"cancelled too late: the vehicle holds the whole new {name}"
-        raise Cancelled(words, hint="clear it if it must not be flown", list_on_vehicle="new")
-    raise Cancelled(f"cancelled: the vehicle keeps the {name} it had", list_on_vehicle="old")
-
-
-def _holds(job: Upload) -> Dialogue[bool]:
+    if not course.may_be_whole:
+        raise cancelled(job.kind, "old")
     try:
         stored = yield from read_list(job.kind)
     except (MissionRefused, NoAnswer):
-        raise Cancelled(
-            f"cancelled: the vehicle holds a whole {list_name(job.kind)}, the old or the new one, "
-            "but does not answer when asked which",
-            list_on_vehicle="either",
-        ) from None
-    return job.difference(stored) is None
+        raise cancelled(job.kind, "either") from None
+    raise cancelled(job.kind, "new" if job.difference(stored) is None else "old")
 
 
 def _store(job: Upload, course: UploadState, progress: Progress) -> Dialogue[None]:

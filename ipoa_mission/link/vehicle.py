@@ -17,7 +17,7 @@ from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.link import conversations, departure, orders
 from ipoa_mission.link.channel import LinkDown
 from ipoa_mission.link.dialogue import SPECIFIED, Cancelled, Dialogue, NoAnswer, Patience, Silence, TimeUp, until
-from ipoa_mission.link.discovery import FoundVehicle, await_booted
+from ipoa_mission.link.discovery import FoundVehicle, autopilots_in
 from ipoa_mission.link.flight_order import SHOWN_S, Conformance, FlightOrder, pause, resume, return_to_launch
 from ipoa_mission.link.line import Carrier, noted_interrupts
 from ipoa_mission.link.logbook import Logbook, Observer, watch
@@ -137,7 +137,7 @@ class Vehicle(RemoteVehicle):
             job = Upload(items, self.autopilot, kind, self._checksum_numbers())
             self._onboard_lists.pop(kind, None)
             list_id = None
-            if self._options.fast and job.has_checksum and kind == MissionType.MISSION:
+            if self._options.fast and job.numbers is not None and kind == MissionType.MISSION:
                 with suppress(FileRefused, NoAnswer, ReadBackDiffers):  # the ordinary transfer finds the cause
                     list_id = self._tell(upload_by_file(job, progress))
             self._onboard_lists[kind] = OnboardList(
@@ -386,5 +386,10 @@ class Vehicle(RemoteVehicle):
         self._logbook.armed = armed
 
     def _await_ready(self) -> None:
-        if self.autopilot.protocol_profile.boots_slowly:
-            await_booted(self.line, self.system, self.state, min(self.line.now() + STARTUP_S, self._until))
+        """Wait until an ArduPilot has booted: before, it answers NO_SPACE."""
+        until_s = min(self.line.now() + STARTUP_S, self._until)
+        while self.autopilot.protocol_profile.boots_slowly and not self.state.booted:
+            if self.line.now() >= until_s:
+                raise NoAnswer("the vehicle has not finished its start-up", code="not-started-up")
+            found = autopilots_in(self.line.receive(until_s)).get(self.system)
+            self.state.booted = found is not None and found.is_ready

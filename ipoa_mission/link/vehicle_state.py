@@ -65,9 +65,9 @@ class VehicleState:
 
     def note(self, message: Message) -> None:
         self.heard.add(type(message))
-        is_first = isinstance(message, SystemStatus) or (isinstance(message, BatteryStatus) and message.id == 0)
-        if is_first and message.battery_remaining >= 0:  # type: ignore[attr-defined]
-            self.battery_left = message.battery_remaining / 100.0  # type: ignore[attr-defined]
+        match message:
+            case SystemStatus(battery_remaining=left) | BatteryStatus(id=0, battery_remaining=left) if left >= 0:
+                self.battery_left = left / 100.0
         match message:
             case Heartbeat() if not self.owns(message):
                 if message.autopilot != MavAutopilot.INVALID:

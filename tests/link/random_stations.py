@@ -209,7 +209,7 @@ def stranger(chance: random.Random, autopilot: Autopilot, ours: int, radio: Radi
     kind = MissionType.MISSION
     job = Upload(theirs, autopilot, numbers=_numbers(autopilot, 0x4000))
     dialogues: list[Callable[[], Dialogue[Any]]] = [
-        lambda: (upload_by_file if job.has_checksum else upload)(job),
+        lambda: (upload_by_file if job.numbers is not None else upload)(job),
         lambda: upload(job),
         lambda: offer(theirs, kind),
         lambda: offer(theirs, kind),
@@ -235,7 +235,7 @@ def schedule(seed: int) -> tuple[Outcome, str]:
     sent = wire_list(autopilot, count, 0)
     world = World(chance, Mock(autopilot, HOME, conditions=Conditions(seed=seed)), sent)
     job = Upload(sent, autopilot, numbers=_numbers(autopilot, 0))
-    by_file = job.has_checksum and chance.random() < 0.3
+    by_file = job.numbers is not None and chance.random() < 0.3
     ours = Speaker(US, radio, lambda: (upload_by_file if by_file else upload)(job), chance.uniform(0.0, 1.0))
     others = [stranger(chance, autopilot, count, radio) for _ in range(chance.randrange(1, 4))]
     try:

@@ -171,7 +171,7 @@ def test_unflyable_verdict_without_a_position_does_not_fail_the_upload(monkeypat
 def test_an_arducopter_that_never_ends_its_start_up_is_no_answer(monkeypatch: pytest.MonkeyPatch) -> None:
     vehicle = met(Autopilot.ARDUPILOT)
     monkeypatch.setattr(verbs, "STARTUP_S", 2.0)
-    monkeypatch.setattr("ipoa_mission.link.discovery.autopilots_in", lambda heard: {})
+    monkeypatch.setattr("ipoa_mission.link.vehicle.autopilots_in", lambda heard: {})
     vehicle.state.booted = False
     with refuses("not-started-up", kind=NoAnswer):
         vehicle.download()
