@@ -1,6 +1,6 @@
 """The mission service: `offer` and `fetch` are the two ends of a transfer; `download` detects changes meanwhile."""
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import partial
@@ -38,17 +38,15 @@ def list_name(kind: int) -> str:
     return {0: "mission", 1: "fence", 2: "rally points"}.get(kind, "lists")
 
 
-_LEFT: Mapping[str, tuple[str, str | None]] = {
-    "old": ("cancelled: the vehicle keeps the {} it had", None),
-    "new": ("cancelled too late: the vehicle holds the whole new {}", "clear it if it must not be flown"),
-    "either": ("cancelled: the vehicle holds a whole {}, the old or the new one, and does not say which", None),
-}
-
-
 def cancelled(kind: int, left: Literal["old", "new", "either"]) -> Cancelled:
     """Return the error that names the list on the vehicle."""
-    words, hint = _LEFT[left]
-    return Cancelled(words.format(list_name(kind)), hint, list_on_vehicle=left)
+    name = list_name(kind)
+    words = {
+        "old": f"cancelled: the vehicle keeps the {name} it had",
+        "new": f"cancelled too late: the vehicle holds the whole new {name}",
+        "either": f"cancelled: the vehicle holds a whole {name}, the old or the new one, and does not say which",
+    }[left]
+    return Cancelled(words, "clear it if it must not be flown" if left == "new" else None, list_on_vehicle=left)
 
 
 @dataclass

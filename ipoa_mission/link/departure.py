@@ -47,10 +47,6 @@ LIMITS = DepartureLimits()
 class NotYet(CommandRefused):
     """Not armed, for reasons that pass with time."""
 
-    def __init__(self, result: int, words: str) -> None:
-        super().__init__("arm", result, words)
-        self.words = words
-
 
 @dataclass(frozen=True)
 class Departure:
@@ -168,7 +164,7 @@ def depart(departure: Departure) -> Dialogue[None]:
             may_be_armed = False
             if is_last:
                 if has_reason and not reasons.lasting(words):
-                    raise NotYet(result, words)
+                    raise NotYet("arm", result, words)
                 raise CommandRefused("arm", result, words)
         yield from _begin(departure)
     except MissionError as aborted:

@@ -77,8 +77,7 @@ class Carrier(Protocol):
         """Raise Contested if two vehicles use this system id."""
         return
 
-    #: Whether `reopen` can repair the link.
-    reopens: bool = False
+    reopens: bool = False  # `reopen` can repair the link
 
     def reopen(self) -> None:
         """Raise LinkDown, or open the link; all peers are then unknown."""

@@ -19,14 +19,13 @@ from ipoa_mission.progress import Progress, count, silent
 MAGIC = 0x763D
 HEADER = struct.Struct("<HHHHH")
 ITEM = definition_of("MISSION_ITEM_INT")
-ITEM_BYTES = ITEM.layout.size
 
 
 def pack_mission(items: Sequence[Item], kind: int = MissionType.MISSION) -> bytes:
     """Wire form: home first."""
     target = {"target_system": 1, "target_component": 1}
     payloads = [ITEM.pack({**target, **wire.write(ItemAt(seq, item, kind))[1]}) for seq, item in enumerate(items)]
-    records = [payload.ljust(ITEM_BYTES, b"\0") for payload in payloads]
+    records = [payload.ljust(ITEM.layout.size, b"\0") for payload in payloads]
     return HEADER.pack(MAGIC, kind, 0, 0, len(items)) + b"".join(records)
 
 
@@ -35,11 +34,11 @@ def unpack_mission(data: bytes) -> tuple[Item, ...]:
         words = "expected ArduPilot's mission.dat, but it does not begin like one"
         raise MissionError(words, code="wrong-format", place="mission file")
     count = HEADER.unpack_from(data)[4]
-    if len(data) != HEADER.size + count * ITEM_BYTES:
+    if len(data) != HEADER.size + count * ITEM.layout.size:
         message = f"expected {count} items, but it has {len(data)} bytes"
         raise MissionError(message, code="wrong-format", place="mission file")
-    starts = range(HEADER.size, len(data), ITEM_BYTES)
-    return tuple(wire.read_item(ITEM.unpack(data[at : at + ITEM_BYTES])) for at in starts)
+    starts = range(HEADER.size, len(data), ITEM.layout.size)
+    return tuple(wire.read_item(ITEM.unpack(data[at : at + ITEM.layout.size])) for at in starts)
 
 
 def upload_by_file(job: Upload, progress: Progress = silent) -> Dialogue[int]:

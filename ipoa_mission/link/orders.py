@@ -25,7 +25,7 @@ ABSENCE_CHANCE = 2e-4  # of an existing parameter, by an estimated loss
 
 class CommandRefused(MissionError):
     def __init__(self, action: str, result: int, words: str = "") -> None:
-        self.action, self.result = action, result
+        self.action, self.result, self.words = action, result, words
         name = m.CommandResult(result).name if result in set(m.CommandResult) else str(result)
         super().__init__(f"{action}: the vehicle answered {name}" + (f": {words}" if words else ""))
 

@@ -17,7 +17,7 @@ from ipoa_mission.link.mavftp import (
     unpack,
 )
 from ipoa_mission.link.messages import FileTransfer, MissionType
-from ipoa_mission.link.mission_upload_file import HEADER, ITEM_BYTES, pack_mission, unpack_mission
+from ipoa_mission.link.mission_upload_file import HEADER, ITEM, pack_mission, unpack_mission
 from ipoa_mission.mission.items import Item
 
 MOST_CLIENTS = 16
@@ -44,7 +44,7 @@ class FileService:
         replace: Callable[[tuple[Item, ...]], bool],
     ) -> None:
         self._offered, self._listed, self._replace = offered, listed, replace
-        self._longest = HEADER.size + most_items * ITEM_BYTES
+        self._longest = HEADER.size + most_items * ITEM.layout.size
         self._sessions: dict[Target, FileSession] = {}
 
     def answers(self, message: FileTransfer, client: Target) -> list[FileTransfer]:
