@@ -18,7 +18,7 @@ from ipoa_mission.studio.plan_answers import expected
 from ipoa_mission.studio.view import on_map, without_folders
 from ipoa_mission.studio.vocabulary import renamed
 from ipoa_mission.survey.camera import CAMERAS
-from ipoa_mission.survey.overlap import Overlap, Overlaps, laid_lines, photo_places, smallest_overlaps
+from ipoa_mission.survey.flown_coverage import Overlap, Overlaps, laid_lines, photo_places, smallest_overlaps
 from ipoa_mission.survey.sight import Sight
 from ipoa_mission.survey.survey_area import depth_of
 from ipoa_mission.survey.survey_flight import Survey

@@ -135,7 +135,6 @@ def _joined_by_start(task: SurveyTask, starts: Points) -> Tour:
 
 
 def nearest_areas(area: Area, starts: Points, spacing: float) -> list[Area | None]:
-    """Return the part of an area that is nearest to each start place (n, 2)."""
     cells = shapely.get_parts(shapely.voronoi_polygons(shapely.MultiPoint(starts), extend_to=area.shape))
     min_area = 1e-3 * spacing**2  # [m^2]
     areas = list[Area | None]()

@@ -40,7 +40,6 @@ class FreeSpace:
 
     @cached_property
     def between(self) -> Points:
-        """Return straight distances between corners, or NO_WAY, (n, n) [m]."""
         ways = straight_ways(self.corners, self.arms, self.corners, self.arms, self.edges)
         ways = np.where(np.tri(len(ways), k=-1, dtype=bool), ways, ways.T)
         np.fill_diagonal(ways, NO_WAY)
@@ -52,7 +51,7 @@ class FreeSpace:
         return np.asarray(straight_ways(*map(np.ascontiguousarray, (places, none, others)), there, self.edges))
 
     def sees(self, places: Points, others: Points) -> NDArray[np.bool_]:
-        """Return which `others` (m, 2) are in straight reach of each place (n, 2), (n, m)."""
+        """Return which `others` (m, 2) each place (n, 2) sees, (n, m)."""
         return self.ways(places, others) < NO_WAY
 
     def transits(self, ends: Points, cost: LegTimes) -> Any:

@@ -12,7 +12,6 @@ import shapely
 from pydantic import ValidationError
 from threadpoolctl import threadpool_limits
 
-from ipoa_mission.centimeters import down
 from ipoa_mission.checks.unsafe import expect_plannable
 from ipoa_mission.errors import BadInput, NothingThere
 from ipoa_mission.files import make_folder, write_atomically
@@ -30,7 +29,7 @@ from ipoa_mission.scenario import Scenario
 from ipoa_mission.scenario.explain import explained
 from ipoa_mission.scenario.scenario_file import read_table, scenario_of
 from ipoa_mission.survey.resume import runs_in_order
-from ipoa_mission.survey.survey_plan import SurveyFlight, SurveyPlan, plan_flights, rest_of
+from ipoa_mission.survey.survey_plan import SurveyFlight, SurveyPlan, coverage_lines, plan_flights, rest_of
 from ipoa_mission.survey.survey_section import USUAL_HEIGHT, USUAL_SPACING, SurveySection, nearest_start, survey_of
 from ipoa_mission.unread import unread_as_json
 from ipoa_mission.wind import Wind
@@ -163,38 +162,6 @@ def describe(survey: Survey) -> list[str]:
         *survey.warnings,
         *(f"note: {remark}" for remark in survey.notes),
     ]
-
-
-def coverage_lines(plan: SurveyPlan) -> Iterator[str]:
-    seen = plan.coverage
-    inside = "nothing outside" if seen.outside_m < 0.005 else f"up to {seen.outside_m:.1f} m outside"
-    hectares = f"{plan.area.shape.area / 1e4:.2f} ha"
-    yield f"covers {down(100 * seen.share):.2f} % of the visible part of {hectares}; {inside}"
-    if flown := plan.flown:
-        share = f"{down(100 * flown.share):.2f} %"
-        yield f"as flown, with corners cut and passed: {share}, {flown.outside_m:.1f} m outside"
-    if str(plan.overlaps or ""):
-        yield f"photos overlap by {plan.overlaps} at least"
-
-
-def flight_table(plan: SurveyPlan, names: Sequence[str]) -> tuple[list[str], list[tuple[str, ...]]]:
-    """Return the columns, and a row for each flight."""
-    rows = list[tuple[str, ...]]()
-    columns = ["file", "lines", "photos", "items", "takes\ns", "energy\nWh", "least clearance\nm"]
-    for name, flight in zip(names, plan.flights, strict=True):
-        energy, kept = flight.forecast.energy, flight.forecast.guarantee.clearance
-        counts = len(flight.tour.swaths), plan.sight.photos_of(flight.tour), len(flight.forecast.mission.items)
-        takes, wh = f"{flight.forecast.estimate.total_s:.1f}", "" if energy is None else f"{energy.energy_wh:.1f}"
-        least = "" if kept is None else f"{down(kept.guaranteed):.2f} to {kept.to}"
-        rows.append((f"{name}.plan", *map(str, counts), takes, wh, least))
-    if plan.section.starts is not None:
-        columns.append("from")
-        rows = [(*row, begin_in_words(plan, flight)) for row, flight in zip(rows, plan.flights, strict=True)]
-    return columns, rows
-
-
-def begin_in_words(plan: SurveyPlan, flight: SurveyFlight) -> str:
-    return "east {:.0f}, north {:.0f} m".format(*plan.begin_of(flight))
 
 
 def plan_survey(

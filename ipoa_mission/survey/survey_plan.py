@@ -1,11 +1,12 @@
 """Plan a survey's flights so that all keep their clearance."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
 import shapely
 
+from ipoa_mission.centimeters import down
 from ipoa_mission.checks.check import check
 from ipoa_mission.checks.unsafe import refuse_errors
 from ipoa_mission.errors import BadInput, MissionError
@@ -20,8 +21,16 @@ from ipoa_mission.planning.obstruction import NoPath
 from ipoa_mission.progress import Progress, silent
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.survey.flight_maker import FlightMaker, laid_tours, returning, split_into_flights
-from ipoa_mission.survey.flown_coverage import AsFlown, Coverage, as_flown, coverage, expected_lines
-from ipoa_mission.survey.overlap import Overlaps, flown_lines, smallest_overlaps
+from ipoa_mission.survey.flown_coverage import (
+    AsFlown,
+    Coverage,
+    Overlaps,
+    as_flown,
+    coverage,
+    expected_lines,
+    flown_lines,
+    smallest_overlaps,
+)
 from ipoa_mission.survey.resume import left_to_fly
 from ipoa_mission.survey.survey_task import SurveyTask, flown_round, task_of
 from ipoa_mission.survey.tour import Sortie, Tour
@@ -181,3 +190,35 @@ def _refusal(nearest: _TooNear, scenario: Scenario) -> MissionError:
         place="survey",
         known={"limit": kept.limit, "near": kept.to},
     )
+
+
+def coverage_lines(plan: SurveyPlan) -> Iterator[str]:
+    seen = plan.coverage
+    inside = "nothing outside" if seen.outside_m < 0.005 else f"up to {seen.outside_m:.1f} m outside"
+    hectares = f"{plan.area.shape.area / 1e4:.2f} ha"
+    yield f"covers {down(100 * seen.share):.2f} % of the visible part of {hectares}; {inside}"
+    if flown := plan.flown:
+        share = f"{down(100 * flown.share):.2f} %"
+        yield f"as flown, with corners cut and passed: {share}, {flown.outside_m:.1f} m outside"
+    if str(plan.overlaps or ""):
+        yield f"photos overlap by {plan.overlaps} at least"
+
+
+def flight_table(plan: SurveyPlan, names: Sequence[str]) -> tuple[list[str], list[tuple[str, ...]]]:
+    """Return the columns, and a row for each flight."""
+    rows = list[tuple[str, ...]]()
+    columns = ["file", "lines", "photos", "items", "takes\ns", "energy\nWh", "least clearance\nm"]
+    for name, flight in zip(names, plan.flights, strict=True):
+        energy, kept = flight.forecast.energy, flight.forecast.guarantee.clearance
+        counts = len(flight.tour.swaths), plan.sight.photos_of(flight.tour), len(flight.forecast.mission.items)
+        takes, wh = f"{flight.forecast.estimate.total_s:.1f}", "" if energy is None else f"{energy.energy_wh:.1f}"
+        least = "" if kept is None else f"{down(kept.guaranteed):.2f} to {kept.to}"
+        rows.append((f"{name}.plan", *map(str, counts), takes, wh, least))
+    if plan.section.starts is not None:
+        columns.append("from")
+        rows = [(*row, begin_in_words(plan, flight)) for row, flight in zip(rows, plan.flights, strict=True)]
+    return columns, rows
+
+
+def begin_in_words(plan: SurveyPlan, flight: SurveyFlight) -> str:
+    return "east {:.0f}, north {:.0f} m".format(*plan.begin_of(flight))

@@ -13,8 +13,7 @@ from ipoa_mission.report.number_format import seconds
 from ipoa_mission.report.page import page_of
 from ipoa_mission.report.panels.headline import verdict, warnings
 from ipoa_mission.report.summary import clearance_as_json, findings_as_json, items_as_json, rounded
-from ipoa_mission.survey.survey_flight import coverage_lines, flight_table
-from ipoa_mission.survey.survey_plan import SurveyFlight, SurveyPlan
+from ipoa_mission.survey.survey_plan import SurveyFlight, SurveyPlan, coverage_lines, flight_table
 
 
 def survey_as_json(plan: SurveyPlan, names: tuple[str, ...]) -> dict[str, Any]:

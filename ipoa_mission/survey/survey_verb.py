@@ -105,7 +105,8 @@ class SurveyPlanner:
 
 
 def _print(survey: "Survey", written: list[Path]) -> None:
-    from ipoa_mission.survey.survey_flight import describe, flight_table
+    from ipoa_mission.survey.survey_flight import describe
+    from ipoa_mission.survey.survey_plan import flight_table
 
     print_lines(*describe(survey))
     print_table("flights, in this order", *flight_table(survey.plan, survey.names))
@@ -163,7 +164,7 @@ def _fly(survey: "Survey", asked: FlyOptions, fly_job: FlyJob) -> None:
 
 
 def _is_ready(survey: "Survey", n: int) -> bool:
-    from ipoa_mission.survey.survey_flight import begin_in_words
+    from ipoa_mission.survey.survey_plan import begin_in_words
 
     landed, following, home = survey.names[n - 1], survey.names[n], survey.flights[n].mission.home
     is_elsewhere = home != survey.flights[n - 1].mission.home

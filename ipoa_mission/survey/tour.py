@@ -127,7 +127,7 @@ def fewest_parts(tour: Tour, fits: Callable[[Tour], bool], overlap: float, guess
 
 
 def _first_line_cut(tour: Tour, fits: Callable[[Tour], bool], overlap: float) -> Tour:
-    """Return the tour with its first line in the fewest pieces that fit."""
+    """Cut the first line into the fewest pieces that fit."""
     swath = tour.swaths[0]
 
     def fitting(count: int) -> list[Swath]:

@@ -9,7 +9,7 @@ from ipoa_mission.errors import BadInput
 from ipoa_mission.ground import Ground
 from ipoa_mission.planning.obstruction import NoPath
 from ipoa_mission.scenario import Scenario
-from ipoa_mission.survey.overlap import Overlaps, laid_lines, photo_places, smallest_overlaps
+from ipoa_mission.survey.flown_coverage import Overlaps, laid_lines, photo_places, smallest_overlaps
 from ipoa_mission.survey.survey_task import SurveySketch, sketch_survey
 from ipoa_mission.survey.tour import Tour
 from tests.refused import refuses
