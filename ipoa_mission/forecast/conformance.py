@@ -218,9 +218,7 @@ class ConformanceMonitor:
         goal = None if target is None else self._goal(target)
         excursion = comes_back = 0.0
         if goal is not None and target is not None:
-            first, last = np.searchsorted(self._times, [begin, end])
-            away = np.linalg.norm(self._points[first : max(last, first + 1)] - goal, axis=1)
-            excursion = float((away - np.minimum.accumulate(away)).max(initial=0.0))
+            excursion = self._excursion(goal, begin, end)
             mission, speeds = self._forecast.mission, np.array([items[target].peak_speed])
             braking = mission.autopilot.braking_distance(mission.parameters, speeds, 0.0 * speeds)
             comes_back = self._overshoot + float(braking[0])
@@ -230,6 +228,11 @@ class ConformanceMonitor:
         waits = any(each.item.command == Command.NAV_DELAY and not each.item.params[0] > 0.0 for each in visits)
         is_compared = not waits and self._unknown.isdisjoint(each.seq for each in visits)
         return _Leg(self._points[span], limits, goal, excursion, comes_back, longest, target is None, is_compared)
+
+    def _excursion(self, goal: Vector, begin: float, end: float) -> float:
+        first, last = np.searchsorted(self._times, [begin, end])
+        away = np.linalg.norm(self._points[first : max(last, first + 1)] - goal, axis=1)
+        return float((away - np.minimum.accumulate(away)).max(initial=0.0))
 
     def _direct(self, place: Vector) -> Points | None:
         if (goal := self._leg(self._visit).goal) is None:

@@ -106,7 +106,7 @@ class Forecast:
         """Drop the cached result of `make`, and large parts of the guarantee."""
         self._made.pop(make, None)
         if "guarantee" in self.__dict__:
-            self.guarantee.flight.__dict__.pop("pieces", None)
+            self.guarantee.flight.drop_pieces()
 
     @property
     def world(self) -> "Scenario":

@@ -182,6 +182,9 @@ class PredictedFlight:
     def pieces(self) -> Pieces:
         return pieces_of(self.prediction.track.local(), self.spread)
 
+    def drop_pieces(self) -> None:
+        self.__dict__.pop("pieces", None)
+
     @cached_property
     def cruise_span(self) -> tuple[float, float]:
         """Return the end of the take-off and of the last waypoint [s]."""
@@ -192,7 +195,8 @@ class PredictedFlight:
         return begin, max(ends[-1] if ends else begin, begin)
 
     def limits(self, chance: float | None) -> Iterator[KeptLimit]:
-        (begin, end), last, law = self.cruise_span, float(self.pieces.times[-1]), self.task.law
+        begin, end = self.cruise_span
+        last, law = float(self.pieces.times[-1]), self.task.law
         if self.task.path.airspace.obstacles:
             parts = (0.0, begin, law, TAKEOFF_PART), (end, last, law.after_cruise(), LANDING_PART)
             for first, then, its_law, name in parts:
