@@ -118,7 +118,7 @@ class StraightController:
         self._begin(self.now.current - 1)
 
     def climb(self, height: float) -> None:
-        self.ahead = [(self.body.x, self.body.y, height)]
+        self.ahead = [(*self.body.place[:2], height)]
 
     def go_to(self, east: float, north: float, up: float, speed: float) -> None:
         self.ahead = [(east, north, up)]
