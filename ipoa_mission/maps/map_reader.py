@@ -14,7 +14,7 @@ import shapely
 from ipoa_mission.errors import Unreadable, WrongSuffix
 from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.maps.feature import Feature, many_objects
-from ipoa_mission.maps.geojson import read_geojson
+from ipoa_mission.maps.geojson import is_large, read_geojson, stream_geojson
 from ipoa_mission.maps.kml import read_kml, read_kmz
 from ipoa_mission.maps.map_window import Degrees, MapWindow
 from ipoa_mission.maps.osm import read_osm
@@ -29,12 +29,24 @@ _WHOLE_FILE_READERS: dict[str, Callable[[Path], Sequence[Feature]]] = {
     ".kmz": read_kmz,
     ".osm": read_osm,
 }
+
+
+def _large_geojson(path: Path, around: MapWindow) -> Iterator[list[Feature]]:
+    return (_wanted(features, around) for features in stream_geojson(path))
+
+
+def _wanted(features: Sequence[Feature], around: MapWindow) -> list[Feature]:
+    boxes = shapely.bounds([feature.shape for feature in features]).reshape(-1, 4)
+    return [*compress(features, around.wants(boxes).tolist())]
+
+
 # In batches, without what is elsewhere.
 _BATCH_READERS: dict[str, Callable[[Path, MapWindow], Iterator[list[Feature]]]] = {
     ".pbf": read_pbf,
     **dict.fromkeys(FIRST_BYTES, read_table),
+    **dict.fromkeys(GEOJSON, _large_geojson),
 }
-READERS = (*_WHOLE_FILE_READERS, *_BATCH_READERS)
+READERS = tuple(_WHOLE_FILE_READERS | _BATCH_READERS)
 
 
 def read_features(path: Path, around: MapWindow | None = None) -> tuple[Feature, ...]:
@@ -44,11 +56,10 @@ def read_features(path: Path, around: MapWindow | None = None) -> tuple[Feature,
 def read_batches(path: Path, around: MapWindow) -> Iterator[Sequence[Feature]]:
     suffix = path.suffix.lower()
     with many_objects():
-        if suffix in _WHOLE_FILE_READERS:
+        if suffix in _WHOLE_FILE_READERS and not (suffix in GEOJSON and is_large(path)):
             features = _WHOLE_FILE_READERS[suffix](path)
             if around.window != around.near:
-                boxes = shapely.bounds([feature.shape for feature in features]).reshape(-1, 4)
-                features = [*compress(features, around.wants(boxes).tolist())]
+                features = _wanted(features, around)
             if features:
                 yield features
         elif suffix not in _BATCH_READERS:

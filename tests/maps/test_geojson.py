@@ -6,8 +6,10 @@ import pytest
 import shapely
 
 from ipoa_mission.errors import BadInput
+from ipoa_mission.maps import geojson
 from ipoa_mission.maps.json_shapes import polygons_together
-from ipoa_mission.maps.map_reader import read_features
+from ipoa_mission.maps.map_reader import read_batches, read_features
+from ipoa_mission.maps.map_window import MapWindow
 from tests.refused import refuses
 
 SQUARE = [[8.0, 47.0], [8.001, 47.0], [8.001, 47.001], [8.0, 47.0]]
@@ -93,3 +95,81 @@ def test_only_polygons_with_nothing_wrong_are_made_together() -> None:
     made = polygons_together([*drawn, None], lambda corners: corners)
     assert [made[0].wkt, made[-2].wkt] == [shapely.Polygon(SQUARE).wkt, shapely.Polygon(SQUARE, [HOLE]).wkt]
     assert [*made[1:-2], made[-1]] == [None] * (len(wrong) + 1)
+
+
+OVERPASS = {"elements": [{"type": "node", "id": 1, "lat": 47.0, "lon": 8.0, "tags": {"natural": "tree"}}]}
+CRS_BEHIND = {"features": FEATURES[:1], "type": "FeatureCollection", "crs": {"properties": {"name": "EPSG:4258"}}}
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        json.dumps({"type": "FeatureCollection", "features": FEATURES}),
+        json.dumps({"features": FEATURES, "type": "FeatureCollection"}, ensure_ascii=False, indent=1),
+        "\ufeff" + json.dumps(CRS_BEHIND),
+        json.dumps({"type": "FeatureCollection", "features": []}),
+        "\n".join(map(json.dumps, FEATURES)),
+        "".join(f"\x1e{json.dumps(each, indent=1)}\n" for each in FEATURES),
+        json.dumps(FEATURES[0]),
+        json.dumps(FEATURES[0]["geometry"]),
+        json.dumps(OVERPASS),
+    ],
+)
+def test_a_large_file_has_the_features_of_a_small_one(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, text: str
+) -> None:
+    path = tmp_path / "map.geojson"
+    path.write_text(text)
+    small = read_features(path)
+    monkeypatch.setattr(geojson, "LARGEST_WHOLE", 0)
+    large = read_features(path)
+    if len(small) == 1:
+        large = tuple(each._replace(place=each.place.replace("value 1: ", "")) for each in large)
+    assert large == small
+
+
+@pytest.mark.parametrize(
+    ("begin", "between", "end", "place"),
+    [('{"type": "FeatureCollection", "features": [', ",", "]}", "features[{}]"), ("", "\n", "", "value {}")],
+)
+@pytest.mark.parametrize("before", [0, 3, 5000])
+def test_mistakes_in_a_large_file_name_the_feature(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, begin: str, between: str, end: str, place: str, before: int
+) -> None:
+    monkeypatch.setattr(geojson, "LARGEST_WHOLE", 0)
+    path, good = tmp_path / "map.geojson", [json.dumps(FEATURES[1])] * before
+    number = place.format(before + place.startswith("value"))
+    flat = json.dumps(feature("Polygon", [[SQUARE[0], SQUARE[1], SQUARE[0]]]))
+    path.write_text(begin + between.join([*good, flat]) + end)
+    with refuses("invalid-ring", "coordinates[0]") as caught:
+        read_features(path)
+    assert str(caught.value.place).startswith(f"{path}: {number}")
+    for spoiled in (
+        '{"type": "Feature", "properties": {"height": NaN}}',
+        '{"type": "Feature", "id": "\udcff"}',
+        flat[:40],
+    ):
+        path.write_text(begin + between.join([*good, spoiled]), errors="surrogateescape")
+        with refuses("wrong-format", f"map.geojson: {number}"):
+            read_features(path)
+
+
+@pytest.mark.parametrize("depth", [2000, 6000])
+def test_endlessly_nested_brackets_of_a_large_file_are_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, depth: int
+) -> None:
+    monkeypatch.setattr(geojson, "LARGEST_WHOLE", 0)
+    path, nested = tmp_path / "map.geojson", "[" * depth + "]" * depth
+    path.write_text(json.dumps(feature("Polygon", "HERE")).replace('"HERE"', nested))
+    with refuses("too-large", "map.geojson"):
+        read_features(path)
+
+
+def test_a_large_file_is_read_by_batches(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(geojson, "LARGEST_WHOLE", 0)
+    path = tmp_path / "map.geojson"
+    path.write_text('{"type": "FeatureCollection", "features": [' + ",".join([json.dumps(FEATURES[0])] * 5000))
+    batches = read_batches(path, MapWindow())
+    assert len(next(batches)) == 4096
+    with refuses("wrong-format", "map.geojson: features[5000]"):
+        next(batches)
