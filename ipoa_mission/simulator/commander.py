@@ -45,6 +45,8 @@ class Commander(MockVehicle):
                 return self._reposition(params)
             case VehicleCommand.DO_SET_MISSION_CURRENT:
                 return accepted if self.set_current(whole(params[0]), params[1] == 1.0) else CommandResult.DENIED
+            case VehicleCommand.PREFLIGHT_REBOOT_SHUTDOWN:
+                return self._reboot(params[0])
             case VehicleCommand.MISSION_START:
                 return self._start_mission(params)
             case Command.COMPONENT_ARM_DISARM:
@@ -314,6 +316,19 @@ class Commander(MockVehicle):
         self.set_mode(self.profile.modes[FlightMode.HOLD])
         if self.flight.armed and not self.flight.on_ground:
             self.flight.go_to(params[4], params[5], params[6], params[0])
+        return CommandResult.ACCEPTED
+
+    def _reboot(self, order: float) -> CommandResult:
+        """Command 246: ArduPilot restarts unless armed; PX4 in simulation does not."""
+        if not self.profile.reboots:
+            return CommandResult.DENIED if order else CommandResult.ACCEPTED
+        if order != 1.0:
+            return CommandResult.UNSUPPORTED
+        if self.flight.armed:
+            return CommandResult.FAILED
+        self.powered_s, self.idle_mode = self.now, self.profile.first_mode
+        self.mission_begun = self.mission_runs = False
+        self.flight.rewind()
         return CommandResult.ACCEPTED
 
 

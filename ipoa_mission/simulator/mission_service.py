@@ -37,9 +37,10 @@ class Store:
             self.items = self.items[:count]
 
     def keep(self, seq: int, item: Item) -> None:
-        self.staged += as_stored((item,), self._profile.autopilot, self._profile.firmware.version)
+        kept = as_stored((item,), self._profile.autopilot, self._profile.firmware.version)
+        self.staged = (*self.staged[:seq], *kept, *self.staged[seq + 1 :])
         if self._truncating:
-            self.items = (*self.staged, *self.items[seq + 1 :])
+            self.items = (*self.staged[: seq + 1], *self.items[seq + 1 :])
 
     def put(self, items: tuple[Item, ...]) -> None:
         self.begin(len(items))
@@ -96,6 +97,8 @@ class MissionService:
                 self._acknowledge(message, client)
             case m.ClearAll(kind):
                 self._clear(kind, client)
+            case m.WritePartialList():
+                self._begin_partial(message, client, now)
             case _:
                 return False
         return True
@@ -161,25 +164,46 @@ class MissionService:
             self._ack(m.Result.ACCEPTED, kind, client)
             store.put(())
             return self._changed(kind)
+        return self._open(range(count), kind, client, now)
+
+    def _begin_partial(self, message: m.WritePartialList, client: Target, now: float) -> None:
+        first, last, kind = message.start_index, message.end_index, message.kind
+        if not self._profile.partial_lists or kind not in KINDS:
+            return
+        store = self.stores[m.MissionType(kind)]
+        if self._slot(kind) in self._incoming:
+            self._ack(m.Result.DENIED, kind, client)
+        elif not 0 <= first <= last < len(store.items):
+            self._ack(m.Result.ERROR, kind, client)
+            self._say(m.Text(m.WARNING, "Flight plan update rejected"), client)
+        else:
+            store.staged = store.items
+            self._open(range(first, last + 1), kind, client, now)
+
+    def _open(self, wanted: range, kind: int, client: Target, now: float) -> None:
+        profile, store = self._profile, self.stores[m.MissionType(kind)]
 
         def take(seq: int, heard: m.ItemAt) -> int:
+            count = max(wanted.stop, len(store.staged))
             result = m.Result.ERROR if seq == self._nak_at else self._judge(heard.item, kind, count)
             if result == m.Result.ACCEPTED:
                 store.keep(seq, heard.item)
                 incoming.received += 1
             return result
 
-        dialogue = fetch(count, kind, take, profile.protocol_profile)
-        incoming = Incoming(client, kind, count, 0, Exchange(dialogue, now, profile.patience))
+        dialogue = fetch(wanted.stop, kind, take, profile.protocol_profile, wanted.start)
+        incoming = Incoming(client, kind, wanted.stop, 0, Exchange(dialogue, now, profile.patience))
         self._incoming[self._slot(kind)] = incoming
-        return self._flush(incoming.exchange, client)
+        self._flush(incoming.exchange, client)
 
     def _judge(self, item: Item, kind: int, count: int) -> m.Result:
         return judge(self._profile.autopilot, self._profile.firmware, item, kind, count)
 
     def _take(self, message: m.ItemAt, client: Target, now: float) -> None:
         incoming = self._incoming.get(self._slot(message.kind))
-        if incoming is None or incoming.client != client:
+        if message.current in self._profile.item_orders:
+            self._ack(self._profile.item_orders[message.current], message.kind, client)
+        elif incoming is None or incoming.client != client:
             if self._profile.confirms_last_item_again and self._last_done == (client, message.kind, message.seq):
                 self._ack(m.Result.ACCEPTED, message.kind, client)
             else:

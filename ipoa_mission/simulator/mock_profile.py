@@ -60,6 +60,9 @@ class MockProfile:
     obeys_cancel: bool = False
     stray_item: Answer
     confirms_last_item_again: bool = False
+    partial_lists: bool = False
+    #: Results of orders by an item's `current` outside guided mode: 2 ("go there now"), 3 ("change altitude").
+    item_orders: Mapping[int, int] = field(default_factory=dict)
     reached_repeats: int = 0  # of MISSION_ITEM_REACHED
     reached_slot_s: float  # an item done within it is not reported
     clears_all: bool = False  # type 255, or unknown
@@ -75,6 +78,7 @@ class MockProfile:
     restores_mode: bool = False  # after return or landing
     no_such_mode_text: str | None = None
     refuses_modes: bool = False  # when armed, with the reason
+    reboots: bool = False
     unsupported: frozenset[int]  # of the commands that another firmware obeys
     start_up: StartUp
     modes: Mapping[FlightMode, int]  # HEARTBEAT.custom_mode
