@@ -76,7 +76,7 @@ class ItemDone:
 
 @dataclass
 class Situation:
-    """What the controller and the commands of a flight both write to."""
+    """State of a flight. Its controller and its commands write to it."""
 
     program: Program
     time_s: float = 0.0
