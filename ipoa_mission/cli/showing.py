@@ -1,4 +1,6 @@
+import sys
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -6,7 +8,7 @@ import typer
 
 from ipoa_mission.cli.checking import known_budget, remarks_on
 from ipoa_mission.cli.groups import WorldOptions
-from ipoa_mission.errors import MissionError, WrongSuffix
+from ipoa_mission.errors import MissionError, OptionConflict, WrongSuffix
 from ipoa_mission.files import MISSIONS
 from ipoa_mission.options import AutopilotOption, FileArgument, ForceOption, JsonOption, ScenarioOption
 from ipoa_mission.terminal import notes, print_json, print_lines, print_table
@@ -87,36 +89,54 @@ def _detail(row: "Row") -> str:
     return ", ".join(filter(None, (does, passes)))
 
 
+@dataclass
+class ExportOptions:
+    form: Annotated[
+        str | None, typer.Option("--format", metavar="NAME", help="Format on standard output, like kml or csv.")
+    ] = None
+    scenario: ScenarioOption = None
+    autopilot: AutopilotOption = None
+    force: ForceOption = False
+    as_json: JsonOption = False
+
+
 def export(
     file: FileArgument,
     target: Annotated[
-        Path, typer.Argument(metavar="TARGET", help="File to write, in the format of its suffix, like .kml.")
+        Path,
+        typer.Argument(metavar="TARGET", help="File in the format of its suffix, like .kml; - is standard output."),
     ],
-    scenario: ScenarioOption = None,
-    autopilot: AutopilotOption = None,
-    force: ForceOption = False,
-    as_json: JsonOption = False,
+    how: ExportOptions,
 ) -> None:
     """Write a mission for other programs, like KML, or as the other mission format.
 
     Example: `ipoa-mission export campus.plan campus.kml --scenario missions/campus.toml`
     """
     from ipoa_mission.cli.reading import read_world, taken_for
-    from ipoa_mission.mission.mission_io import read_by_items, read_mission_file, write_mission
-    from ipoa_mission.report.exports import EXPORTS, write_export
+    from ipoa_mission.forecast.forecast import Forecast
+    from ipoa_mission.mission.mission_io import mission_text, read_by_items, read_mission_file, write_mission
+    from ipoa_mission.report.exports import EXPORTS, forecast_text, write_export
     from ipoa_mission.terminal import expect_free
 
-    suffix = target.suffix.lower()
+    to_output = target == Path("-")
+    if to_output != (how.form is not None) or (to_output and how.as_json):
+        raise OptionConflict("belongs to TARGET -, and excludes --json", hint="like - --format kml", place="--format")
+    suffix = target.suffix.lower() if how.form is None else f".{how.form.lower()}"
     if suffix not in (suffixes := [*EXPORTS, *MISSIONS]):
-        raise WrongSuffix(f'expected a name that ends in {", ".join(suffixes)}, not in "{target.suffix}"', place=target)
-    read, world = read_by_items(file, read_mission_file(file, autopilot)), read_world(scenario)
-    expect_free([target], force, ask=not as_json)
+        raise WrongSuffix(f'expected a name that ends in {", ".join(suffixes)}, not in "{suffix}"', place=target)
+    read, world = read_by_items(file, read_mission_file(file, how.autopilot)), read_world(how.scenario)
+    if to_output:
+        forecast, is_mission = Forecast(read.mission, world), suffix in MISSIONS
+        text = mission_text(read.mission, suffix, read) if is_mission else forecast_text(forecast, suffix, file.stem)
+        sys.stdout.write(text)
+        return
+    expect_free([target], how.force, ask=not how.as_json)
     remarks = taken_for(read)
     if suffix in MISSIONS:
         remarks += write_mission(read.mission, target, read)
     else:
         write_export(read.mission, target, world)
-    if as_json:
+    if how.as_json:
         print_json({"written": str(target), "remarks": list(remarks)})
     else:
         print_lines(f"written: {target}", *notes(remarks))

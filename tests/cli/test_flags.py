@@ -11,10 +11,12 @@ from pathlib import Path
 
 import pytest
 
+from ipoa_mission.files import MISSIONS as MISSION_SUFFIXES
 from ipoa_mission.files import read_text, write_together
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.mission.mission_io import read_mission, write_mission
 from ipoa_mission.mission.written_files import not_as_written
+from ipoa_mission.report.exports import EXPORTS
 from ipoa_mission.scenario import read_scenario
 from tests.cli.conftest import Planned, Run
 from tests.examples import some
@@ -106,6 +108,20 @@ def test_parameters_and_wind_change_what_every_verb_tells(run: Run) -> None:
 
 def test_a_wind_from_beyond_the_compass_is_refused(run: Run) -> None:
     assert "[deg, to 360]" in run(f"show {SITL} --wind 5@720").err
+
+
+@pytest.mark.parametrize("suffix", [*EXPORTS, *MISSION_SUFFIXES])
+def test_standard_output_gets_what_the_file_gets(run: Run, suffix: str) -> None:
+    words = f"--scenario {MISSIONS / 'campus.toml'}"
+    output = run(f"export {CAMPUS} - --format {suffix[1:].upper()} {words}").out
+    assert run(f"export {CAMPUS} campus{suffix.upper()} {words}").code == 0
+    assert Path(f"campus{suffix.upper()}").read_text() == output
+
+
+@pytest.mark.parametrize("words", ["-", "- --format kml --json", "x.kml --format kml"])
+def test_format_is_that_of_standard_output_without_json(run: Run, words: str) -> None:
+    ended = run(f"export {CAMPUS} {words}")
+    assert (ended.code, "--format: belongs to TARGET -" in ended.out + ended.err) == (2, True)
 
 
 def test_an_export_in_a_scenario_ends_on_its_ground(run: Run) -> None:
