@@ -51,34 +51,35 @@ def connect_to(link: str, options: LinkOptions, usual_log: Path | None, reading:
 
 
 def _vehicle_on(link: str, options: LinkOptions, usual_log: Path | None, reading: bool) -> "Vehicle":
+    from ipoa_mission.link.dialogue import SPECIFIED
+    from ipoa_mission.link.vehicle import ConnectionOptions
+
     expect_log(options.log)
     timeout = options.timeout
     signer, began = signer_of(options.key), time.monotonic()
+    patience = SPECIFIED if timeout is None else replace(SPECIFIED, total_s=timeout)
     if options.backend is Backend.MAVSDK:
         from ipoa_mission.link.mavsdk_backend import connect as connect_by_mavsdk
 
         if signer is not None:
             words = "the mavsdk backend does not sign"
             raise BadInput(words, hint="omit --backend", code="backend-cannot", place="--key")
-        if timeout is not None:
-            words = "MAVSDK has timers of its own"
-            raise BadInput(words, hint="omit --backend", code="backend-cannot", place="--timeout")
-        vehicle: Vehicle = connect_by_mavsdk(link, options.system, options.log, reading)
+        how = ConnectionOptions(patience, reading=reading)
+        vehicle: Vehicle = connect_by_mavsdk(link, options.system, options.log, how)
     else:
         from ipoa_mission.link.connect import connect
-        from ipoa_mission.link.dialogue import SPECIFIED
 
         vehicle = connect(
             link,
             system=options.system,
             log=options.log or usual_log,
             signer=signer,
-            patience=SPECIFIED if timeout is None else replace(SPECIFIED, total_s=timeout),
+            patience=patience,
             anyway=options.anyway,
             reading=reading,
         )
-        if timeout is not None:
-            vehicle.give_up_after(timeout - (time.monotonic() - began))
+    if timeout is not None:
+        vehicle.give_up_after(timeout - (time.monotonic() - began))
     log.info("%s: system %d, %s, by %s", link, vehicle.system, vehicle.autopilot, options.backend)
     return vehicle
 

@@ -20,7 +20,7 @@ from ipoa_mission.link.codec import EVERYONE, Heard, Target
 from ipoa_mission.link.dialogue import NoAnswer, until
 from ipoa_mission.link.discovery import FoundVehicle
 from ipoa_mission.link.line import Carrier
-from ipoa_mission.link.vehicle import Vehicle
+from ipoa_mission.link.vehicle import ConnectionOptions, Vehicle
 from ipoa_mission.link.vehicle_state import NotFlown
 
 PRESENCE_S = 10.0
@@ -28,10 +28,11 @@ POLL_S = 0.05
 
 
 def connect(
-    url: str, system: int | None = None, log: str | Path | None = None, reading: bool = False
+    url: str, system: int | None = None, log: str | Path | None = None, options: ConnectionOptions | None = None
 ) -> "MavsdkVehicle":
     """Connect, and raise, as `link.connect.connect` does; BadInput for a `.tlog`."""
     _expect_no_log(log)
+    options = options or ConnectionOptions()
     mavsdk = imported("mavsdk", "MAVSDK is not installed", "mavsdk", LinkDown)
     address = parse_address(url)
     instance = mavsdk.Mavsdk(mavsdk.Configuration.create_with_component_type(mavsdk.ComponentType.GROUND_STATION))
@@ -39,12 +40,12 @@ def connect(
     if result.name != "SUCCESS":
         instance.destroy()
         raise LinkDown(f"cannot be opened: {result.name}", code="link-not-opened", place=address)
-    until = time.monotonic() + PRESENCE_S
+    until = time.monotonic() + min(PRESENCE_S, options.patience.total_s)
     while time.monotonic() < until:
         for candidate in instance.get_systems():
             if candidate.has_autopilot() and candidate.is_connected() and system in (None, candidate.get_system_id()):
                 try:
-                    return MavsdkVehicle(instance, candidate, reading)
+                    return MavsdkVehicle(instance, candidate, options)
                 except MissionError:
                     instance.destroy()
                     raise
@@ -126,15 +127,17 @@ def _to_json(value: Any) -> Any:
 
 
 class MavsdkVehicle(Vehicle):
-    def __init__(self, instance: Any, system: Any, reading: bool = False) -> None:
+    def __init__(self, instance: Any, system: Any, options: ConnectionOptions | None = None) -> None:
         line = MavsdkLine(instance, system)
         reported = system.autopilot_type().name
         likely = next((each for each in registered() if each.firmware_name.upper() == reported), default_autopilot())
         kind = VehicleKind(likely.mav_autopilot, QUADROTOR)  # until its first heartbeat
-        super().__init__(line, FoundVehicle(int(system.get_system_id()), kind, armed=False, is_ready=True))
-        if not self._hold(until(lambda: m.Heartbeat in self.state.heard, PRESENCE_S)):
+        found = FoundVehicle(int(system.get_system_id()), kind, armed=False, is_ready=True)
+        super().__init__(line, found, options)
+        presence_s = min(PRESENCE_S, self._patience.total_s)
+        if not self._hold(until(lambda: m.Heartbeat in self.state.heard, presence_s)):
             raise NoAnswer("no heartbeat is heard", code="not-heard", place=f"vehicle {self.system}")
-        if not reading and self.state.kind is not None and not self.state.kind.is_flown:
+        if not self._options.reading and self.state.kind is not None and not self.state.kind.is_flown:
             raise NotFlown(self.state.kind, f"vehicle {self.system}")
 
     def _checksum_numbers(self) -> Iterator[int] | None:

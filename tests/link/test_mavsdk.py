@@ -1,6 +1,8 @@
 import json
+import os
 import subprocess
 import sys
+import time
 from collections.abc import Callable
 from pathlib import Path
 
@@ -19,12 +21,14 @@ from ipoa_mission.link.messages import STATION_COMPONENT, STATION_SYSTEM
 from ipoa_mission.link.vehicle import ConnectionOptions
 from ipoa_mission.link.wire import coordinate
 from ipoa_mission.mission.items import Mission, return_to_launch, takeoff, waypoint
+from ipoa_mission.mission.mission_io import read_mission
 from ipoa_mission.mission.stored_mission import to_wire
 from tests.examples import vehicles
 from tests.quick_link import hurry
 
 HERE = Path(__file__).parent
 REPOSITORY = HERE.parents[1]
+SITL = REPOSITORY / "missions" / "sitl.plan"
 HOME = Geodetic(47.4, 8.5, 400.0)
 
 
@@ -55,6 +59,32 @@ def test_mavsdk_uploads_starts_and_sees_the_mission_finish(family: Autopilot, ru
         "completed": True,
         "by_mavsdk_alone": True,
     }
+
+
+@pytest.mark.parametrize(
+    ("verb", "seconds", "error"),
+    [
+        ("clear --link udpout:127.0.0.1:9", 1, "no autopilot is heard"),
+        (f"fly {SITL} --link udpout:127.0.0.1:{{port}}", 9, "the time is up: the vehicle flies on, and is not watched"),
+    ],
+)
+def test_time_limit_of_a_user_holds_over_mavsdk_too(
+    run_mock: Callable[..., object], tmp_path: Path, verb: str, seconds: int, error: str
+) -> None:
+    with run_mock(Autopilot.PX4, speedup=4.0, home=read_mission(SITL).home) as running:  # type: ignore[attr-defined]
+        words = verb.format(port=running.port)
+        began = time.monotonic()
+        done = subprocess.run(
+            [sys.executable, "-m", "ipoa_mission", *words.split(), "--backend", "mavsdk", "--timeout", str(seconds)],
+            cwd=tmp_path,
+            env=os.environ | {"PYTHONPATH": str(REPOSITORY)},
+            capture_output=True,
+            text=True,
+            timeout=300,
+            check=False,
+        )
+    assert (done.returncode, error in done.stderr) == (1, True), done.stderr
+    assert seconds <= time.monotonic() - began < seconds + 10.0
 
 
 def test_our_upload_puts_a_mission_on_mavsdks_own_server(monkeypatch: pytest.MonkeyPatch) -> None:
