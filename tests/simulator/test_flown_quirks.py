@@ -96,7 +96,7 @@ def test_ardupilot_takes_a_mission_then_arms_and_has_a_position_last() -> None:
         assert messages[at + 1] == Text(6 if result == OK else 2, words)
 
 
-def test_ardupilot_restarts_on_command_246_unless_armed_and_keeps_its_mission() -> None:
+def test_ardupilot_restarts_unless_armed_and_keeps_its_mission() -> None:
     flown = Flown(ARDUPILOT, short())
     assert flown.command(176, 1.0, 5.0) == OK
     assert flown.command(224, 2.0) == OK
