@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from ipoa_mission.autopilot.autopilot import Autopilot
-from ipoa_mission.centimeters import down
+from ipoa_mission.centimeters import floor_cm
 from ipoa_mission.cli.groups import FlownByOptions
 from ipoa_mission.errors import BadInput, LogUseless, MissionError, OptionConflict
 from ipoa_mission.options import ForceOption, JsonOption, LogSystemOption, ScenarioOption, expect_mission
@@ -266,7 +266,7 @@ def _print_compared(compared: "ComparedFlight", title: str) -> None:
 
 
 def _cells(row: _Row) -> tuple[str, ...]:
-    clearance = "" if row.clearance is None else f"{down(row.clearance.least.nearest.distance):.2f}"
+    clearance = "" if row.clearance is None else f"{floor_cm(row.clearance.least.nearest.distance):.2f}"
     about = (str(row.number), f"{row.flight.armed_s:.1f}")
     if row.compared is None:
         how = "" if row.flight.in_mission else "not in a mission"

@@ -3,7 +3,7 @@ from pathlib import Path
 from typing import Any
 
 from ipoa_mission.autopilot.commands import command_name
-from ipoa_mission.centimeters import down
+from ipoa_mission.centimeters import floor_cm
 from ipoa_mission.cli.check_files import clearance_words, wind_words
 from ipoa_mission.cli.checking import estimate_as_json, route_in_words
 from ipoa_mission.cli.mission_source import FlownJob, Job
@@ -83,7 +83,7 @@ def _of_plan(job: Job) -> str:
         return ""
     guarantee, keep = job.forecast.guarantee_if_known, ""
     if guarantee and guarantee.confidence and guarantee.clearance:
-        kept = down(guarantee.clearance.guaranteed)
+        kept = floor_cm(guarantee.clearance.guaranteed)
         keep = f"; {100 * guarantee.confidence:g} % of flights keep {kept:.2f} m"
     return f"{keep}; QGroundControl would have said {job.estimate.qgroundcontrol_s:.0f} s"
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ipoa_mission.centimeters import down, falls_short, up
+from ipoa_mission.centimeters import ceil_cm, falls_short, floor_cm
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.itinerary.itinerary import rally_places
 from ipoa_mission.geodesy import Geodetic, LocalFrame, apart
@@ -67,11 +67,11 @@ class FlownClearance:
     def words(self) -> str:
         near, required = self.least.nearest, self.least.required
         where = f"{self.place.latitude_deg:.6f}, {self.place.longitude_deg:.6f}, up {near.place[2]:.1f} m"
-        guaranteed = "" if self.guaranteed is None else f", {down(self.guaranteed):.2f} m guaranteed"
+        guaranteed = "" if self.guaranteed is None else f", {floor_cm(self.guaranteed):.2f} m guaranteed"
         verdict = "" if self.kept else ", which was NOT kept"
         return (
-            f"least clearance flown {down(near.distance):.2f} m, to {near.what} at {where}, "
-            f"{self.time_s:.1f} s after arming{guaranteed}; {up(required):.2f} m required{verdict}"
+            f"least clearance flown {floor_cm(near.distance):.2f} m, to {near.what} at {where}, "
+            f"{self.time_s:.1f} s after arming{guaranteed}; {ceil_cm(required):.2f} m required{verdict}"
         )
 
 

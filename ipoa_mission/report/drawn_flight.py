@@ -7,7 +7,7 @@ import numpy as np
 import shapely
 
 from ipoa_mission.autopilot.commands import WAYPOINTS, Command
-from ipoa_mission.centimeters import down, falls_short, up
+from ipoa_mission.centimeters import ceil_cm, falls_short, floor_cm
 from ipoa_mission.forecast.deviation.kept_limits import NO_DEVIATION, DeviationBound, deviation_bound_of
 from ipoa_mission.forecast.deviation.law import law_of
 from ipoa_mission.forecast.forecast import Forecast
@@ -109,9 +109,9 @@ def find_dangers(predicted: SampledTrack, scenario: Scenario) -> list[Danger]:
     dangers, required = [], scenario.limits.obstacle_distance
     nearest = scenario.airspace.obstacle_clearance(predicted.points)
     if falls_short(nearest.distance, required):
-        how = "runs into" if nearest.distance < 0 else f"comes within {down(nearest.distance):.2f} m of"
+        how = "runs into" if nearest.distance < 0 else f"comes within {floor_cm(nearest.distance):.2f} m of"
         where = _where(predicted.times[nearest.leg], nearest.place)
-        words = f"the path as predicted {how} {nearest.what} {where}; {up(required):.2f} m are required"
+        words = f"the path as predicted {how} {nearest.what} {where}; {ceil_cm(required):.2f} m are required"
         dangers.append(Danger(words, nearest.distance < scenario.vehicle.radius))
     height = predicted.points[:, 2] - predicted.ground
     away = np.hypot(*(predicted.points[:, :2] - predicted.points[0, :2]).T) > LANDING_RADIUS

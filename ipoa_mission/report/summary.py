@@ -4,7 +4,7 @@ import math
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
-from ipoa_mission.centimeters import down, up
+from ipoa_mission.centimeters import ceil_cm, floor_cm
 from ipoa_mission.mission.landing_ground import landing_height
 from ipoa_mission.mission.written_files import LANDING_GROUND_KEY
 
@@ -35,9 +35,9 @@ def clearance_as_json(guarantee: "ClearanceGuarantee | None") -> dict[str, Any]:
 def _limit_as_json(limit: "KeptLimit") -> dict[str, Any]:
     """Round to the millimeter: kept down, required up."""
     return {
-        "required_m": up(limit.required, 1000),
-        "nominal_m": down(limit.nominal, 1000),
-        "kept_m": down(limit.guaranteed, 1000),
+        "required_m": ceil_cm(limit.required, 1000),
+        "nominal_m": floor_cm(limit.nominal, 1000),
+        "kept_m": floor_cm(limit.guaranteed, 1000),
         "to": limit.to,
         "item": limit.item,
     }

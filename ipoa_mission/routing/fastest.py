@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ipoa_mission.centimeters import up
+from ipoa_mission.centimeters import ceil_cm
 from ipoa_mission.forecast.deviation.clearance_guarantee import broken_limits
 from ipoa_mission.forecast.deviation.kept_limits import clearance_task, with_margins
 from ipoa_mission.forecast.deviation.proximity import proximity_risks
@@ -127,7 +127,7 @@ def _broken(attempt: Attempt, stations: Vector, places: list[tuple[float, float,
     """Return stations [m] of `places`, of broken limits, and where a flight is likeliest too near to something."""
     prediction, scenario, curve = attempt.quick_prediction, attempt.scenario, attempt.plan.curve
     task, tolerance = clearance_task(scenario), scenario.route.tolerance
-    airspace, required = task.path.airspace, up(task.path.limits.obstacle_distance)
+    airspace, required = task.path.airspace, ceil_cm(task.path.limits.obstacle_distance)
     flown, (samples, line) = pieces_of(prediction.track), curve_samples(curve)
     is_broken = (airspace.obstacle_distance(flown.points) < required) | is_far(flown.points, line, tolerance)
     for place in [*places, *(check.nearest.place for check in broken_limits(flown.points, task))]:

@@ -10,7 +10,7 @@ from itertools import chain, count
 
 import numpy as np
 
-from ipoa_mission.centimeters import down, up
+from ipoa_mission.centimeters import ceil_cm, floor_cm
 from ipoa_mission.errors import MissionError, Remedy
 from ipoa_mission.forecast.deviation.clearance_guarantee import KeptLimit
 from ipoa_mission.planning.obstruction import NoPath
@@ -100,8 +100,8 @@ def _gap(tightest: KeptLimit, airspace: Airspace) -> str:
     apart, other = _across(spot, tightest.to, needed, airspace)
     if other is not None and apart < 2 * needed:
         names = f"{tightest.to} and {other}"
-        return f"the gap between {names} is {down(apart):.2f} m wide, and it needs {up(2 * needed):.2f} m"
-    return f"{down(tightest.nominal):.2f} m from {tightest.to}, where it needs {up(needed):.2f} m"
+        return f"the gap between {names} is {floor_cm(apart):.2f} m wide, and it needs {ceil_cm(2 * needed):.2f} m"
+    return f"{floor_cm(tightest.nominal):.2f} m from {tightest.to}, where it needs {ceil_cm(needed):.2f} m"
 
 
 def _across(spot: np.ndarray, name: str, needed: float, airspace: Airspace) -> tuple[float, str | None]:
@@ -137,7 +137,7 @@ def _try_changes(otherwise: str, trials: ChangeTrials) -> tuple[str, str, tuple[
             tried.append(change)
             continue
         clearance = attempt.guarantee.clearance
-        with_it = "" if clearance is None else f" with {down(clearance.guaranteed):.2f} m kept"
+        with_it = "" if clearance is None else f" with {floor_cm(clearance.guaranteed):.2f} m kept"
         return f"{change} plans it{with_it}", f"{change}, which was tried; or reduce safety_distance", (change,)
     return (f"these changes did not help: {', '.join(map(str, tried))}", f"reduce safety_distance{otherwise}", ())
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from itertools import islice, pairwise
 from typing import NamedTuple
 
-from ipoa_mission.centimeters import down, up
+from ipoa_mission.centimeters import ceil_cm, floor_cm
 from ipoa_mission.errors import MissionError
 from ipoa_mission.forecast.contingency.shortfalls import clear_in
 from ipoa_mission.forecast.deviation.kept_limits import clearance_task, tight_places, with_margins
@@ -48,7 +48,7 @@ def expect_wide(scenario: Scenario) -> None:
         gap = closure(problem, a, b)
         if gap is not None and gap.needed - 2 * more < gap.width < gap.needed - DISTANCE_TOLERANCE:
             between, (east, north) = " and ".join(gap.names), gap.place
-            sizes = f"{down(gap.width):.2f} m wide, and it needs {up(gap.needed):.2f} m at least"
+            sizes = f"{floor_cm(gap.width):.2f} m wide, and it needs {ceil_cm(gap.needed):.2f} m at least"
             leg = f", on the leg from {places[0]} to {places[1]}" if len(names) > 2 else ""
             raise TooNarrow(f"the gap between {between} is {sizes}, at east {east:.1f}, north {north:.1f} m{leg}")
 

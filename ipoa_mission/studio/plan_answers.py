@@ -8,7 +8,7 @@ import numpy as np
 
 from ipoa_mission import Airspace, Bounds, Command, Flat, Flight, Forecast, Scenario
 from ipoa_mission.autopilot.returning import TIMED, Contingency
-from ipoa_mission.centimeters import down, up
+from ipoa_mission.centimeters import ceil_cm, floor_cm
 from ipoa_mission.forecast.contingency.contingencies import Contingencies, ContingencyBar, Grade, PredictedContingency
 from ipoa_mission.forecast.contingency.contingencies_now import DURATIONS
 from ipoa_mission.forecast.contingency.energy_budget import Budget, budget_of
@@ -65,6 +65,9 @@ def expected(forecast: Forecast, name: str) -> answers.Plan:
     scenario, estimate, course, frame = forecast.scenario, forecast.estimate, course_of(forecast), forecast.frame
     guarantee = None if scenario is None else forecast.guarantee_if_known
     kept = None if guarantee is None else guarantee.clearance
+    required = 0.0 if scenario is None else scenario.limits.obstacle_distance
+    if kept is not None:
+        required = kept.required
     budget = budget_of(forecast) if forecast.energy is not None else None
     left = None if budget is None else budget.left(budget.used.between)
     ring = (
@@ -77,9 +80,9 @@ def expected(forecast: Forecast, name: str) -> answers.Plan:
         name=name,
         verdict="" if scenario is None or not forecast.cruise else without_folders(forecast.proof.words(), scenario),
         confidence=None if guarantee is None else guarantee.confidence,
-        kept=None if kept is None else down(kept.guaranteed),
-        nominal=None if kept is None else down(kept.nominal),
-        required=0.0 if scenario is None else up(scenario.limits.obstacle_distance if kept is None else kept.required),
+        kept=None if kept is None else floor_cm(kept.guaranteed),
+        nominal=None if kept is None else floor_cm(kept.nominal),
+        required=ceil_cm(required),
         nearest="" if scenario is None or kept is None else without_folders(kept.to, scenario),
         total_s=round(estimate.total_s, 2),
         low_s=round(estimate.low_s, 2),

@@ -6,7 +6,7 @@ from functools import cached_property
 
 import shapely
 
-from ipoa_mission.centimeters import down
+from ipoa_mission.centimeters import floor_cm
 from ipoa_mission.checks.check import check
 from ipoa_mission.checks.unsafe import refuse_errors
 from ipoa_mission.errors import BadInput, MissionError
@@ -196,9 +196,9 @@ def coverage_lines(plan: SurveyPlan) -> Iterator[str]:
     seen = plan.coverage
     inside = "nothing outside" if seen.outside_m < 0.005 else f"up to {seen.outside_m:.1f} m outside"
     hectares = f"{plan.area.shape.area / 1e4:.2f} ha"
-    yield f"covers {down(100 * seen.share):.2f} % of the visible part of {hectares}; {inside}"
+    yield f"covers {floor_cm(100 * seen.share):.2f} % of the visible part of {hectares}; {inside}"
     if flown := plan.flown:
-        share = f"{down(100 * flown.share):.2f} %"
+        share = f"{floor_cm(100 * flown.share):.2f} %"
         yield f"as flown, with corners cut and passed: {share}, {flown.outside_m:.1f} m outside"
     if str(plan.overlaps or ""):
         yield f"photos overlap by {plan.overlaps} at least"
@@ -212,7 +212,7 @@ def flight_table(plan: SurveyPlan, names: Sequence[str]) -> tuple[list[str], lis
         energy, kept = flight.forecast.energy, flight.forecast.guarantee.clearance
         counts = len(flight.tour.swaths), plan.sight.photos_of(flight.tour), len(flight.forecast.mission.items)
         takes, wh = f"{flight.forecast.estimate.total_s:.1f}", "" if energy is None else f"{energy.energy_wh:.1f}"
-        least = "" if kept is None else f"{down(kept.guaranteed):.2f} to {kept.to}"
+        least = "" if kept is None else f"{floor_cm(kept.guaranteed):.2f} to {kept.to}"
         rows.append((f"{name}.plan", *map(str, counts), takes, wh, least))
     if plan.section.starts is not None:
         columns.append("from")

@@ -15,7 +15,7 @@ import pytest
 
 from ipoa_mission import terminal
 from ipoa_mission.autopilot.version import Version
-from ipoa_mission.centimeters import down
+from ipoa_mission.centimeters import floor_cm
 from ipoa_mission.cli.app import listen_to_log
 from ipoa_mission.cli.flight_output import print_flown
 from ipoa_mission.cli.mission_source import FlownJob, Job
@@ -357,5 +357,5 @@ def test_flown_line_has_the_clearance_on_the_version_aboard(
     print_flown(FlownJob(Job("sitl", aboard, (), flight), (), FlightRecord({}, 60.0, (), (), True)), [])
     kept = aboard.guarantee.clearance
     assert kept is not None
-    assert f"99 % of flights keep {down(kept.guaranteed):.2f} m" in capsys.readouterr().out
+    assert f"99 % of flights keep {floor_cm(kept.guaranteed):.2f} m" in capsys.readouterr().out
     assert kept.guaranteed != flight.guarantee.clearance.guaranteed

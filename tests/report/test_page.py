@@ -11,7 +11,7 @@ import pytest
 
 from ipoa_mission.autopilot.commands import Command
 from ipoa_mission.autopilot.energy import TimedPath
-from ipoa_mission.centimeters import down
+from ipoa_mission.centimeters import floor_cm
 from ipoa_mission.flight.flight import write_report
 from ipoa_mission.forecast.flight_energy import flight_energy
 from ipoa_mission.forecast.forecast import Forecast
@@ -165,11 +165,11 @@ def test_a_mission_that_keeps_its_distance_is_called_clear(bowed: Bowed) -> None
     kept = Forecast(mission.assuming(scenario.vehicle.autopilot_parameters()), scenario).guarantee.clearance
     assert kept is not None
     page = page_of(Forecast(mission.with_parameters({"RTL_ALT": 6500.0}), scenario))
-    words = f"Clear of teaching block A: 99 % of flights keep {down(kept.guaranteed):.2f} m"
+    words = f"Clear of teaching block A: 99 % of flights keep {floor_cm(kept.guaranteed):.2f} m"
     assert f'class="verdict good"><b aria-hidden="true">✓</b> {words}' in page
     assert 'class="bad"' not in page
     assert "Before you fly" not in page
-    figure = f"99\N{NO-BREAK SPACE}% of flights keep</dt><dd>{down(kept.guaranteed):.2f}\N{NO-BREAK SPACE}m<small>"
+    figure = f"99\N{NO-BREAK SPACE}% of flights keep</dt><dd>{floor_cm(kept.guaranteed):.2f}\N{NO-BREAK SPACE}m<small>"
     assert figure in page  # the same number, and no other beside it
     assert "least clearance" not in page
 
@@ -204,7 +204,7 @@ def test_a_corner_cut_into_the_safety_distance_takes_the_tick_away(bowed: Bowed,
     stricter = Scenario.model_validate(text)
     danger = find_dangers(course, stricter)
     assert [each.touching for each in danger] == [False]
-    assert f"comes within {down(beside):.2f} m" in danger[0].words
+    assert f"comes within {floor_cm(beside):.2f} m" in danger[0].words
     numbers = [float(v) for v in re.findall(r"(?:east|north|up) (-?\d+)", danger[0].words)]
     near = course.points[int(np.argmin(course.apart))]
     assert numbers == pytest.approx(near.tolist(), abs=1.5)

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from ipoa_mission.autopilot.autopilot import Autopilot, registered
-from ipoa_mission.centimeters import down, falls_short, up
+from ipoa_mission.centimeters import ceil_cm, falls_short, floor_cm
 from ipoa_mission.checks.check import check_mission
 from ipoa_mission.errors import MissionError
 from ipoa_mission.finding import Severity
@@ -93,7 +93,7 @@ def test_written_plans_pass_the_check_and_keep_the_required_distance(
     assert nearest(flown_path(flight), scene["obstacles"]).min() >= required
     assert not any(f.severity is Severity.ERROR for f in check_mission(flight.mission, scenario))
     kept = flight.guarantee.clearance
-    assert kept is None or f"{down(kept.guaranteed):.2f}" >= f"{up(required):.2f}"
+    assert kept is None or f"{floor_cm(kept.guaranteed):.2f}" >= f"{ceil_cm(required):.2f}"
     assert not flight.chosen.draft.guarantee.forbidding
 
 
@@ -156,7 +156,7 @@ def test_the_guarantee_at_a_given_place_is_its_own_line() -> None:
 def test_numbers_are_compared_as_they_are_printed() -> None:
     assert falls_short(2.4999, 2.5)
     assert not falls_short(0.1 + 0.7, 0.8)
-    assert (f"{down(2.478):.2f}", f"{up(2.491):.2f}") == ("2.47", "2.50")
+    assert (f"{floor_cm(2.478):.2f}", f"{ceil_cm(2.491):.2f}") == ("2.47", "2.50")
 
 
 def test_the_refusal_of_a_gap_names_what_was_tried(monkeypatch: pytest.MonkeyPatch) -> None:

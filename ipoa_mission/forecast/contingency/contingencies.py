@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from ipoa_mission.autopilot.energy import Consumption
 from ipoa_mission.autopilot.failsafe import Failsafe
 from ipoa_mission.autopilot.returning import COMPUTED, TIMED, Contingency
-from ipoa_mission.centimeters import down, up
+from ipoa_mission.centimeters import ceil_cm, floor_cm
 from ipoa_mission.errors import MissionError, NotModeled
 from ipoa_mission.forecast.contingency.contingency_paths import (
     GROUND,
@@ -124,7 +124,7 @@ class ContingencyRow:
 
     @property
     def keeps(self) -> str:
-        return self._nearest(not self.clear and down(self.least_m) >= 0.0)
+        return self._nearest(not self.clear and floor_cm(self.least_m) >= 0.0)
 
     @property
     def in_full(self) -> str:
@@ -135,9 +135,9 @@ class ContingencyRow:
             return f"not clear: {self.to}"
         if not math.isfinite(self.least_m):
             return f"{self.grade}, nothing near"
-        least, is_ground = down(self.least_m), self.to == GROUND_NAME
+        least, is_ground = floor_cm(self.least_m), self.to == GROUND_NAME
         relation = ("below" if is_ground else "inside") if least < 0.0 else "above" if is_ground else "from"
-        required = f", {up(self.required_m):.2f} m required" if with_required else ""
+        required = f", {ceil_cm(self.required_m):.2f} m required" if with_required else ""
         return f"{self.grade}, {abs(least):.2f} m {relation} {self.to}{required}"
 
     def __str__(self) -> str:

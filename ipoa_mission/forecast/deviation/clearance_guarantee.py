@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ipoa_mission.autopilot.commands import FLOWN_TO, LANDINGS, TAKEOFFS, Command
-from ipoa_mission.centimeters import down, falls_short, goes_beyond, up
+from ipoa_mission.centimeters import ceil_cm, falls_short, floor_cm, goes_beyond
 from ipoa_mission.forecast.deviation.kept_limits import (
     NO_DEVIATION,
     ClearanceTask,
@@ -69,7 +69,7 @@ class KeptLimit:
         return _breaks(self.guaranteed, self.required, self.limit == "ceiling")
 
     def words(self, confidence: float | None) -> str:
-        least, most, bound = (up, down, "at most ") if self.limit == "ceiling" else (down, up, "")
+        least, most, bound = (ceil_cm, floor_cm, "at most ") if self.limit == "ceiling" else (floor_cm, ceil_cm, "")
         nominal, required = least(self.nominal), f"{bound}{most(self.required):.2f} m required"
         predicted = f"{abs(nominal):.2f} m{' inside' if nominal < 0 else ''}"
         if confidence is None:
@@ -107,7 +107,7 @@ class ClearanceGuarantee:
 
 def deviation_bound_holds(flown: Pieces, task: ClearanceTask) -> bool:
     chance, law = task.chance, task.law
-    required, airspace = up(task.path.limits.obstacle_distance), task.path.airspace
+    required, airspace = ceil_cm(task.path.limits.obstacle_distance), task.path.airspace
     if airspace.obstacles:
         free = round_places(flown.points, _tight(task)) < 0
         for stretch in runs(flown.points, free):

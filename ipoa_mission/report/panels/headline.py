@@ -4,7 +4,7 @@ import math
 from collections.abc import Collection, Sequence
 from html import escape
 
-from ipoa_mission.centimeters import down, up
+from ipoa_mission.centimeters import ceil_cm, floor_cm
 from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.forecast.contingency.energy_budget import Budget, budget_of
 from ipoa_mission.forecast.deviation.clearance_guarantee import ClearanceGuarantee, KeptLimit
@@ -39,7 +39,8 @@ def verdict(
     else:
         least = proof.clearance
         required = next(check.required for check in proof.checks if check.nearest is least)
-        words = f"Clear by {down(least.distance):.2f} m: the nearest is {least.what}; {up(required):.2f} m required"
+        clear_by = f"Clear by {floor_cm(least.distance):.2f} m"
+        words = f"{clear_by}: the nearest is {least.what}; {ceil_cm(required):.2f} m required"
     if dangers:
         return _line("bad", "!", f"{words}; but {dangers[0].words}.")
     if findings:
@@ -94,10 +95,10 @@ def warnings(
 
 def _kept(kept: KeptLimit, confidence: float | None) -> str:
     look = "bad" if kept.falls_short else ""
-    value = f"{abs(down(kept.guaranteed)):.2f}\N{NO-BREAK SPACE}m{' inside' if kept.guaranteed < 0 else ''}"
+    value = f"{abs(floor_cm(kept.guaranteed)):.2f}\N{NO-BREAK SPACE}m{' inside' if kept.guaranteed < 0 else ''}"
     if confidence is None:
         return _card("predicted clearance", value, f"to {kept.to}", look)
-    note = f"to {kept.to}; predicted {down(kept.nominal):.2f} m"
+    note = f"to {kept.to}; predicted {floor_cm(kept.nominal):.2f} m"
     return _card(f"{100 * confidence:g}\N{NO-BREAK SPACE}% of flights keep", value, note, look)
 
 
