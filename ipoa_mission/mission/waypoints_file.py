@@ -81,17 +81,15 @@ def parse_waypoints(path: Path, text: str, autopilot: Autopilot | None = None) -
 def _check(number: int, item: Item) -> None:
     where = f"item {number} ({command_name(item.command)})" if number else "home"
     if item.frame in (Frame.GLOBAL_TERRAIN_ALT, Frame.GLOBAL_TERRAIN_ALT_INT):
-        expected = "an altitude above home or AMSL, not above terrain: ground stations read it as AMSL"
-        code, hint = "frame-not-written", "write a .plan file"
-    elif item.command in OTHER_LISTS:
-        expected = "a mission item, not one of a fence or of rally points: readers take a file with it as such a list"
-        code, hint = "not-a-mission-item", "write a .plan file"
-    elif not all(map(math.isfinite, (item.latitude_deg, item.longitude_deg, item.altitude))):
-        expected = f"a finite position, not one with altitude {item.altitude}"
-        code, hint = "position-missing", None
-    else:
-        return
-    raise BadInput(f"expected {expected}", hint=hint, code=code, place=where)
+        words = "expected an altitude above home or AMSL, not above terrain: ground stations read it as AMSL"
+        raise BadInput(words, hint="write a .plan file", code="frame-not-written", place=where)
+    if item.command in OTHER_LISTS:
+        expected = "a mission item, not one of a fence or of rally points"
+        words = f"expected {expected}: readers take a file with it as such a list"
+        raise BadInput(words, hint="write a .plan file", code="not-a-mission-item", place=where)
+    if not all(map(math.isfinite, (item.latitude_deg, item.longitude_deg, item.altitude))):
+        words = f"expected a finite position, not one with altitude {item.altitude}"
+        raise BadInput(words, code="position-missing", place=where)
 
 
 def _line(seq: int, item: Item, nan: float) -> str:
