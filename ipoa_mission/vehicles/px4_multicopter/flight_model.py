@@ -84,26 +84,21 @@ class Px4Model(FlightModel):
     ) -> Prediction:
         flights = Flights(itinerary, mission, wind, KNOWS if noise_free else SIH_SENSES)
         orders, ends = flights.mission_orders.orders, list(flights.mission_orders.done)
-        exact_run = flights.flown(orders, False, fast)(0)
-        smooth, samples = exact_run.done[ends], exact_run.samples
-        once = flights.flown(orders, True, fast, RUNS.most * samples[-1, 0] / RUNS.step_s)
         remarks = list(flights.mission_orders.remarks)
-        runs = smooth[None, :]
+
+        exact_run = flights.flown(orders, False, fast)(0)
+        exact_times, samples = exact_run.done[ends], exact_run.samples
+        times = exact_times[None, :]
         if itinerary.visits and not noise_free:
-            runs = _noisy_times(lambda seed: once(seed).done[ends], RUNS.known_share, remarks)
-        done = runs.mean(axis=0)
-        lands = np.array([visit.item.command in MULTICOPTER_LANDINGS for visit in itinerary.visits], dtype=bool)
-        doubt = RUNS.doubt_s**2 + (RUNS.doubt_share * done) ** 2 + RUNS.landing_s**2 * np.maximum.accumulate(lands)
-        below = RUNS.interval_deviations * runs.std(axis=0)
-        above = np.maximum(below, np.quantile(runs, RUNS.late_quantile, axis=0) - done)
-        unsure = RUNS.interval_deviations**2 * doubt
-        warped = np.interp(samples[:, 0], [0.0, *smooth], [0.0, *done])
-        warped += np.maximum(samples[:, 0] - (smooth[-1] if len(smooth) else 0.0), 0.0)
-        track = Track.of(samples, warped)
+            noisy_run = flights.flown(orders, True, fast, RUNS.most * samples[-1, 0] / RUNS.step_s)
+            times = _noisy_times(lambda seed: noisy_run(seed).done[ends], RUNS.known_share, remarks)
+        done = times.mean(axis=0)
+        low, high = _interval(itinerary, times)
+
+        track = Track.of(samples, _in_mean_time(samples[:, 0], exact_times, done))
         clock = np.ascontiguousarray(samples[:, 0])
-        reasons = tuple(flights.why_slow(n, smooth, clock, samples) for n in range(len(itinerary.visits)))
-        low, high = done - np.sqrt(below**2 + unsure), done + np.sqrt(above**2 + unsure)
-        return Prediction(done, low, high, reasons, track, tuple(remarks), _missed(itinerary, runs))
+        reasons = tuple(flights.why_slow(n, exact_times, clock, samples) for n in range(len(itinerary.visits)))
+        return Prediction(done, low, high, reasons, track, tuple(remarks), _missed(itinerary, times))
 
     def predict_contingency(
         self, itinerary: Itinerary, mission: Mission, wind: Wind, ordered: OrderedContingency
@@ -117,25 +112,40 @@ class Px4Model(FlightModel):
                 raise NotModeled(f"the duration of returns {by} is not modeled well enough")
         orders = flights.mission_orders.orders
         exact_times = flights.flown(orders, False, None)(0).done
-        steps, remarks = np.diff(exact_times), list[str]()
+        exact_steps = np.diff(exact_times)
+        remarks = list[str]()
 
         def once(seed: int) -> Vector:
-            until, run = flights.flown_with(ordered, seed)
-            last = min(len(until.done), len(orders)) - 1  # order begun
-            order_time = exact_times[last] + min(ordered.time - until.done[last], steps[last])
-            return np.array([order_time, run.done[-1] - run.progress.touched, run.done[-1] - ordered.time])
+            at_order, at_end = flights.flown_with(ordered, seed)
+            current = min(len(at_order.done), len(orders)) - 1  # index of the order in progress
+            in_progress_s = min(ordered.time - at_order.done[current], exact_steps[current])
+            exact_order_time = exact_times[current] + in_progress_s
+            end = at_end.done[-1]
+            time_on_ground = end - at_end.progress.touched  # from touchdown until it disarms
+            return np.array([exact_order_time, time_on_ground, end - ordered.time])
 
-        order_times, times_on_ground, durations = _noisy_times(once, RUNS.contingency_share, remarks).T
-        mean_order_time, mean = float(np.mean(order_times)), float(np.mean(durations))
-        _, noise_free = flights.flown_with(replace(ordered, time=mean_order_time), None)
-        doubt = RUNS.doubt_s**2 + (RUNS.doubt_share * mean) ** 2
+        exact_order_times, times_on_ground, durations = _noisy_times(once, RUNS.contingency_share, remarks).T
+        duration = float(np.mean(durations))
+        end = ordered.time + duration
+        doubt = RUNS.doubt_s**2 + (RUNS.doubt_share * duration) ** 2
         half_width = RUNS.contingency_deviations * math.sqrt(float(np.var(durations)) + doubt + RUNS.landing_s**2)
-        touched = ordered.time + mean - float(np.mean(times_on_ground))
-        off = RUNS.contingency_deviations * math.sqrt(float(np.var(durations - times_on_ground)) + doubt)
-        samples, end = noise_free.samples, np.array([ordered.time + mean])
-        track = Track.of(samples, samples[:, 0] + ordered.time - mean_order_time)
-        low, high, between = end - half_width, end + half_width, (touched - off, touched, touched + off)
-        return Prediction(end, low, high, ("",), track, tuple(remarks), touched=between)
+
+        touched = end - float(np.mean(times_on_ground))
+        until_touched = durations - times_on_ground
+        touched_half_width = RUNS.contingency_deviations * math.sqrt(float(np.var(until_touched)) + doubt)
+
+        mean_order_time = float(np.mean(exact_order_times))
+        _, exact_run = flights.flown_with(replace(ordered, time=mean_order_time), None)
+        samples = exact_run.samples
+        return Prediction(
+            done=np.array([end]),
+            low=np.array([end - half_width]),
+            high=np.array([end + half_width]),
+            reasons=("",),
+            track=Track.of(samples, samples[:, 0] + ordered.time - mean_order_time),
+            remarks=tuple(remarks),
+            touched=(touched - touched_half_width, touched, touched + touched_half_width),
+        )
 
     def spread(self, itinerary: Itinerary, mission: Mission, wind: Wind, predicted: Prediction) -> Points | None:
         flights = Flights(itinerary, mission, wind)
@@ -190,6 +200,25 @@ def _noisy_times(once: Callable[[int], Vector], share: float, remarks: list[str]
     if lost:
         remarks.append(f"{len(lost)} of {len(lost) + len(times)} flights with noise did not end: {lost[0]}")
     return np.array(times)
+
+
+def _interval(itinerary: Itinerary, times: Points) -> tuple[Vector, Vector]:
+    """Return when nine flights in ten end each visit: earliest and latest (n,), by the times of runs (m, n) [s]."""
+    done = times.mean(axis=0)
+    lands = np.array([visit.item.command in MULTICOPTER_LANDINGS for visit in itinerary.visits], dtype=bool)
+    has_landed = np.maximum.accumulate(lands)
+    doubt = RUNS.doubt_s**2 + (RUNS.doubt_share * done) ** 2 + RUNS.landing_s**2 * has_landed
+    unsure = RUNS.interval_deviations**2 * doubt
+    below = RUNS.interval_deviations * times.std(axis=0)
+    above = np.maximum(below, np.quantile(times, RUNS.late_quantile, axis=0) - done)
+    return done - np.sqrt(below**2 + unsure), done + np.sqrt(above**2 + unsure)
+
+
+def _in_mean_time(clock: Vector, exact_times: Vector, done: Vector) -> Vector:
+    """Return times (m,) of the exact run as those of the mean run: each visit ends at `done`, not at `exact_times`."""
+    warped = np.interp(clock, [0.0, *exact_times], [0.0, *done])
+    exact_end = exact_times[-1] if len(exact_times) else 0.0
+    return np.asarray(warped + np.maximum(clock - exact_end, 0.0))
 
 
 def _missed(itinerary: Itinerary, runs: Points) -> tuple[Missed, ...]:
