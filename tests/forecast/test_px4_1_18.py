@@ -55,7 +55,7 @@ def test_the_true_track_is_within_what_a_flight_in_a_hundred_exceeds(folder: Pat
 
 def test_flyaway_without_a_hold_is_predicted() -> None:
     away = read_mission(AWAY, Autopilot.PX4)
-    with refuses("unreachable"):
+    with refuses("unreachable", "", "item 3"):
         Forecast(replace(away, firmware_version=VERSION), None).predicted(noise_free=True)
     assert Forecast(replace(away, firmware_version=Version(1, 17)), None).predicted(noise_free=True).done[-1] > 100.0
 

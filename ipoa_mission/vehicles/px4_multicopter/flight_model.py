@@ -5,6 +5,7 @@ the mean and spread.
 """
 
 import math
+from bisect import bisect_right
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar, NamedTuple
@@ -304,15 +305,22 @@ class Flights:
             done, progress = np.append(flight.done, times), Progress(State(*state), of_order, touched)
             if len(done) > len(orders) or progress.state.time >= until:
                 return FlownOnce(done, np.vstack([flight.samples, places]), progress)
-            goal = orders[len(done) - 1].goal
             raise MissionError(
-                f"the vehicle does not reach {round(goal.east)} m east and {round(goal.north)} m north of home",
+                f"the vehicle does not reach {self._goal_words(orders, len(done) - 1)}",
                 hint="set a hold of 0.1 s (param1) at its waypoints, or name its version (--firmware-version). "
                 "Other causes: too strong a wind, or too small an acceptance radius",
                 code="unreachable",
             )
 
         return once
+
+    def _goal_words(self, orders: tuple[Order, ...], n: int) -> str:
+        goal = orders[n].goal
+        place = f"{round(goal.east)} m east and {round(goal.north)} m north of home"
+        if orders is not self.mission_orders.orders:  # a contingency's
+            return place
+        visit = self.itinerary.visits[bisect_right(self.mission_orders.done, n)]
+        return f"item {visit.seq}, {place}"
 
     def at_start(self, seed: int) -> FlownOnce:
         height = flying_already(self.itinerary) or 0.0
