@@ -76,7 +76,9 @@ class ConformanceMonitor:
         self._chance = LIMITS.exceeding_share if safety is None else safety
         wind = forecast.wind.speed if forecast.scenario is None else forecast.scenario.wind.strongest
         self._unknown = {item.seq for item in forecast.unknown}
-        self._law, self._overshoot = law_of(autopilot := forecast.mission.autopilot, wind), autopilot.guidance.overshoot
+        autopilot = forecast.mission.autopilot
+        self._law = law_of(autopilot, wind)
+        self._overshoot = autopilot.guidance.overshoot
         frames = {plain_frame(item.frame) for item in forecast.mission.items if item.has_position}
         self._counts_from_home = Frame.GLOBAL not in frames
         self._knows_height = not forecast.itinerary.over_terrain

@@ -135,8 +135,9 @@ class ContingencyRow:
             return f"not clear: {self.to}"
         if not math.isfinite(self.least_m):
             return f"{self.grade}, nothing near"
-        least, is_ground = floor_cm(self.least_m), self.to == GROUND_NAME
-        relation = ("below" if is_ground else "inside") if least < 0.0 else "above" if is_ground else "from"
+        least = floor_cm(self.least_m)
+        outside, inside = ("above", "below") if self.to == GROUND_NAME else ("from", "inside")
+        relation = inside if least < 0.0 else outside
         required = f", {ceil_cm(self.required_m):.2f} m required" if with_required else ""
         return f"{self.grade}, {abs(least):.2f} m {relation} {self.to}{required}"
 
@@ -208,11 +209,13 @@ class Contingencies:
         return float(begin), float(end)
 
     def stops(self, contingency: Contingency = Contingency.RTL) -> StoppingPoints:
-        return replace(stops := self.paths.stops(contingency), times=self._mean(stops.times))
+        stops = self.paths.stops(contingency)
+        return replace(stops, times=self._mean(stops.times))
 
     def samples(self, contingency: Contingency, between: tuple[float, float] | None = None) -> ContingencySamples:
         noise_free = None if between is None else tuple(self._noise_free(np.array(between)).tolist())
-        return replace(samples := self.paths.samples(contingency, noise_free), times=self._mean(samples.times))
+        samples = self.paths.samples(contingency, noise_free)
+        return replace(samples, times=self._mean(samples.times))
 
     def all_rows(self, timed: bool = True) -> tuple[ContingencyRow, ...]:
         return tuple(row for contingency in contingencies_of(self.forecast) for row in self.rows(contingency, timed))
