@@ -1,6 +1,6 @@
 """Missions in memory, in files and on the wire.
 
 Read `items.py` first: it defines `Mission` and `Item`. `program` has their order and places. `mission_io` reads and
-writes files: `plan_file` reads those of QGroundControl, `written_files` writes. `stored_mission` converts
-to and from the wire.
+writes files: `plan_file` those of QGroundControl, `waypoints_file` the others. `written_files` writes all of a mission.
+`stored_mission` converts to and from the wire.
 """

@@ -14,9 +14,9 @@ from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.mission.items import Item, Mission, MissionFile
 from ipoa_mission.mission.landing_ground import landing_height, landing_on
 from ipoa_mission.mission.parameter_file import ParameterFile, parameter_path, read_parameter_file
-from ipoa_mission.mission.plan_file import parse_plan
+from ipoa_mission.mission.plan_file import parse_plan, plan_text
 from ipoa_mission.mission.waypoints_file import FIRST_LINE, lost_in_waypoints, parse_waypoints, waypoints_text
-from ipoa_mission.mission.written_files import mission_record, plan_text, write_with_parameters
+from ipoa_mission.mission.written_files import mission_record, write_with_parameters
 
 
 def read_mission(path: str | Path, autopilot: Autopilot | None = None) -> Mission:

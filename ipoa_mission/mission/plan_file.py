@@ -1,23 +1,55 @@
-"""Read `.plan` files (docs/file-formats.md)."""
+"""`.plan` files of QGroundControl, written and read (docs/file-formats.md)."""
 
 import json
 import math
 import re
-from collections.abc import Iterator
+from collections import Counter
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from enum import IntEnum
 from pathlib import Path
+from typing import Any
 
 from ipoa_mission.autopilot.autopilot import Autopilot, registered
-from ipoa_mission.autopilot.commands import FLOWN_TO, PLAIN_FRAME, Command, Frame
+from ipoa_mission.autopilot.commands import FLOWN_TO, PLAIN_FRAME, Command, Frame, command_name
 from ipoa_mission.autopilot.vehicle_kind import QUADROTOR
+from ipoa_mission.errors import BadInput
 from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.geodesy import Geodetic
-from ipoa_mission.mission.complex_items import complex_items_in, lay_out
+from ipoa_mission.mission.complex_items import as_document, complex_items_in, entries, lay_out
 from ipoa_mission.mission.items import FenceCircle, FencePolygon, Item, Mission, MissionFile
 from ipoa_mission.mission.json_node import Node, parse_document
+from ipoa_mission.mission.landing_ground import landing_ground_entry
 from ipoa_mission.mission.stored_mission import resolve_frames
 from ipoa_mission.unread import Unread, gathered
+
+
+class AltitudeMode(IntEnum):
+    """QGroundControl's; with CALCULATED, `Altitude` is over the ground and `AMSLAltAboveTerrain` is flown."""
+
+    MIXED = 0
+    RELATIVE = 1
+    AMSL = 2
+    CALCULATED = 3
+    TERRAIN = 4
+
+
+ALTITUDE_MODES = {
+    Frame.GLOBAL_RELATIVE_ALT: AltitudeMode.RELATIVE,
+    Frame.GLOBAL: AltitudeMode.AMSL,
+    Frame.GLOBAL_TERRAIN_ALT: AltitudeMode.TERRAIN,
+}
+
+
+def tidy(value: float) -> float | int | None:
+    """As QGroundControl: whole numbers without a point, NaN as null."""
+    if not math.isfinite(value):
+        return None
+    return int(value) if abs(value) < 1e15 and value == int(value) else value
+
+
+def plan_text(mission: Mission) -> str:
+    return json.dumps(_plan(mission), indent=4, sort_keys=True, allow_nan=False) + "\n"
 
 
 def parse_plan(path: Path, text: str, autopilot: Autopilot | None = None) -> MissionFile:
@@ -51,6 +83,90 @@ def parse_plan(path: Path, text: str, autopilot: Autopilot | None = None) -> Mis
     )
     findings = (*plan.findings, *_check_numbers(listed), *findings_of_keys(plan))
     return MissionFile(read, findings, text, ".plan")
+
+
+# --- writing ----------------------------------------------------------------------------------------------------
+
+
+def _plan(mission: Mission) -> dict[str, Any]:
+    items = resolve_frames(mission.items, mission.autopilot)
+    for number, item in enumerate(items, start=1):
+        _check_written(number, item, len(items))
+    modes = Counter(ALTITUDE_MODES[Frame(item.frame)] for item in items if item.frame in ALTITUDE_MODES)
+    header: dict[str, Any] = {
+        "firmwareType": mission.autopilot.mav_autopilot,
+        "globalPlanAltitudeMode": next(iter(modes), AltitudeMode.RELATIVE) if len(modes) < 2 else AltitudeMode.MIXED,
+        "items": [*_entries(items, mission)],
+        "plannedHomePosition": _place(mission.home, "home"),
+        "vehicleType": mission.vehicle_type,
+        "version": 2,
+    }
+    if mission.cruise_speed is not None:
+        header |= {"cruiseSpeed": tidy(mission.cruise_speed), "hoverSpeed": tidy(mission.cruise_speed)}
+    circles, polygons = list[dict[str, Any]](), list[dict[str, Any]]()
+    for part in mission.fence:
+        entry = {"inclusion": part.inclusion, "version": 1}
+        if isinstance(part, FencePolygon):
+            polygons.append(entry | {"polygon": [list(map(tidy, vertex)) for vertex in part.vertices]})
+        else:
+            circles.append(entry | {"circle": {"center": list(map(tidy, part.center)), "radius": tidy(part.radius)}})
+    return {
+        **({"landingGround": ground} if (ground := landing_ground_entry(mission)) else {}),
+        "fileType": "Plan",
+        "geoFence": {"circles": circles, "polygons": polygons, "version": 2},
+        "groundStation": "QGroundControl",
+        "mission": header,
+        "rallyPoints": {
+            "points": [_place(place, f"rally[{n}]") for n, place in enumerate(mission.rally)],
+            "version": 2,
+        },
+        "version": 1,
+    }
+
+
+def _entries(items: Sequence[Item], mission: Mission) -> Iterator[dict[str, Any]]:
+    parts = [replace(part, items=resolve_frames(part.items, mission.autopilot)) for part in mission.complex_items]
+    for indices, of in entries(items, parts):
+        simple = [_simple_item(index + 1, items[index]) for index in indices]
+        yield simple[0] if of is None else as_document(of, indices.start + 1, simple)
+
+
+def _check_written(number: int, item: Item, count: int) -> None:
+    where = f"item {number} ({command_name(item.command)})"
+    if item.frame in ALTITUDE_MODES and not math.isfinite(item.altitude):
+        raise BadInput(f"expected an altitude, not {item.altitude}", code="altitude-missing", place=where)
+    if item.command == Command.DO_JUMP and item.params[0] not in range(1, count + 1):
+        words = f"expected an item number from 1 to {count}, not {item.params[0]:g}"
+        raise BadInput(words, code="jump-target", place=f"{where}: param1")
+
+
+def _simple_item(number: int, item: Item) -> dict[str, Any]:
+    params = [*item.params, item.latitude_deg, item.longitude_deg, item.altitude]
+    written: dict[str, Any] = {
+        "autoContinue": item.autocontinue,
+        "command": int(item.command),
+        "doJumpId": number,
+        "frame": int(item.frame),
+        "params": [tidy(value) for value in params],
+        "type": "SimpleItem",
+    }
+    if item.frame not in ALTITUDE_MODES:
+        return written
+    return written | {
+        "AMSLAltAboveTerrain": None,
+        "Altitude": tidy(item.altitude),
+        "AltitudeMode": ALTITUDE_MODES[Frame(item.frame)],
+    }
+
+
+def _place(place: Geodetic, name: str) -> list[float | int | None]:
+    numbers = (place.latitude_deg, place.longitude_deg, place.altitude)
+    if not all(map(math.isfinite, numbers)):
+        raise BadInput(f"expected latitude, longitude and altitude, not {numbers}", code="altitude-missing", place=name)
+    return [tidy(number) for number in numbers]
+
+
+# --- reading ----------------------------------------------------------------------------------------------------
 
 
 def autopilot_in(node: Node, mav_type: int = QUADROTOR) -> Autopilot:
@@ -197,30 +313,6 @@ def _rally(node: Node | None) -> tuple[Geodetic, ...]:
 
 def _landing_ground(node: Node) -> Geodetic:
     return Geodetic(node["latitude"].number(), node["longitude"].number(), node["aboveHome"].number())
-
-
-class AltitudeMode(IntEnum):
-    """QGroundControl's; with CALCULATED, `Altitude` is over the ground and `AMSLAltAboveTerrain` is flown."""
-
-    MIXED = 0
-    RELATIVE = 1
-    AMSL = 2
-    CALCULATED = 3
-    TERRAIN = 4
-
-
-ALTITUDE_MODES = {
-    Frame.GLOBAL_RELATIVE_ALT: AltitudeMode.RELATIVE,
-    Frame.GLOBAL: AltitudeMode.AMSL,
-    Frame.GLOBAL_TERRAIN_ALT: AltitudeMode.TERRAIN,
-}
-
-
-def tidy(value: float) -> float | int | None:
-    """As QGroundControl: whole numbers without a point, NaN as null."""
-    if not math.isfinite(value):
-        return None
-    return int(value) if abs(value) < 1e15 and value == int(value) else value
 
 
 #: `[]`: of each member of a list; keys without effect on a flight are listed too.

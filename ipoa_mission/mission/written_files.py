@@ -2,24 +2,17 @@
 
 import json
 import math
-from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Iterable, Mapping
 from hashlib import sha256
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from ipoa_mission.autopilot.commands import Command, Frame, command_name
 from ipoa_mission.autopilot.parameters import REAL32, Parameters
 from ipoa_mission.errors import BadInput
 from ipoa_mission.files import MISSIONS, read_text, write_atomically, write_together
-from ipoa_mission.geodesy import Geodetic
-from ipoa_mission.mission.complex_items import as_document, entries
-from ipoa_mission.mission.items import FencePolygon, Item, Mission
-from ipoa_mission.mission.landing_ground import landing_ground_entry
+from ipoa_mission.mission.items import Mission
 from ipoa_mission.mission.parameter_file import parameter_path, read_parameter_file
-from ipoa_mission.mission.plan_file import ALTITUDE_MODES, AltitudeMode, tidy
-from ipoa_mission.mission.stored_mission import resolve_frames
+from ipoa_mission.mission.plan_file import plan_text
 from ipoa_mission.mission.waypoints_file import waypoints_text
 
 PARAMETERS_HEADER = "# Parameters of the vehicle that {} was made for"
@@ -160,88 +153,3 @@ def _table(value: object) -> dict[str, Any]:
 
 def _finite(value: object) -> float | None:
     return value if isinstance(value, float) and math.isfinite(value) else None
-
-
-# --- the text of a .plan ----------------------------------------------------------------------------------------
-
-
-def plan_text(mission: Mission) -> str:
-    return json.dumps(_plan(mission), indent=4, sort_keys=True, allow_nan=False) + "\n"
-
-
-def _plan(mission: Mission) -> dict[str, Any]:
-    items = resolve_frames(mission.items, mission.autopilot)
-    for number, item in enumerate(items, start=1):
-        _check(number, item, len(items))
-    modes = Counter(ALTITUDE_MODES[Frame(item.frame)] for item in items if item.frame in ALTITUDE_MODES)
-    header: dict[str, Any] = {
-        "firmwareType": mission.autopilot.mav_autopilot,
-        "globalPlanAltitudeMode": next(iter(modes), AltitudeMode.RELATIVE) if len(modes) < 2 else AltitudeMode.MIXED,
-        "items": [*_entries(items, mission)],
-        "plannedHomePosition": _place(mission.home, "home"),
-        "vehicleType": mission.vehicle_type,
-        "version": 2,
-    }
-    if mission.cruise_speed is not None:
-        header |= {"cruiseSpeed": tidy(mission.cruise_speed), "hoverSpeed": tidy(mission.cruise_speed)}
-    circles, polygons = list[dict[str, Any]](), list[dict[str, Any]]()
-    for part in mission.fence:
-        entry = {"inclusion": part.inclusion, "version": 1}
-        if isinstance(part, FencePolygon):
-            polygons.append(entry | {"polygon": [list(map(tidy, vertex)) for vertex in part.vertices]})
-        else:
-            circles.append(entry | {"circle": {"center": list(map(tidy, part.center)), "radius": tidy(part.radius)}})
-    return {
-        **({"landingGround": ground} if (ground := landing_ground_entry(mission)) else {}),
-        "fileType": "Plan",
-        "geoFence": {"circles": circles, "polygons": polygons, "version": 2},
-        "groundStation": "QGroundControl",
-        "mission": header,
-        "rallyPoints": {
-            "points": [_place(place, f"rally[{n}]") for n, place in enumerate(mission.rally)],
-            "version": 2,
-        },
-        "version": 1,
-    }
-
-
-def _entries(items: Sequence[Item], mission: Mission) -> Iterator[dict[str, Any]]:
-    parts = [replace(part, items=resolve_frames(part.items, mission.autopilot)) for part in mission.complex_items]
-    for indices, of in entries(items, parts):
-        simple = [_simple_item(index + 1, items[index]) for index in indices]
-        yield simple[0] if of is None else as_document(of, indices.start + 1, simple)
-
-
-def _check(number: int, item: Item, count: int) -> None:
-    where = f"item {number} ({command_name(item.command)})"
-    if item.frame in ALTITUDE_MODES and not math.isfinite(item.altitude):
-        raise BadInput(f"expected an altitude, not {item.altitude}", code="altitude-missing", place=where)
-    if item.command == Command.DO_JUMP and item.params[0] not in range(1, count + 1):
-        words = f"expected an item number from 1 to {count}, not {item.params[0]:g}"
-        raise BadInput(words, code="jump-target", place=f"{where}: param1")
-
-
-def _simple_item(number: int, item: Item) -> dict[str, Any]:
-    params = [*item.params, item.latitude_deg, item.longitude_deg, item.altitude]
-    written: dict[str, Any] = {
-        "autoContinue": item.autocontinue,
-        "command": int(item.command),
-        "doJumpId": number,
-        "frame": int(item.frame),
-        "params": [tidy(value) for value in params],
-        "type": "SimpleItem",
-    }
-    if item.frame not in ALTITUDE_MODES:
-        return written
-    return written | {
-        "AMSLAltAboveTerrain": None,
-        "Altitude": tidy(item.altitude),
-        "AltitudeMode": ALTITUDE_MODES[Frame(item.frame)],
-    }
-
-
-def _place(place: Geodetic, name: str) -> list[float | int | None]:
-    numbers = (place.latitude_deg, place.longitude_deg, place.altitude)
-    if not all(map(math.isfinite, numbers)):
-        raise BadInput(f"expected latitude, longitude and altitude, not {numbers}", code="altitude-missing", place=name)
-    return [tidy(number) for number in numbers]

@@ -10,7 +10,7 @@ from typing import Any, TypeAlias
 
 from ipoa_mission import BadInput, MissionError, read_flights, write_mission
 from ipoa_mission.files import MISSIONS, packed, unused, write_atomically
-from ipoa_mission.mission.written_files import plan_text
+from ipoa_mission.mission.plan_file import plan_text
 from ipoa_mission.report.compare import compare_logged
 from ipoa_mission.scenario.new import new_scenario
 from ipoa_mission.studio import memory

@@ -5,8 +5,7 @@ from typing import Any
 
 from ipoa_mission.autopilot.commands import Command
 from ipoa_mission.mission.items import Item, Mission, waypoint
-from ipoa_mission.mission.plan_file import parse_plan
-from ipoa_mission.mission.written_files import plan_text
+from ipoa_mission.mission.plan_file import parse_plan, plan_text
 
 SCANS = json.loads((Path(__file__).parent / "files" / "qgroundcontrol_scans.json").read_text())
 HOME = [47.3977, 8.5456, 488]

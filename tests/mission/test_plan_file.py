@@ -15,7 +15,7 @@ from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.mission.items import FenceCircle, FencePolygon, Item, Mission, takeoff, waypoint
 from ipoa_mission.mission.mission_io import read_mission_file, write_mission
 from ipoa_mission.mission.parameter_file import read_parameter_file
-from ipoa_mission.mission.written_files import plan_text
+from ipoa_mission.mission.plan_file import plan_text
 from tests.mission_strategies import missions, same
 from tests.refused import refuses
 

@@ -8,7 +8,7 @@ from ipoa_mission.autopilot.commands import Command
 from ipoa_mission.checks.check import check_mission
 from ipoa_mission.finding import Severity
 from ipoa_mission.flight.flight import plan_flight
-from ipoa_mission.mission.written_files import plan_text
+from ipoa_mission.mission.plan_file import plan_text
 from ipoa_mission.planning.planner import Plan
 from ipoa_mission.planning.problem import curve_cost
 from ipoa_mission.planning.proof import prove_curve
