@@ -14,7 +14,7 @@ from threadpoolctl import threadpool_limits
 from ipoa_mission.geometry import Vector, polyline_length
 from ipoa_mission.optimize.registry import build_optimizer, optimizer_class
 from ipoa_mission.optimize.search import SHORT_EVALUATIONS, Optimizer, minimize
-from ipoa_mission.planning.lattice import USUAL_LATTICE, Guess, LatticeStrategy, guesses, lay, ways
+from ipoa_mission.planning.lattice import USUAL_LATTICE, LatticeStrategy, guesses
 from ipoa_mission.planning.obstruction import blockage, not_found, refuse_closed, refuse_places
 from ipoa_mission.planning.path_problem import PathTask
 from ipoa_mission.planning.polish import FINE_DESCENT, FIRM_DESCENT, ROUGH_DESCENT, polish, polish_until_proved
@@ -307,51 +307,3 @@ def _polish_and_prove(candidate: Candidate, searcher: Searcher, enough: float = 
     even_terms = curve_cost(even.curve, task)
     is_better = even_proof.is_proved and (even_terms.total < cost.total or not proof.is_proved)
     return (even, even_proof, even_terms) if is_better else (polished, proof, cost)
-
-
-FIRST_FINENESS, SECOND_FINENESS = 0.4, 0.7  # as shares of the planner's first one
-MAX_ROUTES = 4  # besides the straight one
-MAX_PROVED = 2  # before one is chosen
-CONTROL_POINTS = 24
-
-
-@dataclass(frozen=True)
-class Sketch:
-    """A path, its proof, and other candidate routes."""
-
-    curve: Spline
-    proof: Proof
-    others: tuple[Spline, ...]
-
-
-def sketch_path(task: PathTask) -> Sketch:
-    """Return the best of a few routes, deterministic for a task, usually in some tens of milliseconds.
-
-    If its proof does not hold, this quick look found no route within limits; one may exist all the same.
-
-    Raises:
-        NoPath: a given place breaks a limit.
-        BadInput: start and goal are the same place.
-    """
-    problem = prepare(task)
-    refuse_places(problem)
-    with threadpool_limits(1, "blas"):
-        candidates = [polish(guess.candidate(problem), problem) for guess in _guesses(problem)]
-        best = sorted(candidates, key=problem.cost)
-        first = best[0]
-        for candidate in best[:MAX_PROVED]:
-            if (proof := prove_curve(candidate.curve, task)).is_proved:
-                first = candidate
-                break
-        else:
-            candidate, proof = polish_until_proved(first, problem)
-    return Sketch(candidate.curve, proof, tuple(other.curve for other in best if other is not first))
-
-
-def _guesses(problem: PreparedProblem) -> list[Guess]:
-    straight = problem.task.places
-    inner = max(CONTROL_POINTS, 5 * (len(straight) - 1))
-    for fineness in (FIRST_FINENESS, SECOND_FINENESS):
-        if routes := ways(lay(problem, fineness), problem, MAX_ROUTES):
-            return [Guess(straight, None, inner), *(Guess(way, None, inner) for way in routes)]
-    return [Guess(straight, None, inner)]
