@@ -44,7 +44,8 @@ class FlightController(Protocol):
     def go_to(self, east: float, north: float, up: float, speed: float) -> None:
         """Fly there and hold; NaN: the present target, height or default speed."""
 
-    def step(self) -> None: ...
+    def step(self) -> None:
+        """Not armed in the air, it falls."""
 
 
 @dataclass(frozen=True)

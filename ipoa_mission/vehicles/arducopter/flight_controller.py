@@ -6,10 +6,10 @@ from collections.abc import Callable, Iterator
 
 from ipoa_mission.autopilot.commands import Command
 from ipoa_mission.autopilot.parameters import Parameters
-from ipoa_mission.geometry import Place
+from ipoa_mission.geometry import GRAVITY, Place
 from ipoa_mission.mission.items import Item
 from ipoa_mission.simulator.simulated_flight import FlightControllers
-from ipoa_mission.simulator.situation import FlightMode, MissionState, SimulatedVehicle, Situation
+from ipoa_mission.simulator.situation import STEP_S, FlightMode, MissionState, SimulatedVehicle, Situation
 from ipoa_mission.vehicles.arducopter.dynamics.airframe import airframe_of
 from ipoa_mission.vehicles.arducopter.dynamics.copter import Copter, stop_at
 from ipoa_mission.vehicles.arducopter.dynamics.motion import Kind
@@ -79,7 +79,9 @@ class ArduCopterController:
 
     def step(self) -> None:
         lifting = self._now.armed and self._now.time_s - self._now.armed_s >= self._lift_s
-        if self._touched_s is not None:
+        if not (self._now.armed or self._body.on_ground):
+            self._fall()
+        elif self._touched_s is not None:
             self._stand(self._now.time_s - self._touched_s)
         elif self._flying and lifting and self._copter.step():
             self._go_on()
@@ -169,6 +171,16 @@ class ArduCopterController:
             self._now.disarm()
             self._now.mode = FlightMode.HOLD
             self._touched_s, self._flying = None, False
+
+    def _fall(self) -> None:
+        """Fall to the ground without thrust; drag is neglected."""
+        state = self._copter.state
+        state.vz -= GRAVITY * STEP_S
+        state.place += state.velocity * STEP_S
+        state.z += state.vz * STEP_S
+        if state.z <= self._body.conditions.ground.at(state.place.real, state.place.imag):
+            self._copter.stand(0.0)
+            self._floor = self._copter.state.z
 
     def _stay(self) -> None:
         self._legs, self._then = iter(()), None
