@@ -81,9 +81,9 @@ def _cut_at_antimeridian(places: list[LonLatUp]) -> list[list[LonLatUp]]:
         before = lines[-1][-1]
         if abs(place[0] - before[0]) > 180:
             side = float(np.sign(before[0])) * 180.0
-            there = (place[0] + 2 * side, *place[1:])
-            share = (side - before[0]) / (there[0] - before[0])
-            latitude, altitude = (round(a + share * (b - a), 9) for a, b in zip(before[1:], there[1:], strict=True))
+            eastward = place[0] + 2 * side - before[0]
+            share = (side - before[0]) / eastward if eastward else 0.0  # from 180 to -180: one place
+            latitude, altitude = (round(a + share * (b - a), 9) for a, b in zip(before[1:], place[1:], strict=True))
             lines[-1].append((side, latitude, altitude))
             lines.append([(-side, latitude, altitude)])
         lines[-1].append(place)

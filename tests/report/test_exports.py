@@ -127,6 +127,13 @@ def test_a_geojson_file_is_valid_and_holds_everything(tmp_path: Path) -> None:
             assert (ring[0] == ring[-1]).all()
 
 
+def test_a_line_may_go_from_180_to_minus_180() -> None:
+    home, there = Geodetic(-17.0, 180.0 - 1e-10, 5.0), Geodetic(-17.0, 1e-10 - 180.0, 5.0)
+    mission = Mission(home, (takeoff(home, 20.0), waypoint(there, 40.0), land(there)))
+    points = [point for stretch in lines_of(Forecast(mission)) for point in stretch.points]
+    assert {abs(longitude) for longitude, _, _ in points} == {180.0}
+
+
 def test_no_line_crosses_the_antimeridian(tmp_path: Path) -> None:
     home, there = Geodetic(-17.0, 179.9995, 5.0), Geodetic(-17.0, -179.9985, 5.0)
     mission = Mission(home, (takeoff(home, 20.0), waypoint(there, 40.0), land(there)))
