@@ -34,7 +34,7 @@ def scene(
     parameters: str = "",
     top: float = 60.0,
     returns: str = "planned",
-    contingency: str = "land",
+    ending: str = "land",
 ) -> Scenario:
     text = f"""
     safety_distance = 2.0
@@ -43,7 +43,7 @@ def scene(
     goal = {{ east = 95.0, north = 0.0, up = 15.0 }}
     bounds = {{ east = [-50.0, 150.0], north = [-80.0, 80.0], up = [-5.0, {top}] }}
     vehicle = {{ radius = 0.5, autopilot = "{autopilot}", parameters = {{ {parameters} }} }}
-    route = {{ ending = "{contingency}" }}
+    route = {{ ending = "{ending}" }}
     safety = {{ returns = "{returns}" }}
     {"".join(f"[[obstacles]]{chr(10)}{body}{chr(10)}" for body in obstacles)}
     """
@@ -103,7 +103,7 @@ def test_rally_points_are_planned_where_no_altitude_in_the_bounds_helps(autopilo
 
 @pytest.mark.parametrize("autopilot", vehicles(Autopilot.ARDUPILOT))
 def test_landing_at_high_rally_points_slows_down_in_time(autopilot: Autopilot) -> None:
-    table = scene(autopilot, top=90.0, contingency="rtl").model_dump(mode="json", exclude_unset=True)
+    table = scene(autopilot, top=90.0, ending="rtl").model_dump(mode="json", exclude_unset=True)
     table["goal"]["up"], table["via"] = 45.0, [{"east": 45.0, "north": 58.0, "up": 35.0}]
     table["fence"] = [{"inclusion": False, "polygon": [[20, 12], [20, 40], [55, 40], [55, 12]]}]
     table["terrain"] = {"kind": "grid", "east": -50.0, "north": -80.0, "spacing": 200.0, "heights": [[-12.0, 36.0]] * 2}
@@ -115,7 +115,7 @@ def test_landing_at_high_rally_points_slows_down_in_time(autopilot: Autopilot) -
 @pytest.mark.parametrize("autopilot", vehicles(Autopilot.ARDUPILOT))
 def test_a_way_home_that_no_altitude_clears_is_planned_as_the_way_out_is(autopilot: Autopilot) -> None:
     highest = {"px4": "RTL_RETURN_ALT = 30", "ardupilot": "RTL_ALT = 3000"}[str(autopilot)]
-    flight = plan_flight(scene(autopilot, WALL, parameters=highest, top=70.0, contingency="rtl"), seed=0)
+    flight = plan_flight(scene(autopilot, WALL, parameters=highest, top=70.0, ending="rtl"), seed=0)
     assert any("way home is planned" in remark for remark in flight.remarks)
     assert all(row.clear for row in Contingencies(flight.forecast).rows(Contingency.RTL, timed=False))
     assert flight.proof.is_proved

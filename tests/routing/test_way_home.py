@@ -21,7 +21,7 @@ ROUND_THE_HALL = ((0.0, 0.0, 20.0), (0.0, -40.0, 20.0), (100.0, -40.0, 20.0), (1
 HALL = box(40, -10, 60, 10)
 
 
-def world(autopilot: Autopilot, height: float, highest: float = 120.0, contingency: str = "rtl") -> Scenario:
+def world(autopilot: Autopilot, height: float, highest: float = 120.0, ending: str = "rtl") -> Scenario:
     text = f"""
     safety_distance = 2.0
     home = {{ latitude_deg = 47.4, longitude_deg = 8.5, altitude_amsl = 400.0 }}
@@ -29,7 +29,7 @@ def world(autopilot: Autopilot, height: float, highest: float = 120.0, contingen
     goal = {{ east = 100.0, north = 0.0, up = 20.0 }}
     bounds = {{ east = [-50.0, 150.0], north = [-50.0, 50.0], up = [-5.0, {highest}] }}
     vehicle = {{ radius = 0.5, autopilot = "{autopilot}" }}
-    route = {{ ending = "{contingency}" }}
+    route = {{ ending = "{ending}" }}
     planning = {{ max_climb_angle_deg = 30.0 }}
     [[obstacles]]
     kind = "box"
@@ -106,7 +106,7 @@ def test_climb_stays_in_the_bounds_and_the_check_names_a_remedy() -> None:
 
 
 def test_a_mission_that_lands_at_its_goal_does_not_climb() -> None:
-    flown = mission(world(Autopilot.ARDUPILOT, 40.0, contingency="land"))
+    flown = mission(world(Autopilot.ARDUPILOT, 40.0, ending="land"))
     assert flown.items[-1].command == Command.NAV_LAND
     assert flown.items[-2].altitude == pytest.approx(20.0, abs=0.01)
 
