@@ -58,14 +58,12 @@ def runs_in_order(tour: Tour, path: Points, sight: Sight, ground: Ground) -> lis
     chain = max(chains.values(), key=_length, default=[])
     turn = sight.spacing / 2
     last = chain[-1].line if chain else 0
-    runs = [
-        replace(
-            run,
-            begin=0.0 if run.begin <= turn else run.begin,
-            end=length if run.line < last and run.end >= (length := tour.swaths[run.line].length) - turn else run.end,
-        )
-        for run in chain
-    ]
+    runs = []
+    for run in chain:
+        length = tour.swaths[run.line].length
+        begin = 0.0 if run.begin <= turn else run.begin
+        end = length if run.line < last and run.end >= length - turn else run.end
+        runs.append(replace(run, begin=begin, end=end))
     return [*runs, *(short for pair in pairwise(runs) for short in _passed(tour, path, *pair, turn))]
 
 
