@@ -122,9 +122,10 @@ def _sampled(curve: Spline) -> Points:
 
 
 def _turns_home(course: SampledTrack, forecast: Forecast) -> int | None:
-    *_, before, last = (None, None, *forecast.estimate.items)
-    if before is None or last is None:
+    items = forecast.estimate.items
+    if len(items) < 2:
         return None
+    before, last = items[-2:]
     is_return = forecast.mission.items[last.seq - 1].command == Command.NAV_RETURN_TO_LAUNCH
     return course.nearest(before.done_s) if is_return else None
 
