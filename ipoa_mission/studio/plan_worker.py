@@ -112,7 +112,7 @@ class PlanWorker:
         except MissionError as error:
             answer(plan_trouble(error, scenario))
 
-    def end(self, order: JobOrder, answer: Answer) -> None:
+    def contingencies(self, order: JobOrder, answer: Answer) -> None:
         forecast = _mission(order)[1] if _is_mission(order) else self._planned(order["flight"]).forecast
         for strip in strips_of(forecast, order["flight"]):
             answer(strip)
@@ -152,7 +152,7 @@ class PlanWorker:
             "judge": (judge, "scenario"),
             "detach": (self.detach, "file"),
             "plan": (self.plan, "plan"),
-            "end": (self.end, "plan"),
+            "contingencies": (self.contingencies, "plan"),
             "write": (self.write, "file"),
             "hand over": (self.hand_over, "flight"),
         }

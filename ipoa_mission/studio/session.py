@@ -215,7 +215,7 @@ class Session:
     async def _show_contingencies(self) -> None:
         flights = self._latest["survey"]["flights"] if "survey" in self._latest else [None]
         for flight in range(len(flights)):
-            await self._ask(self._planner, {"job": "end", "flight": flight})
+            await self._ask(self._planner, {"job": "contingencies", "flight": flight})
 
     async def _detach(self, flight: int) -> None:
         target = unused(self.folder / f"{self._name_of(flight)}-edited.plan")
