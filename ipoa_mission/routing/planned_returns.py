@@ -41,23 +41,23 @@ RALLIED_ALTITUDES = 3  # at which rally points are tried
 
 def choose_returns(forecast: Forecast) -> tuple[Forecast, tuple[Shortfall, ...]]:
     """Return the clearest forecast, and the worst remaining shortfall of each body."""
-    ways = forecast.cached(ContingencyPaths)
-    braking = list(find_shortfalls(ways, Contingency.HOLD))
+    paths = forecast.cached(ContingencyPaths)
+    braking = list(find_shortfalls(paths, Contingency.HOLD))
     if Contingency.SMART_RTL in contingencies_of(forecast):
-        braking += find_shortfalls(ways, Contingency.SMART_RTL)
+        braking += find_shortfalls(paths, Contingency.SMART_RTL)
     if lands_by_choice(forecast):
-        braking += find_shortfalls(ways, Contingency.LAND)
-    if ways.why_unknown() is not None:
+        braking += find_shortfalls(paths, Contingency.LAND)
+    if paths.why_unknown() is not None:
         return forecast, tuple(braking)
-    short = find_return_shortfalls(ways)
+    short = find_return_shortfalls(paths)
     if braking or any(shortfall.part < ReturnLeg.CLIMBS for shortfall in short):  # needs another path
         return forecast, (*braking, *(shortfall for shortfall in short if shortfall.part < ReturnLeg.RETURNS))
     tried = [(forecast, short)]
     if not names_return_altitude(forecast.world) and (short or return_altitude(forecast) > highest_return(forecast)):
-        tried = try_return_altitudes(ways, forecast, short)
+        tried = try_return_altitudes(paths, forecast, short)
     if any(shortfall.part >= ReturnLeg.RETURNS for shortfall in tried[0][1]) and not forecast.mission.rally:
         for altitude in tried[:RALLIED_ALTITUDES]:
-            tried.append(rallied := _with_rally_points(ways, *altitude))
+            tried.append(rallied := _with_rally_points(paths, *altitude))
             if not any(shortfall.part >= ReturnLeg.RETURNS for shortfall in rallied[1]):
                 break
         tried.sort(key=lambda result: any(shortfall.part >= ReturnLeg.RETURNS for shortfall in result[1]))
@@ -70,11 +70,11 @@ def names_return_altitude(scenario: Scenario) -> bool:
 
 
 def _with_rally_points(
-    ways: ContingencyPaths, forecast: Forecast, short: list[Shortfall]
+    paths: ContingencyPaths, forecast: Forecast, short: list[Shortfall]
 ) -> tuple[Forecast, list[Shortfall]]:
     """Return the fewest rally points that make RTL clear with a slow landing."""
     times = [shortfall.time for shortfall in short if shortfall.part >= ReturnLeg.RETURNS]
-    search, seen = _RallySearch(ways.returning(forecast), times), set[Shortfall]()
+    search, seen = _RallySearch(paths.returning(forecast), times), set[Shortfall]()
     for _ in range(EFFORT.max_proved):
         if (rally := search.propose()) is None:
             break
@@ -83,7 +83,7 @@ def _with_rally_points(
         except Unsafe:
             continue
         landing = Forecast(mission, forecast.scenario, forecast.wind)
-        left = find_return_shortfalls(ways.returning(landing))
+        left = find_return_shortfalls(paths.returning(landing))
         if not (unclear := {shortfall for shortfall in left if shortfall.part >= ReturnLeg.RETURNS}):
             return landing, left
         if unclear & seen:  # wherever it returns to
@@ -135,9 +135,9 @@ def return_remarks(forecast: Forecast) -> Iterator[str]:
 
 
 def _lands_on(forecast: Forecast) -> Iterator[str]:
-    ways = forecast.cached(ContingencyPaths)
-    samples = ways.samples(Contingency.LAND)
-    shortfalls = find_shortfalls(ways, Contingency.LAND, samples)
+    paths = forecast.cached(ContingencyPaths)
+    samples = paths.samples(Contingency.LAND)
+    shortfalls = find_shortfalls(paths, Contingency.LAND, samples)
     names = list(dict.fromkeys(shortfall.body or "the ground" for shortfall in shortfalls))
     if names:
         lasts, whole = np.diff(samples.times), samples.times[-1] - samples.times[0]
