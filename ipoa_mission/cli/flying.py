@@ -89,7 +89,7 @@ def fly(
     if to.report and job.flight is not None:
         job.flight.report(page := to.folder / f"{job.name}.html", flown.record)
         written.insert(0, page)
-    hint = next_steps(link, on_link.system, flown.record)
+    hint = next_steps(link, flown.system, flown.record)
     if to.as_json:
         print_flown_json(flown, [*planned_files, *written], hint)
         if flown.record.failure:
@@ -125,7 +125,8 @@ def _fly_on_link(changes: ChangesMade, source: Path, asked: FlyOptions, job: "Jo
     first = on_vehicle.begin - 1
     _begun(job, first)  # an unknown item is an error before connecting
     try:
-        with connect_to(on_vehicle.link or "", on_link, frames_log) as vehicle:
+        options = replace(on_link, system=on_link.system if job.system is None else job.system)
+        with connect_to(on_vehicle.link or "", options, frames_log) as vehicle:
             if not states_firmware(source, asked.flown_by.autopilot):
                 before = job.remarks
                 job = read_job(source, asked.flown_by, vehicle.autopilot, job.ignore)
@@ -135,7 +136,6 @@ def _fly_on_link(changes: ChangesMade, source: Path, asked: FlyOptions, job: "Jo
                 vehicle.conformance.report = lambda deviation: print_json(
                     {"event": "deviation"} | deviation.as_json(), indent=None
                 )
-            on_link.system = vehicle.system  # the next flight is this vehicle's, whatever else is heard
             planned = job.forecast
             job = _begun(replace(job, forecast=planned.on(vehicle.firmware_version())), first)
             remarks, record = _fly_stages(changes, asked, vehicle, job, planned)
@@ -146,7 +146,7 @@ def _fly_on_link(changes: ChangesMade, source: Path, asked: FlyOptions, job: "Jo
     left = ("the vehicle is no longer watched", vehicle.link_loss.meanwhile)
     unwatched = ["; ".join(filter(None, left))] if record.armed else []
     noted = remarks if asked.files.as_json else ()  # else printed as they arose
-    return FlownJob(job, (*noted, *unwatched, *landing_remarks(job, record)), record)
+    return FlownJob(job, (*noted, *unwatched, *landing_remarks(job, record)), record, vehicle.system)
 
 
 def _print_notes(asked: FlyOptions, remarks: "Sequence[str]") -> None:

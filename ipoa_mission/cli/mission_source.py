@@ -26,7 +26,10 @@ log = logging.getLogger(__name__)
 
 @dataclass(frozen=True)
 class Job:
-    """A mission ready to fly; `begun`: the forecast from another item; `reserves`: the battery in flight."""
+    """A mission ready to fly; `begun`: the forecast from another item; `reserves`: the battery in flight.
+
+    `system`: of the vehicle on the link; None: that of the options.
+    """
 
     name: str
     forecast: Forecast
@@ -35,6 +38,7 @@ class Job:
     begun: Forecast | None = None
     ignore: Sequence[str] = ()
     reserves: list[ReserveNow] = field(default_factory=list)
+    system: int | None = None
 
     @property
     def mission(self) -> Mission:
@@ -50,6 +54,7 @@ class FlownJob:
     job: Job
     remarks: tuple[str, ...]
     record: FlightRecord
+    system: int | None = None
 
 
 def landing_remarks(job: Job, record: FlightRecord) -> tuple[str, ...]:

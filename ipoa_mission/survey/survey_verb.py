@@ -138,11 +138,13 @@ def _fly(survey: "Survey", asked: FlyOptions, fly_job: FlyJob) -> None:
     if not files.as_json:
         _print(survey, written)
     results, why, hint = list[dict[str, Any]](), "", ""
+    system: int | None = None
     for n, (name, forecast) in enumerate(zip(survey.names, survey.flights, strict=True)):
         if n and link is not None and not _is_ready(survey, n):
             why = f"{name} and later flights were not flown"
             break
-        flown = fly_job(Job(name, forecast, ()), log := asked.log_of(name))
+        flown = fly_job(Job(name, forecast, (), system=system), log := asked.log_of(name))
+        system = flown.system  # the next flight is this vehicle's, whatever else is heard
         written += map(Path, on_link.written(log))
         if files.as_json:
             result = flight_as_json(flown.job.estimate, flown.record, flown.job.reserves) | {"file": f"{name}.plan"}
@@ -152,7 +154,7 @@ def _fly(survey: "Survey", asked: FlyOptions, fly_job: FlyJob) -> None:
         if flown.record.failure:
             how = "to its end" if flown.record.why_not else "as forecast"
             why = f"{name} was not flown {how}: {flown.record.failure}"
-            hint = next_steps(link, on_link.system, flown.record)
+            hint = next_steps(link, flown.system, flown.record)
             break
     if files.as_json:
         about = {"survey": survey.summary()["survey"], "flown": results, "written": [*map(str, written)]}
