@@ -115,10 +115,3 @@ class ExtendedState(Message, name="EXTENDED_SYS_STATE"):
 class SystemTime(Message, name="SYSTEM_TIME"):
     unix_s: Annotated[float, "time_unix_usec"]
     boot_s: Booted
-
-
-class RadioStatus(Message, name="RADIO_STATUS"):
-    """Sent by the radio itself, so never signed."""
-
-    rssi: int
-    remrssi: int

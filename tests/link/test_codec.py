@@ -262,8 +262,9 @@ def test_a_new_stream_may_not_be_long_behind() -> None:
 
 
 def test_the_radio_may_speak_unsigned() -> None:
-    judge = Codec(1, 1, Signer(KEY))
-    assert judge.decode(Codec(51, 68).encode(telemetry.RadioStatus(100, 90), EVERYONE, NOW)) is not None
+    judge, radio = Codec(1, 1, Signer(KEY)), Codec(51, 68)
+    assert judge.decode(radio.frame(definition_of("RADIO_STATUS"), b"\x64", NOW)) is not None
+    assert judge.decode(radio.frame(definition_of("RADIO"), b"\x64", NOW)) is None
 
 
 # --- what MAVLink cannot carry, and what is no MAVLink --------------------------------------------------------------
