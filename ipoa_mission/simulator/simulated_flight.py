@@ -107,7 +107,7 @@ class SimulatedFlight(Situation):
     @property
     def attitude(self) -> tuple[float, float, float]:
         """Return roll (right side down), pitch (nose up), yaw (clockwise from north) [rad]."""
-        (east, north), yaw = self._body.lean, self._body.yaw
+        (east, north), yaw = self._body.tilt_accel, self._body.yaw
         forward = east * math.sin(yaw) + north * math.cos(yaw)
         right = east * math.cos(yaw) - north * math.sin(yaw)
         return math.atan2(right, GRAVITY), -math.atan2(forward, GRAVITY), yaw

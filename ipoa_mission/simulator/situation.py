@@ -39,12 +39,12 @@ STANDARD_CONDITIONS = Conditions()
 
 @dataclass
 class SimulatedVehicle:
-    """Place [m] and motion [m/s]: east, north, up; lean: level acceleration g tan(angle) [m/s^2]; yaw [rad]."""
+    """Place [m] and motion [m/s]: east, north, up; level acceleration by tilt: g tan(angle) [m/s^2]; yaw [rad]."""
 
     conditions: Conditions = STANDARD_CONDITIONS
     place: Place = (0.0, 0.0, 0.0)
     motion: Place = (0.0, 0.0, 0.0)
-    lean: tuple[float, float] = (0.0, 0.0)
+    tilt_accel: tuple[float, float] = (0.0, 0.0)
     yaw: float = 0.0
     on_ground: bool = True
 

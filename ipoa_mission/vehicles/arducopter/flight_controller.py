@@ -196,7 +196,7 @@ class ArduCopterController:
         body.yaw = state.yaw % (2.0 * math.pi)
         body.place = self._copter.place
         body.motion = state.velocity.real, state.velocity.imag, state.vz
-        body.lean = state.lean.real, state.lean.imag
+        body.tilt_accel = state.lean.real, state.lean.imag
         if state.z > self._floor:
             self._floor = -math.inf
         body.on_ground = state.z <= self._floor

@@ -141,7 +141,7 @@ class Px4Controller:
     def _show(self) -> None:
         vehicle, body = self._vehicle, self._state.body
         vehicle.place, vehicle.motion = body.place, body.speed
-        vehicle.lean = body.thrust.east, body.thrust.north
+        vehicle.tilt_accel = body.thrust.east, body.thrust.north
         vehicle.yaw, vehicle.on_ground = self._state.nose.yaw % (2.0 * math.pi), body.on_ground
 
     def _begin_behind(self, index: int) -> None:
