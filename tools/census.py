@@ -122,6 +122,23 @@ def many_parameters() -> Iterator[str]:
                     yield f"{name_of(path)}:{node.lineno} {node.name}"
 
 
+def packed_assignments() -> Iterator[str]:
+    """Return the assignments of several values to as many names, like `a, b = f(), g()`."""
+    for path in trees():
+        for node in nodes(path):
+            if isinstance(node, ast.Assign) and isinstance(node.value, ast.Tuple):
+                targets = [target for target in node.targets if isinstance(target, ast.Tuple)]
+                if any(len(target.elts) == len(node.value.elts) for target in targets):
+                    yield f"{name_of(path)}:{node.lineno}"
+
+
+def walruses() -> Iterator[str]:
+    for path in trees():
+        for node in nodes(path):
+            if isinstance(node, ast.NamedExpr):
+                yield f"{name_of(path)}:{node.lineno} {node.target.id}"
+
+
 @cache
 def prose() -> list[tuple[str, str]]:
     """Return each docstring, comment, message and page of the docs with its place."""
@@ -202,7 +219,7 @@ COUNTS: dict[str, Callable[[], Iterator[str]]] = {
     count.__name__: count
     for count in (
         lines, small_files, single_importers, arrows, mutual_pairs, constants, adverb_constants, many_parameters,
-        dialect, clause_subjects, long_sentences, docstring_words, doc_words,
+        packed_assignments, walruses, dialect, clause_subjects, long_sentences, docstring_words, doc_words,
     )
 }  # fmt: skip
 
