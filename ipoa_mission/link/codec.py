@@ -85,21 +85,21 @@ class Framer:
     """Cut the bytes of one peer into whole frames."""
 
     def __init__(self) -> None:
-        self._buffer = b""
+        self.buffer = b""
 
     def feed(self, data: bytes) -> Iterator[bytes]:
         """Yield completed good frames; buffer one at most."""
-        self._buffer += data
+        self.buffer += data
         at = 0
-        while (start := next_magic(self._buffer, at)) >= 0:
-            if not _frame_length(self._buffer, start):
-                self._buffer = self._buffer[start:]
+        while (start := next_magic(self.buffer, at)) >= 0:
+            if not _frame_length(self.buffer, start):
+                self.buffer = self.buffer[start:]
                 return
-            frame = frame_at(self._buffer, start)
+            frame = frame_at(self.buffer, start)
             at = start + (len(frame) if frame else 1)
             if frame:
                 yield frame
-        self._buffer = b""
+        self.buffer = b""
 
     def datagram(self, data: bytes) -> Iterator[bytes]:
         """Yield completed frames: some links split one over two datagrams."""
@@ -107,7 +107,7 @@ class Framer:
         if first is None:
             yield from self.feed(data)
             return
-        kept, self._buffer = self._buffer, b""
+        kept, self.buffer = self.buffer, b""
         yield from frames(kept)
         yield first
         yield from self.feed(data[len(first) :])

@@ -10,11 +10,11 @@ from ipoa_mission.errors import MissionError
 from ipoa_mission.link import messages as m
 from ipoa_mission.link.dialogue import Ask, Cancelled, Dialogue, NoAnswer, Pause, SendOnce, Step, T, Tell, TimeUp
 from ipoa_mission.link.events import words_of
+from ipoa_mission.link.item_run import ItemsRead, ItemsSent
 from ipoa_mission.link.mavftp import list_checksum
+from ipoa_mission.link.wire import item_of
 from ipoa_mission.mission.items import Item
 from ipoa_mission.progress import Progress, count, silent
-
-Take = Callable[[int, m.ItemAt], int]
 
 #: Refusals after which a vehicle may still ask: PX4 answers a second COUNT or a stray item with ERROR, ArduPilot a
 #: duplicate with INVALID_SEQUENCE.
@@ -88,56 +88,51 @@ def observed(dialogue: Dialogue[T], note: Callable[[m.Message | None], object]) 
 
 
 def offer(
-    items: Sequence[Item],
-    kind: int,
-    opening: type[Ask] | type[Tell] = Ask,
-    asked: Callable[[int], None] = lambda seq: None,
+    items: Sequence[Item], kind: int, opening: type[Ask] | type[Tell] = Ask, run: ItemsSent | None = None
 ) -> Dialogue[int | None]:
     """Return ACCEPTED, or what followed the last item: None for silence, or a doubtful refusal.
 
     A client (`opening` Ask) ignores requests for earlier items: they are late duplicates. A vehicle (Tell) answers any.
-    Raise MissionRefused, or NoAnswer before the last request. `asked` gets each requested number, and at the end the
-    count.
+    Raise MissionRefused, or NoAnswer before the last request. `run.asked` gets each requested number, and the count at the
+    end.
     """
     in_order = opening is Ask
-    at, last = -1, len(items) - 1
-    doubt: int | None = None  # a refusal without a later request
+    run, last = run or ItemsSent(kind, len(items), at=-1), len(items) - 1
     texts = VehicleTexts()
     step: Step = opening(m.Count(len(items), kind))
     while True:
         try:
             heard = yield step
         except NoAnswer as silence:
-            if at == last and items:  # a client that sends no final Ack (MAVProxy)
-                return doubt
-            if doubt is not None:
-                raise MissionRefused(doubt, kind, max(at, 0), str(texts)) from None
-            raise NoAnswer(f"{silence} after {max(at, 0)} of {len(items)} items of the {list_name(kind)}") from None
+            if run.at == last and items:  # a client that sends no final Ack (MAVProxy)
+                return run.doubt
+            if run.doubt is not None:
+                raise MissionRefused(run.doubt, kind, max(run.at, 0), str(texts)) from None
+            raise NoAnswer(f"{silence} after {max(run.at, 0)} of {len(items)} items of the {list_name(kind)}") from None
         step = None
         match heard:
-            case m.Request(seq, k) if k == kind and seq <= last and (not in_order or at <= seq <= at + 1):
-                at, doubt = seq, None
-                asked(seq)
-                step = Tell(m.ItemAt(seq, items[seq], kind))
+            case m.Request(seq, k) if k == kind and seq <= last and (not in_order or run.at <= seq <= run.at + 1):
+                run.asked_for(seq)
+                step = Tell(m.ItemAt(seq, items[seq], kind), run if run.payloads else None)
                 if in_order and seq == last:
                     yield SendOnce(step.message)
                     step = Pause(3.0)  # after it the read-back decides
             case m.Ack(m.Result.ACCEPTED, k) if k == kind:
-                if at == last or not in_order:
-                    asked(len(items))
+                if run.at == last or not in_order:
+                    run.asked(len(items))
                     return m.Result.ACCEPTED
             case m.Ack(m.Result.INVALID_SEQUENCE, k) if k == kind:
-                doubt = m.Result.INVALID_SEQUENCE
+                run.doubt = m.Result.INVALID_SEQUENCE
             case m.Ack(m.Result.ERROR, k) if k == kind:
-                doubt = m.Result.ERROR
+                run.doubt = m.Result.ERROR
                 step = Pause(REFUSAL_TIMEOUT_S)
             case m.Ack(result, k) if k == kind:
                 yield from listen_for_words(texts)
-                raise MissionRefused(result, kind, max(at, 0), str(texts))
-            case None if at == last and items:
-                return doubt
+                raise MissionRefused(result, kind, max(run.at, 0), str(texts))
+            case None if run.at == last and items:
+                return run.doubt
             case None:
-                raise MissionRefused(doubt or m.Result.ERROR, kind, max(at, 0), str(texts))
+                raise MissionRefused(run.doubt or m.Result.ERROR, kind, max(run.at, 0), str(texts))
             case _:
                 texts.note(heard)
 
@@ -148,23 +143,23 @@ class RequestStyle:
     rebukes: bool = False
 
 
-def fetch(count: int, kind: int, take: Take, style: RequestStyle | None = None, first: int = 0) -> Dialogue[int]:
-    """Pass items from `first` on to `take`; return its first refusal. The caller sends the closing Ack."""
+def fetch(run: ItemsRead, style: RequestStyle | None = None) -> Dialogue[int]:
+    """Take items from `run.at` on; return the first refusal. The caller sends the closing Ack."""
     doubt: int | None = None
-    style = style or RequestStyle()
-    for seq in range(first, count):
-        step: Step = Ask(m.Request(seq, kind, style.legacy), item=True)
+    style, kind = style or RequestStyle(), run.kind
+    while run.at < run.count:
+        step: Step = Ask(m.Request(run.at, kind, style.legacy), item=True, run=run)
         while True:
             try:
                 heard = yield step
             except NoAnswer as silence:
                 if doubt is not None:
-                    raise MissionRefused(doubt, kind, seq) from None
-                raise NoAnswer(f"{silence} after {seq} of {count} items of the {list_name(kind)}") from None
+                    raise MissionRefused(doubt, kind, run.at) from None
+                raise NoAnswer(f"{silence} after {run.at} of {run.count} items of the {list_name(kind)}") from None
             step = None
             match heard:
-                case m.ItemAt(s, _, k) as item if k == kind and s == seq:
-                    result = take(s, item)
+                case m.ItemAt(s, item, k) if k == kind and s == run.at:
+                    result = run.take(s, item)
                     if result != m.Result.ACCEPTED:
                         return result
                     break
@@ -173,25 +168,26 @@ def fetch(count: int, kind: int, take: Take, style: RequestStyle | None = None, 
                 case m.Ack(result, k) if k == kind and result in DOUBTFUL_REFUSALS:
                     doubt = result
                 case m.Ack(result, k) if k == kind and result != m.Result.ACCEPTED:
-                    raise MissionRefused(result, kind, seq)
+                    raise MissionRefused(result, kind, run.at)
+        run.at += 1
     return m.Result.ACCEPTED
 
 
-def read_list(kind: int, progress: Progress = silent) -> Dialogue[list[Item]]:
-    """Return the items; a transfer closed for silence (PX4: after 5 s) is opened again at the next item."""
-    stored: list[Item] = []
+def read_list(kind: int, progress: Progress = silent) -> Dialogue[list[Item | bytes]]:
+    """Return items or payloads; a transfer closed for silence (PX4: after 5 s) is opened again at the next item."""
+    stored: list[Item | bytes] = []
     total = yield from open_list(kind)
     idle = 0
 
-    def take(seq: int, heard: m.ItemAt) -> int:
-        stored.append(heard.item)
+    def take(seq: int, item: Item | bytes) -> int:
+        stored.append(item)
         count(progress, len(stored), total)
         return m.Result.ACCEPTED
 
     while True:
         before = len(stored)
         try:
-            yield from fetch(total, kind, take, first=before)
+            yield from fetch(ItemsRead(kind, total, before, take))
         except TimeUp as late:
             raise TimeUp(f"{late}: {len(stored)} of {total} items of the {list_name(kind)} had come") from None
         except NoAnswer as silence:
@@ -258,7 +254,7 @@ class KeepsChanging(MissionError):
 
 def read_consistent(
     kind: int, numbers: Iterator[int] | None, progress: Progress = silent
-) -> Dialogue[tuple[list[Item], int]]:
+) -> Dialogue[tuple[list[Item | bytes], int]]:
     """Return the list and its checksum (0: none), equal before and after the reading; raise KeepsChanging.
 
     Without `numbers` for the checksum, a change goes unnoticed.
@@ -282,4 +278,4 @@ def download(
     kind: int, progress: Progress = silent, numbers: Iterator[int] | None = None
 ) -> Dialogue[tuple[Item, ...]]:
     stored, _ = yield from read_consistent(kind, numbers, progress)
-    return tuple(stored)
+    return tuple(map(item_of, stored))

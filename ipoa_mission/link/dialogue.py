@@ -17,6 +17,7 @@ from dataclasses import dataclass
 from typing import Any, Generic, Literal, TypeAlias, TypeVar
 
 from ipoa_mission.errors import MissionError
+from ipoa_mission.link.item_run import ItemsRead, ItemsSent
 from ipoa_mission.link.messages import Ack, CommandAck, Count, FileTransfer, ItemAt, Message, Request
 
 T = TypeVar("T")
@@ -57,15 +58,17 @@ class TimeUp(Unfinished):
 
 @dataclass(frozen=True)
 class Ask:
-    """`item`: by the shorter timer."""
+    """`item`: by the shorter timer; `run`: items that may be transferred past the dialogue."""
 
     message: Message
     item: bool = False
+    run: ItemsRead | None = None
 
 
 @dataclass(frozen=True)
 class Tell:
     message: Message
+    run: ItemsSent | None = None
 
 
 @dataclass(frozen=True)
@@ -183,7 +186,7 @@ class Exchange(Generic[T]):
         self._tempo = tempo or Tempo(patience)
         self._outbox: list[Message] = []
         self._awaited: Ask | Tell | Pause = Pause(math.inf)
-        self._since = self._sent = self._heard = now
+        self._since = self._sent = self.heard_s = now
         self._repeats = 0
         self._acted_on: tuple[Message | None, float] = (None, -math.inf)
         self._result: T | None = None
@@ -208,6 +211,24 @@ class Exchange(Generic[T]):
     def asked_for_s(self, now: float) -> float:
         return 0.0 if self.finished or isinstance(self._awaited, Pause) else now - self._since
 
+    def run(self) -> ItemsSent | ItemsRead | None:
+        """Return items to transfer past the dialogue; report them to `ran`."""
+        if self.finished or self._repeats or isinstance(self._awaited, Pause) or self._awaited.run is None:
+            return None
+        run = self._awaited.run
+        run.sent_s, run.wait_s = self._sent, self.deadline - self._sent
+        return None if run.is_at_last_item else run
+
+    def ran(self, run: ItemsSent | ItemsRead) -> None:
+        self.heard_s = self._since = self._sent = run.sent_s
+        if isinstance(run, ItemsRead):
+            self._awaited = Ask(Request(run.at, run.kind), item=True, run=run)
+            self._acted_on = (None, run.sent_s)
+            self._tempo.sample(run.round_trip_s)
+            self._wait_s = self._tempo.wait_s(item=True)
+        else:
+            self._acted_on = (Request(run.at, run.kind, run.is_legacy), run.sent_s)
+
     def outgoing(self) -> list[Message]:
         messages, self._outbox = self._outbox, []
         return messages
@@ -215,7 +236,7 @@ class Exchange(Generic[T]):
     def receive(self, message: Message, now: float) -> None:
         if self.finished:
             return
-        self._heard = now
+        self.heard_s = now
         last, when = self._acted_on
         if message == last and now - when < self._tempo.echo_s:
             return
@@ -255,7 +276,7 @@ class Exchange(Generic[T]):
         patience = self._patience
         if self._repeats < patience.retries:
             return False
-        if now - self._heard >= patience.silence_s:
+        if now - self.heard_s >= patience.silence_s:
             return True
         if item:
             return self._repeats >= patience.item_retries

@@ -66,6 +66,10 @@ class Carrier(Protocol):
 
     def close(self) -> None: ...
 
+    def carry_on(self, exchange: Exchange[T], target: Target, until: float, is_over: Callable[[], bool]) -> list[Heard]:
+        """Take the steps of the exchange's run until something else is heard."""
+        return self.receive(min(exchange.deadline, until))
+
     def note_answer(self, target: Target) -> None:
         return
 
@@ -138,10 +142,31 @@ class Line(Carrier):
         if now >= self._next_heartbeat:  # each second, as type MAV_TYPE_GCS
             self._next_heartbeat = now + 1.0
             self.send(Heartbeat(6, MavAutopilot.INVALID))
-        heard: list[Heard] = []
-        for data, peer in self.channel.receive(min(until, self._next_heartbeat)):
-            heard += self._hear(data, peer)
-        return heard
+        got = self.channel.receive(min(until, self._next_heartbeat))
+        return [heard for data, peer in got for heard in self._hear(data, peer)]
+
+    def carry_on(self, exchange: Exchange[T], target: Target, until: float, is_over: Callable[[], bool]) -> list[Heard]:
+        run, holder = exchange.run(), self._routes.holder(target)
+        now, limit = self.now(), min(until, self._next_heartbeat)
+        if run is None or holder is None or now >= limit or self.overhearing or self._routes.is_torn(holder):
+            return super().carry_on(exchange, target, until, is_over)
+        run.join(self.codec, target)
+        begun_at, peers, got = run.at, self._routes.to(target), list[tuple[bytes, Peer]]()
+        while not (got or run.is_at_last_item or is_over() or now >= limit):
+            got = self.channel.receive(min(limit, run.sent_s + run.wait_s))
+            now, unix_s = self.now(), self.channel.unix_s()
+            if not got or got[0][1] != holder or not (reply := run.answer(got[0][0], unix_s)):
+                break
+            if self._log:
+                self._log.write(got[0][0], unix_s)
+            self._send(reply, peers)
+            run.round_trip_s, run.sent_s = now - run.sent_s, now
+            del got[0]
+        if run.at != begun_at:
+            self._routes.claim(target, holder, run.sent_s)
+            self._routes.learn(target, holder, run.sent_s)
+            exchange.ran(run)
+        return [heard for data, peer in got for heard in self._hear(data, peer)]
 
     def _hear(self, data: bytes, peer: Peer) -> list[Heard]:
         heard: list[Heard] = []
@@ -283,26 +308,24 @@ def converse(
     """
     listening = listening or Listening()
     now, until, quiet_s = line.now, listening.until, listening.quiet_s
-    heard_s = now()
     with noted_interrupts() as interrupt:
         exchange = Exchange(dialogue, now(), tempo.patience, tempo)
         try:
             while not exchange.finished:
                 for message in exchange.outgoing():
                     line.send(message, target)
-                moment = min(exchange.deadline, until, now() + NOTICE_S)
-                for heard in line.receive(moment):
+                moment = min(until, now() + NOTICE_S)
+                for heard in line.carry_on(exchange, target, moment, lambda: interrupt.is_pending):
                     if (heard.system, heard.component) == target and heard.message is not None:
-                        if now() - heard_s >= quiet_s:
+                        if now() - exchange.heard_s >= quiet_s:
                             break
                         listening.overhear(heard.message)
                         exchange.receive(heard.message, now())
-                        heard_s = now()
                 if exchange.was_answered:
                     line.note_answer(target)
                 elif exchange.asked_for_s(now()) >= CAUSE_S and (cause := line.no_reply_cause(target)):
                     exchange.interrupt(cause, now())
-                if now() - heard_s >= quiet_s:
+                if now() - exchange.heard_s >= quiet_s:
                     exchange.interrupt(Silence("the vehicle is not heard"), now())
                 exchange.tick(now())
                 if not exchange.finished and interrupt.take():

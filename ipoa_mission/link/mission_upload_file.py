@@ -9,23 +9,19 @@ from collections.abc import Sequence
 from ipoa_mission.errors import MissionError
 from ipoa_mission.link import mavftp, wire
 from ipoa_mission.link.conversations import READ_ATTEMPTS, KeepsChanging, cancelled
-from ipoa_mission.link.definitions import definition_of
 from ipoa_mission.link.dialogue import Cancelled, Dialogue, NoAnswer, TimeUp
-from ipoa_mission.link.messages import ItemAt, MissionType
+from ipoa_mission.link.messages import MissionType
 from ipoa_mission.link.upload import ReadBackDiffers, Upload
 from ipoa_mission.mission.items import Item
 from ipoa_mission.progress import Progress, count, silent
 
 MAGIC = 0x763D
 HEADER = struct.Struct("<HHHHH")
-ITEM = definition_of("MISSION_ITEM_INT")
 
 
 def pack_mission(items: Sequence[Item], kind: int = MissionType.MISSION) -> bytes:
     """Wire form: home first."""
-    target = {"target_system": 1, "target_component": 1}
-    payloads = [ITEM.pack({**target, **wire.write(ItemAt(seq, item, kind))[1]}) for seq, item in enumerate(items)]
-    records = [payload.ljust(ITEM.layout.size, b"\0") for payload in payloads]
+    records = [wire.item_payload(seq, item, kind, (1, 1)) for seq, item in enumerate(items)]
     return HEADER.pack(MAGIC, kind, 0, 0, len(items)) + b"".join(records)
 
 
@@ -34,11 +30,11 @@ def unpack_mission(data: bytes) -> tuple[Item, ...]:
         words = "expected ArduPilot's mission.dat, but it does not begin like one"
         raise MissionError(words, code="wrong-format", place="mission file")
     count = HEADER.unpack_from(data)[4]
-    if len(data) != HEADER.size + count * ITEM.layout.size:
+    size = wire.ITEM.layout.size
+    if len(data) != HEADER.size + count * size:
         message = f"expected {count} items, but it has {len(data)} bytes"
         raise MissionError(message, code="wrong-format", place="mission file")
-    starts = range(HEADER.size, len(data), ITEM.layout.size)
-    return tuple(wire.read_item(ITEM.unpack(data[at : at + ITEM.layout.size])) for at in starts)
+    return tuple(wire.item_of(data[at : at + size]) for at in range(HEADER.size, len(data), size))
 
 
 def upload_by_file(job: Upload, progress: Progress = silent) -> Dialogue[int]:

@@ -30,6 +30,10 @@ class Routes:
             del self._framers[next(iter(self._framers))]
         return framer.datagram(data) if datagrams else framer.feed(data)
 
+    def is_torn(self, peer: Peer) -> bool:
+        """Return whether a peer's frame has come in part."""
+        return peer in self._framers and self._framers[peer].buffer != b""
+
     def learn(self, name: Target, peer: Peer, now: float) -> None:
         """Replace peers of its name silent for `CLAIM_S`; a full table drops such an entry, else one unaddressed."""
         if self._heard.pop((name, peer), None) is None:

@@ -19,8 +19,9 @@ from ipoa_mission.link.conversations import (
     read_list,
 )
 from ipoa_mission.link.dialogue import Cancelled, Dialogue, NoAnswer, Pause, SendOnce, Step, TimeUp, wait
+from ipoa_mission.link.item_run import ItemsSent
 from ipoa_mission.link.messages import NO_MISSION, WARNING, Ack, Current, Message, MissionType, Request, Result
-from ipoa_mission.link.wire import expect_sendable
+from ipoa_mission.link.wire import item_of, item_payload, stored_part
 from ipoa_mission.mission.items import Item
 from ipoa_mission.mission.stored_mission import Difference, compare, first_number
 from ipoa_mission.progress import Progress, count, silent
@@ -71,16 +72,17 @@ class Upload:
     autopilot: Autopilot
     kind: int = MissionType.MISSION
     numbers: Iterator[int] | None = field(default=None, repr=False, compare=False)
+    payloads: list[bytes] = field(init=False, repr=False, compare=False, default_factory=list)
 
     def __post_init__(self) -> None:
         if len(self.items) > 0xFFFF:
             words = f"expected {0xFFFF} items at most, as many as MAVLink can count, not {len(self.items)}"
             raise BadInput(words)
-        for number, item in enumerate(self.items, self.first):
+        for seq, item in enumerate(self.items):
             try:
-                expect_sendable(item)
+                self.payloads.append(item_payload(seq, item, self.kind))
             except BadInput as error:
-                raise error.at(f"item {number}") from None
+                raise error.at(f"item {seq + self.first}") from None
 
     @property
     def first(self) -> int:
@@ -96,12 +98,19 @@ class Upload:
         """Check whether the vehicle may report it unflyable after the Ack."""
         return self.autopilot.protocol_profile.judges_later and self.kind == MissionType.MISSION and len(self.items) > 0
 
-    def difference(self, stored: Sequence[Item]) -> Difference | None:
-        """ArduPilot may answer its home alone for an empty list."""
+    def difference(self, stored: Sequence[Item | bytes]) -> Difference | None:
+        """Compare items or payloads with those sent. ArduPilot may answer its home alone for an empty list."""
         home = self.autopilot.counts_home if self.kind == MissionType.MISSION else 0
         if not self.items and len(stored) <= home:
             return None
-        return compare(self.items, stored, self.autopilot)
+        got = [self._item_held(n, one) for n, one in enumerate(stored)]
+        return compare(self.items, got, self.autopilot)
+
+    def _item_held(self, n: int, one: Item | bytes) -> Item:
+        """Return our item itself, which needs no comparison, if the payload holds the same bits."""
+        if isinstance(one, bytes) and n < len(self.items) and stored_part(one) == stored_part(self.payloads[n]):
+            return self.items[n]
+        return item_of(one)
 
 
 @dataclass
@@ -251,7 +260,8 @@ def _store(job: Upload, course: UploadState, progress: Progress) -> Dialogue[Non
         course.before, course.furthest = course.furthest, -1
         try:
             course.reports.reset_at_offer()
-            result = yield from offer(job.items, job.kind, asked=note)
+            run = ItemsSent(job.kind, len(job.items), -1, job.payloads, note)
+            result = yield from offer(job.items, job.kind, run=run)
             course.reports.reset_at_reading()
             stored, course.checksum = yield from read_consistent(job.kind, job.numbers)
         except NoAnswer as silence:

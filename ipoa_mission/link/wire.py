@@ -4,6 +4,7 @@ Only this module makes degE7, with `round`: truncation would move 6 % of the coo
 """
 
 import math
+import struct
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields
 from operator import attrgetter
@@ -13,10 +14,11 @@ from ipoa_mission.autopilot.commands import PLAIN_FRAME, Frame
 from ipoa_mission.errors import BadInput
 from ipoa_mission.link import messages as m
 from ipoa_mission.link import telemetry as t
-from ipoa_mission.link.definitions import unit_and_type
+from ipoa_mission.link.definitions import definition_of, unit_and_type
 from ipoa_mission.mission.items import Item
 
 Fields: TypeAlias = Mapping[str, Any]
+ITEM = definition_of("MISSION_ITEM_INT")
 INT32_MAX = 2**31 - 1  # "no value"
 SINGLE_MAX = (2.0 - 2.0**-23) * 2.0**127
 GLOBAL_FRAMES = frozenset({*PLAIN_FRAME, *PLAIN_FRAME.values()})
@@ -86,17 +88,28 @@ def coordinate(degrees: float, frame: int) -> int:
     return value
 
 
-def expect_sendable(item: Item) -> None:
-    """Raise BadInput if a number does not fit into its field of MISSION_ITEM_INT."""
+def item_payload(seq: int, item: Item, kind: int, target: tuple[int, int] = (0, 0)) -> bytes:
+    """Return MISSION_ITEM_INT with all zeros; raise BadInput if a number does not fit its field."""
+    place = coordinate(item.latitude_deg, item.frame), coordinate(item.longitude_deg, item.frame)
+    whole = seq, item.command, *target, item.frame, 0, item.autocontinue, kind
+    try:
+        return ITEM.layout.pack(*item.params, *place, item.altitude, *whole)
+    except (struct.error, OverflowError):
+        raise _misfit(item) from None
+
+
+def _misfit(item: Item) -> BadInput:
     for name, number, most in (("command", item.command, 0xFFFF), ("frame", item.frame, 0xFF)):
         if not 0 <= number <= most:
-            raise BadInput(f"expected a number from 0 to {most}, not {number}", place=name)
-    coordinate(item.latitude_deg, item.frame)
-    coordinate(item.longitude_deg, item.frame)
+            return BadInput(f"expected a number from 0 to {most}, not {number}", place=name)
     singles = {f"param{n}": value for n, value in enumerate(item.params, start=1)} | {"altitude": item.altitude}
-    for name, value in singles.items():
-        if SINGLE_MAX < abs(value) < math.inf:
-            raise BadInput(f"expected a number that fits in single precision, not {value:g}", place=name)
+    name, value = next((name, value) for name, value in singles.items() if SINGLE_MAX < abs(value) < math.inf)
+    return BadInput(f"expected a number that fits in single precision, not {value:g}", place=name)
+
+
+def stored_part(payload: bytes) -> bytes:
+    """Return what a vehicle keeps of an item, with the frame without `_INT`."""
+    return payload[:28] + payload[30:32] + bytes((PLAIN_FRAME.get(payload[34], payload[34]), payload[36]))
 
 
 def degrees(value: int, frame: int) -> float:
@@ -112,6 +125,10 @@ def scale(frame: int) -> int:
 def saturated(value: float, most: int = INT32_MAX) -> int:
     """Return 0 for NaN: telemetry must not fail."""
     return 0 if math.isnan(value) else round(min(max(value, -most), most))
+
+
+def item_of(stored: Item | bytes) -> Item:
+    return read_item(ITEM.unpack(stored)) if isinstance(stored, bytes) else stored
 
 
 def read_item(raw: Any) -> Item:

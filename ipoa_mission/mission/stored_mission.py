@@ -89,7 +89,8 @@ def compare(
     if len(sent) != len(got):
         return Difference(None, "number of items", str(len(sent)), str(len(got)))
     for seq, (item, stored) in enumerate(zip(sent, got, strict=True)):
-        if seq == 0 and newest.home_is_item_0 and _is_home(item) and item.command == stored.command:
+        is_home = seq == 0 and newest.home_is_item_0 and _is_home(item) and item.command == stored.command
+        if is_home or stored is item:
             continue
         difference = _first_difference(item, stored, newest)
         if difference and all(_first_difference(item, stored, firmware) for firmware in older):

@@ -17,7 +17,8 @@ from ipoa_mission.link.mavftp import (
     unpack,
 )
 from ipoa_mission.link.messages import FileTransfer, MissionType
-from ipoa_mission.link.mission_upload_file import HEADER, ITEM, pack_mission, unpack_mission
+from ipoa_mission.link.mission_upload_file import HEADER, pack_mission, unpack_mission
+from ipoa_mission.link.wire import ITEM
 from ipoa_mission.mission.items import Item
 
 MOST_CLIENTS = 16

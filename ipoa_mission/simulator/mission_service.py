@@ -14,6 +14,8 @@ from ipoa_mission.link import messages as m
 from ipoa_mission.link.codec import EVERYONE, Target
 from ipoa_mission.link.conversations import MissionRefused, fetch, offer
 from ipoa_mission.link.dialogue import Exchange, NoAnswer, Tell
+from ipoa_mission.link.item_run import ItemsRead
+from ipoa_mission.link.wire import item_of
 from ipoa_mission.mission.items import Item
 from ipoa_mission.mission.stored_mission import as_stored, fence_from_wire, home_item
 from ipoa_mission.simulator.judgement import judge
@@ -183,15 +185,15 @@ class MissionService:
     def _open(self, wanted: range, kind: int, client: Target, now: float) -> None:
         profile, store = self._profile, self.stores[m.MissionType(kind)]
 
-        def take(seq: int, heard: m.ItemAt) -> int:
-            count = max(wanted.stop, len(store.staged))
-            result = m.Result.ERROR if seq == self._nak_at else self._judge(heard.item, kind, count)
+        def take(seq: int, heard: Item | bytes) -> int:
+            item, count = item_of(heard), max(wanted.stop, len(store.staged))
+            result = m.Result.ERROR if seq == self._nak_at else self._judge(item, kind, count)
             if result == m.Result.ACCEPTED:
-                store.keep(seq, heard.item)
+                store.keep(seq, item)
                 incoming.received += 1
             return result
 
-        dialogue = fetch(wanted.stop, kind, take, profile.protocol_profile, wanted.start)
+        dialogue = fetch(ItemsRead(kind, wanted.stop, wanted.start, take), profile.protocol_profile)
         incoming = Incoming(client, kind, wanted.stop, 0, Exchange(dialogue, now, profile.patience))
         self._incoming[self._slot(kind)] = incoming
         self._flush(incoming.exchange, client)

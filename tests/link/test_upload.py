@@ -2,23 +2,14 @@ import pytest
 
 from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.errors import MissionError
-from ipoa_mission.link.channel import Peer
-from ipoa_mission.link.codec import Codec
-from ipoa_mission.link.connect import meet
 from ipoa_mission.link.conversations import download
 from ipoa_mission.link.dialogue import Cancelled, NoAnswer, TimeUp
-from ipoa_mission.link.line import Line
-from ipoa_mission.link.loopback import Loopback
 from ipoa_mission.link.messages import Ack, Count, ItemAt, Message, MissionType, Request, RequestList, Result
-from ipoa_mission.link.signing import Signer
 from ipoa_mission.link.upload import Upload, upload
-from ipoa_mission.link.vehicle import ConnectionOptions
 from ipoa_mission.mission.items import Item
 from ipoa_mission.mission.stored_mission import compare
-from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot
-from ipoa_mission.simulator.station import Station
 from tests.link.scripted_answers import lead
-from tests.link_pair import HOME, STRANGER, Air, Fate, Vehicle, items_of
+from tests.link_pair import STRANGER, Air, Fate, Vehicle, items_of
 from tests.refused import refuses
 
 PX4, ARDUPILOT = Autopilot.PX4, Autopilot.ARDUPILOT
@@ -218,33 +209,3 @@ def test_a_download_that_takes_too_long_says_how_much_had_come() -> None:
     vehicle.store(items_of(PX4, 30))
     with refuses("time-up", "", "9 of 30"):
         Air(vehicle, [Fate(1, 0.1)]).hold(download(MissionType.MISSION), interrupts={2.1: TimeUp("the time is up")})
-
-
-class Counting(Loopback):
-    sent = heard = 0
-
-    def send(self, data: bytes, peer: Peer | None) -> None:
-        self.sent += 1
-        super().send(data, peer)
-
-    def receive(self, until: float) -> list[tuple[bytes, Peer]]:
-        got = super().receive(until)
-        self.heard += len(got)
-        return got
-
-
-@pytest.mark.parametrize("autopilot", registered())
-@pytest.mark.parametrize("key", [None, bytes(range(32))])
-def test_upload_takes_one_frame_each_way_an_item(autopilot: Autopilot, key: bytes | None) -> None:
-    ours, theirs = (Signer(key), Signer(key)) if key else (None, None)
-    mock = BuiltInAutopilot(autopilot, HOME)
-    channel = Counting(Station(mock, signer=theirs))
-    vehicle = meet(Line(channel, Codec(245, 190, ours)), options=ConnectionOptions(fast=False))
-    items = items_of(autopilot, 300)
-    sent, heard = channel.sent, channel.heard
-    done: list[str] = []
-    vehicle.upload_items(items, MissionType.MISSION, lambda share, words: done.append(words))
-    assert compare(items, mock.transfers.listed(MissionType.MISSION), autopilot) is None
-    assert done == [f"{n} of 300" for n in range(301)]
-    assert channel.sent - sent < 620
-    assert channel.heard - heard < 700
