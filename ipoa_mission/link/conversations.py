@@ -93,8 +93,8 @@ def offer(
     """Return ACCEPTED, or what followed the last item: None for silence, or a doubtful refusal.
 
     A client (`opening` Ask) ignores requests for earlier items: they are late duplicates. A vehicle (Tell) answers any.
-    Raise MissionRefused, or NoAnswer before the last request. `run.asked` gets each requested number, and the count at the
-    end.
+    Raise MissionRefused, or NoAnswer before the last request. `run.asked` gets each requested number, and at the end
+    the count.
     """
     in_order = opening is Ask
     run, last = run or ItemsSent(kind, len(items), at=-1), len(items) - 1

@@ -223,7 +223,7 @@ def tear_a_stream(chance: random.Random) -> None:
             heard = judge.decode(piece)
             assert heard is None or isinstance(heard.target, Target)
         data = data[size:]
-        assert len(framer._buffer) <= 300, "the framer hoards"
+        assert len(framer.buffer) <= 300, "the framer hoards"
 
 
 TARGETS = (fly_something_absurd, storm_an_autopilot, mislead_a_client, spoil_a_log, tear_a_stream)
