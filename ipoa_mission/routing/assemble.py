@@ -7,7 +7,8 @@ from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.errors import BadInput
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.planning.planner import Plan
-from ipoa_mission.routing.attempt import Attempt, build_mission
+from ipoa_mission.routing.attempt import Attempt
+from ipoa_mission.routing.build import build_mission
 from ipoa_mission.routing.fastest import fastest_routes
 from ipoa_mission.routing.resample import NoRoute, Route, corridor, every, push_clear
 from ipoa_mission.scenario import Scenario

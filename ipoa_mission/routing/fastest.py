@@ -19,7 +19,8 @@ from ipoa_mission.geometry import Points, Vector, arc_lengths, leg_lengths
 from ipoa_mission.planning.planner import Plan
 from ipoa_mission.planning.proof import prove
 from ipoa_mission.planning.spline import Spline
-from ipoa_mission.routing.attempt import VISITED, Attempt
+from ipoa_mission.routing.attempt import Attempt
+from ipoa_mission.routing.build import VISITED
 from ipoa_mission.routing.resample import (
     ON_THE_CURVE,
     Route,

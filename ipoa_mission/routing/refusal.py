@@ -15,7 +15,8 @@ from ipoa_mission.errors import MissionError, Remedy
 from ipoa_mission.forecast.deviation.clearance_guarantee import KeptLimit
 from ipoa_mission.planning.obstruction import NoPath
 from ipoa_mission.planning.path_problem import place_names
-from ipoa_mission.routing.attempt import Attempt, items_of_waypoints
+from ipoa_mission.routing.attempt import Attempt
+from ipoa_mission.routing.build import items_of_waypoints
 from ipoa_mission.routing.planned_returns import other_options_hint, why_not_planned
 from ipoa_mission.routing.resample import Route
 from ipoa_mission.scenario import Scenario

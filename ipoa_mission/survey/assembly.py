@@ -19,7 +19,7 @@ from ipoa_mission.mission.items import ComplexItem, Item, Mission, camera_trigge
 from ipoa_mission.planning.path_problem import PathProblem, problem_of
 from ipoa_mission.planning.planner import plan_path
 from ipoa_mission.planning.proof import prove
-from ipoa_mission.routing.attempt import build_mission, items_of_waypoints
+from ipoa_mission.routing.build import build_mission, items_of_waypoints
 from ipoa_mission.routing.resample import NoRoute, Route, corridor, push_clear
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.survey._kernels import NO_WAY

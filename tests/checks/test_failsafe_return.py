@@ -12,7 +12,7 @@ from ipoa_mission.forecast.contingency.contingency_paths import ContingencyPaths
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.mission.items import land
 from ipoa_mission.planning.proof import prove
-from ipoa_mission.routing.attempt import build_mission
+from ipoa_mission.routing.build import build_mission
 from ipoa_mission.routing.resample import Route
 from ipoa_mission.scenario import Scenario, parse_scenario
 

@@ -14,7 +14,7 @@ from ipoa_mission.forecast.itinerary.flown_legs import Phase, flown_legs, join
 from ipoa_mission.geodesy import LocalFrame
 from ipoa_mission.mission.items import Mission, return_to_launch, spline_waypoint, takeoff, waypoint
 from ipoa_mission.mission.mission_io import read_mission_file
-from ipoa_mission.routing.attempt import build_mission
+from ipoa_mission.routing.build import build_mission
 from ipoa_mission.routing.resample import Route
 from ipoa_mission.scenario import Scenario, parse_scenario
 from ipoa_mission.simulator.fly import fly_built_in

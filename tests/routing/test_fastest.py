@@ -19,7 +19,7 @@ from ipoa_mission.planning.problem import curve_cost
 from ipoa_mission.planning.proof import prove, prove_curve
 from ipoa_mission.planning.spline import Spline, basis
 from ipoa_mission.routing.assemble import choose_route
-from ipoa_mission.routing.attempt import build_mission, draft_mission
+from ipoa_mission.routing.build import build_mission, draft_mission
 from ipoa_mission.routing.resample import Route, strays
 from ipoa_mission.scenario import Scenario, parse_scenario
 from ipoa_mission.simulator.fly import fly_built_in as fly_here

@@ -10,7 +10,7 @@ from ipoa_mission.checks.check import check_mission
 from ipoa_mission.flight.flight import plan_flight
 from ipoa_mission.forecast.itinerary.flown_legs import Phase, flown_legs
 from ipoa_mission.mission.items import Mission
-from ipoa_mission.routing.attempt import build_mission
+from ipoa_mission.routing.build import build_mission
 from ipoa_mission.routing.repairs import raise_way_home_remarks
 from ipoa_mission.routing.resample import NoRoute, Route
 from ipoa_mission.scenario import Scenario, parse_scenario
