@@ -81,7 +81,6 @@ class SeekEffort:
     max_vain_moves: int = 2  # in a row with little gain
     least_gain: float = 0.01  # of a move [m]
     max_searches: int = 6
-    repeated_searches: int = 1  # with larger margins
     seed_count: int = 2
     most_delay: float = 1.1  # ratio to the first route's time
 
@@ -146,7 +145,7 @@ def seek(scenario: Scenario, seed: int, progress: Progress, plans: int = EFFORT.
     nearest: Attempt | None = None
     slow: Attempt | None = None
     planned = set[bytes]()
-    tries = ((number, margins) for number in range(seed, seed + EFFORT.seed_count) for margins in _margins(scenario))
+    tries = _Tries(scenario, seed)
     for number, margins in islice(tries, plans):
         try:
             plan = plan_path(margins.world, seed=number, progress=progress)
@@ -160,7 +159,7 @@ def seek(scenario: Scenario, seed: int, progress: Progress, plans: int = EFFORT.
                 return slow
             if not isinstance(error, NoPath):
                 raise
-            margins.closed = True
+            tries.is_closed = True
             if margins.world is scenario and not isinstance(error, NotFound):
                 raise
             no_path = error
@@ -180,49 +179,51 @@ def seek(scenario: Scenario, seed: int, progress: Progress, plans: int = EFFORT.
     raise TooNear(nearest)
 
 
-@dataclass
+@dataclass(frozen=True)
 class _Margins:
-    """`closed` once it has no path."""
+    """`world` has enlarged obstacles; `growth` is added where an attempt is too near."""
 
     world: PathTask
     growth: ObstacleGrowth
-    closed: bool = False
 
 
-def _margins(scenario: Scenario) -> Iterator[_Margins]:
-    """Yield different margins for the deviation bound; the last are none.
+class _Tries:
+    """Seeds and margins to search with, in turn: of each seed different margins for the deviation bound, then none.
 
-    The caller sets `closed` and `growth` of each before it asks for the next.
+    After a search without a path, set `is_closed`: then margins that close gaps are skipped.
     """
-    for margins in _first_margins(scenario):
-        yield margins
-        latest, before = margins, margins.growth
-        for _ in range(0 if _as_printed(scenario) else EFFORT.repeated_searches):
-            if latest.closed or latest.growth is before:
-                break
-            before = latest.growth
-            latest = _Margins(before.enlarge(margins.world, scenario, gaps=False), before)
-            yield latest
 
+    def __init__(self, scenario: Scenario, seed: int) -> None:
+        self.scenario, self.seed, self.is_closed = scenario, seed, False
 
-def _first_margins(scenario: Scenario) -> Iterator[_Margins]:
-    none, sought, closed = initial_growth(scenario), list[tuple[tuple[Obstacle, ...], float]](), False
-    if scenario.safety.chance is None:
-        if not _as_printed(scenario):
+    def __iter__(self) -> Iterator[tuple[int, _Margins]]:
+        for number in range(self.seed, self.seed + EFFORT.seed_count):
+            self.is_closed = False
+            for margins in self._of_a_seed():
+                yield number, margins
+
+    def _of_a_seed(self) -> Iterator[_Margins]:
+        scenario, none = self.scenario, initial_growth(self.scenario)
+        if scenario.safety.chance is not None:
+            yield from self._for_the_bound(none)
+        elif not _as_printed(scenario):
             little = approximation_growth(scenario)
             yield _Margins(little.enlarge(scenario, scenario, gaps=True), little)
-    else:
+        yield _Margins(scenario, none)
+
+    def _for_the_bound(self, none: ObstacleGrowth) -> Iterator[_Margins]:
+        tried = list[tuple[tuple[Obstacle, ...], float]]()
         for margin in MARGINS:
-            world = with_margins(clearance_task(scenario), *margin)
-            margins = world.airspace.obstacles, world.limits.height_above_ground
-            if (closed and not margin.keep_gaps) or margins in sought:
+            if self.is_closed and not margin.keep_gaps:
                 continue
-            sought.append(margins)
+            world = with_margins(clearance_task(self.scenario), *margin)
+            obstacles, height = world.airspace.obstacles, world.limits.height_above_ground
+            if (obstacles, height) in tried:
+                continue
+            tried.append((obstacles, height))
             if (none.above_landings >= 0.0).any():
-                world = none.enlarge(world, scenario, margin.keep_gaps)
-            yield (tried := _Margins(world, none))
-            closed = closed or tried.closed
-    yield _Margins(scenario, none)
+                world = none.enlarge(world, self.scenario, margin.keep_gaps)
+            yield _Margins(world, none)
 
 
 def _as_printed(scenario: Scenario) -> bool:
@@ -230,15 +231,15 @@ def _as_printed(scenario: Scenario) -> bool:
 
 
 def _move_until_safe(plan: Plan, margins: _Margins, scenario: Scenario) -> tuple[Attempt, float]:
-    """Return the best attempt after moving the plan aside, and its delay to the first; record in `margins`."""
+    """Return the best attempt after moving the plan aside, and its delay to the first."""
     latest = best = first = best_route(plan, scenario, EFFORT.hopeless_slack)
-    in_vain = 0
+    growth, in_vain = margins.growth, 0
     for _ in range(0 if _as_printed(scenario) else EFFORT.max_moves):
         expect_way_home(latest)
         if best.is_acceptable or in_vain == EFFORT.max_vain_moves:
             break
-        margins.growth = margins.growth.more(latest, scenario)
-        wider = (margins.growth.enlarge(margins.world, scenario, gaps) for gaps in (False, True))
+        growth = growth.more(latest, scenario)
+        wider = (growth.enlarge(margins.world, scenario, gaps) for gaps in (False, True))
         moved = next(filter(None, (move_aside(latest.plan, world) for world in wider)), None)
         if moved is None:
             break
