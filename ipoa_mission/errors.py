@@ -190,4 +190,9 @@ def imported(module: str, needed: str, extra: str, wrong: type[MissionError] = M
 def renamed(old: str, new: str) -> Any:
     """Return the property `new`, with a warning."""
     words = f"{old} is {new} since 0.5, and goes in 0.6"
-    return property(lambda own: (warnings.warn(words, DeprecationWarning, stacklevel=2), getattr(own, new))[1])
+
+    def read(own: object) -> Any:
+        warnings.warn(words, DeprecationWarning, stacklevel=2)
+        return getattr(own, new)
+
+    return property(read)
