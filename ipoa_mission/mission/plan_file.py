@@ -172,7 +172,8 @@ def _place(place: Geodetic, name: str) -> list[float | int | None]:
 def autopilot_in(node: Node, mav_type: int = QUADROTOR) -> Autopilot:
     if not isinstance(node.value, bool):
         of_firmware = [each for each in registered() if each.mav_autopilot == node.value]
-        for autopilot in sorted(of_firmware, key=lambda each: mav_type not in each.mav_types):
+        autopilot = min(of_firmware, key=lambda each: mav_type not in each.mav_types, default=None)
+        if autopilot is not None:
             return autopilot
     numbers = sorted({(each.mav_autopilot, each.firmware_name) for each in registered()})
     known = " or ".join(f"{number} ({name})" for number, name in numbers)
@@ -216,7 +217,7 @@ def _items(listed: list[ListedItem]) -> Iterator[Item]:
 def _check_numbers(listed: list[ListedItem]) -> Iterator[Finding]:
     for due, entry in enumerate(listed, start=1):
         if entry.jump_id not in (None, due):
-            words = f"{entry.node.place}.doJumpId: {entry.jump_id} where {due} is due: an item may be missing or moved"
+            words = f"item {due} has doJumpId {entry.jump_id}: an item may be missing or moved"
             yield Finding("file-numbers", Severity.WARNING, due, words)
             return
 

@@ -68,7 +68,7 @@ def test_a_limit_that_is_not_read_is_an_error(tmp_path: Path, changes: dict[str,
         ({"mission__items": [ITEM | {"altitude": 9}] * 2},
          ['not read: key "altitude": 2 times, first mission.items[0] ("9")']),
         ({"mission__items": [ITEM | {"doJumpId": n} for n in (1, 3)]},
-         ["mission.items[1].doJumpId: 3 where 2 is due: an item may be missing or moved"]),
+         ["item 2 has doJumpId 3: an item may be missing or moved"]),
     ],
 )  # fmt: skip
 def test_other_keys_are_warnings(tmp_path: Path, changes: dict[str, Any], words: list[str]) -> None:
