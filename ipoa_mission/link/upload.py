@@ -99,7 +99,10 @@ class Upload:
         return self.autopilot.protocol_profile.judges_later and self.kind == MissionType.MISSION and len(self.items) > 0
 
     def difference(self, stored: Sequence[Item | bytes]) -> Difference | None:
-        """Compare items or payloads with those sent. ArduPilot may answer its home alone for an empty list."""
+        """Return the first difference of the stored items or payloads; None if equal.
+
+        ArduPilot may answer its home alone for an empty list.
+        """
         home = self.autopilot.counts_home if self.kind == MissionType.MISSION else 0
         if not self.items and len(stored) <= home:
             return None

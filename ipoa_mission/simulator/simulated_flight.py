@@ -165,7 +165,7 @@ class SimulatedFlight(Situation):
             self.mission = MissionState.PAUSED
 
     def rewind(self) -> None:
-        """The mission must not be flown now."""
+        """Reset to the first item; call only while no mission is flown."""
         self.current = 0
         self.program.jumped.clear()
         if self.program.items:
