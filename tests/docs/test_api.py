@@ -21,6 +21,7 @@ from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.link.channel import open_channel
 from ipoa_mission.planning.path_problem import PathTask
 from ipoa_mission.planning.planner import Plan, plan_path
+from ipoa_mission.report.exports import EXPORTS
 from ipoa_mission.scenario import Scenario, read_scenario
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot
 from ipoa_mission.simulator.mock_server import Server
@@ -218,6 +219,11 @@ def test_the_docs_use_what_is_public() -> None:
             assert not re.search(r"\bipoa_mission\.(?!__version__)\w+", block), page.name
             for names in re.findall(r"^from ipoa_mission import (.*)$", block, re.MULTILINE):
                 assert set(names.split(", ")) <= {*ipoa_mission.__all__}, page.name
+
+
+def test_the_page_of_files_names_every_suffix_of_an_export() -> None:
+    page = (REPOSITORY / "docs" / "file-formats.md").read_text(encoding="utf-8")
+    assert not [suffix for suffix in EXPORTS if f"`{suffix}`" not in page]
 
 
 def test_the_index_names_every_page() -> None:
