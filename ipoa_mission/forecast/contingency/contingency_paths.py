@@ -8,7 +8,6 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, fields, replace
 from enum import IntEnum
 from functools import cached_property, reduce
-from itertools import product
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -41,6 +40,7 @@ class Sampling:
     batch_size: int = 5_000  # limited by memory
     max_slack: float = 8.0  # greater slack is not distinguished [m]
     position_error: float = 10.0  # of the vehicle as it chooses its goal [m]
+    chord_error: float = 0.02  # of the flown path to the lines between its sampled places [m]
 
 
 class ReturnLeg(IntEnum):
@@ -278,10 +278,14 @@ class ContingencyPaths:
             return "here"
         names = ["home", *(f"rally point {k}" for k in range(1, len(self.rally) + 1))]
         names += [WHERE[by] for by in self.routes.kinds]
-        goals = sorted({int(path) // self._variants for path in np.flatnonzero(samples.possible[n])})
-        return " or ".join(dict.fromkeys(names[goal] for goal in goals))
+        possible = [name for goal, name in enumerate(names) if samples.possible[n, self._paths_to(goal)].any()]
+        return " or ".join(dict.fromkeys(possible))
 
     def _near(self, paths: Paths) -> tuple[Distances, ObstacleIndices]:
+        """Return a lower bound of each leg's distance to the nearest obstacle, and the obstacle's index.
+
+        Slanting legs whose bound is below the required distance get their exact distance to that obstacle.
+        """
         air, shape = self.enlarged.airspace, (*paths.shape[:2], paths.shape[2] - 1)
         starts, ends = paths[:, :, :-1].reshape(-1, 3), paths[:, :, 1:].reshape(-1, 3)
         near, which = air.legs_clearance(starts, ends, self.required + SAMPLING.max_slack)
@@ -293,20 +297,28 @@ class ContingencyPaths:
         return near.reshape(shape), which.reshape(shape)
 
     def _flown_so_far(self, times: Vector, ahead: bool = False) -> tuple[Vector, NDArray[np.intp]]:
+        """Return the least distance (n,) of the flown path up to each of `times` to an obstacle, and its index.
+
+        `ahead`: of the path from then on.
+        """
         near, which = (legs[:: -1 if ahead else 1, 0, 0] for legs in self._flown)
         nearest = np.maximum.accumulate(np.where(near <= np.minimum.accumulate(near), np.arange(len(near)), 0))
         until = np.clip(np.searchsorted(self.stops().times, times) - 1, 0, len(near) - 1)
         until = nearest[len(near) - 1 - until if ahead else until]
-        return np.asarray(near[until] - 0.02), np.asarray(which[until])
+        return np.asarray(near[until] - SAMPLING.chord_error), np.asarray(which[until])
 
     def _note_mission(self, times: Vector, near: Distances, which: ObstacleIndices) -> None:
-        climbs = ReturnLeg.CLIMBS
-        for n, by in enumerate(self.routes.kinds):
-            first = (len(self.rally) + 1 + n) * self._variants
-            flown, of = self._flown_so_far(times, by is ReturnBy.MISSION_FORWARD)
-            for k in range(first, first + self._variants):
-                nearer = flown < near[:, k, climbs]
-                near[nearer, k, climbs], which[nearer, k, climbs] = flown[nearer], of[nearer]
+        """Reduce the distances of returns along the mission, in place, to those of the flown path.
+
+        It passes inside the corners of the waypoints, which `ReturnRoutes.paths` joins by lines.
+        """
+        for by in self.routes.kinds:
+            paths = self._paths_to(self.routes.goal_along(by))
+            flown, obstacles = self._flown_so_far(times, ahead=by is ReturnBy.MISSION_FORWARD)
+            climbs_near, climbs_which = near[:, paths, ReturnLeg.CLIMBS], which[:, paths, ReturnLeg.CLIMBS]  # views
+            is_nearer = flown[:, None] < climbs_near
+            np.copyto(climbs_near, flown[:, None], where=is_nearer)
+            np.copyto(climbs_which, obstacles[:, None], where=is_nearer)
 
     @cached_property
     def _flown(self) -> tuple[Distances, ObstacleIndices]:
@@ -339,42 +351,43 @@ class ContingencyPaths:
 
     @property
     def _variants(self) -> int:
+        """Paths to one goal: of each share, then of each error over terrain."""
         return len(self._shares) + len(self.routes.off_terrain)
 
+    def _paths_to(self, goal: int) -> slice:
+        return slice(goal * self._variants, (goal + 1) * self._variants)
+
     def _returns(self, places: Points, stops: Points, seqs: NDArray[np.intp]) -> tuple[Paths, NDArray[np.bool_]]:
-        """Return the paths of returns (to each goal with each start), and which are possible (n, k)."""
-        to_goals, kinds = self.forecast.returns_from(stops), self.routes.kinds
+        """Return the paths of returns (`_paths_to` each goal), and which are possible (n, k)."""
+        to_goals, paths = self.forecast.returns_from(stops), list[NDArray[np.float64]]()
         back = places - stops
         back[:, 2] = 0.0
-        paths, ups = [], (0.0, *(up for _, _, up in self.rally))
-        for path, up in zip(to_goals, ups, strict=True):
+        for path, up in zip(to_goals, (0.0, *(up for _, _, up in self.rally)), strict=True):
             over, beyond, ground = path[:, 1], path[:, 2], self._ground_below(path[:, 2])
-            backs = [share * back for share in self._shares]
-            paths += [np.stack([places, stops, stops + by, over + by, beyond, ground], axis=1) for by in backs]
+            for offset in (share * back for share in self._shares):
+                paths.append(np.stack([places, stops, stops + offset, over + offset, beyond, ground], axis=1))
             paths += [self.routes.over_terrain(places, stops, beyond, up, off) for off in self.routes.off_terrain]
-        for by, _ in product(kinds, self._shares):
-            paths.append(self.routes.paths(by, np.stack([places, stops, stops, stops], axis=1), seqs))
-        most = max(path.shape[1] for path in paths)
-        paths = [np.insert(path, [-1] * (most - path.shape[1]), path[:, -2:-1], axis=1) for path in paths]
-        goals = [self._goals(stop, int(seq)) for stop, seq in zip(stops, seqs, strict=True)]
-        chosen = np.array([[goal in some for goal in range(len(to_goals) + len(kinds))] for some in goals])
+        for by in self.routes.kinds:
+            along = self.routes.paths(by, np.stack([places, stops, stops, stops], axis=1), seqs)
+            paths += [along] * self._variants
+
+        n_goals = len(to_goals) + len(self.routes.kinds)
+        chosen = np.zeros((len(stops), n_goals), dtype=bool)
+        for row, stop, seq in zip(chosen, stops, seqs, strict=True):
+            row[list(self.routes.goals(stop, int(seq), SAMPLING.position_error))] = True
         possible = np.repeat(chosen, self._variants, axis=1)
         if self.routes.always_over_terrain:
-            possible &= np.arange(possible.shape[1]) % self._variants >= len(self._shares)
-        return np.stack(paths, axis=1), possible
-
-    def _goals(self, stop: Vector, seq: int) -> set[int]:
-        if not self.rally and not self.routes.kinds:
-            return {0}
-        east, north, up = (float(x) for x in stop)
-        error, first = SAMPLING.position_error, len(self.rally) + 1
-        offsets = ((0.0, 0.0), (error, 0.0), (-error, 0.0), (0.0, error), (0.0, -error))
-        routes = (self.routes.route((east + e, north + n, up), seq) for e, n in offsets)
-        return {
-            first + self.routes.kinds.index(by) if by in self.routes.kinds else 0 if rally is None else rally + 1
-            for by, rally in ((route.by, route.rally) for route in routes)
-        }
+            is_over_terrain = [False] * len(self._shares) + [True] * len(self.routes.off_terrain)
+            possible &= np.tile(is_over_terrain, n_goals)
+        most = max(path.shape[1] for path in paths)
+        return np.stack([_padded(path, most) for path in paths], axis=1), possible
 
     def _ground_below(self, points: Points) -> Points:
         ground = self.enlarged.airspace.ground(points)
         return np.column_stack([points[:, :2], np.minimum(ground, points[:, 2])])
+
+
+def _padded(path: NDArray[np.float64], count: int) -> NDArray[np.float64]:
+    """Repeat the last place but one of paths (n, p, 3), until they have `count` places and end as before."""
+    repeated = np.repeat(path[:, -2:-1], count - path.shape[1], axis=1)
+    return np.concatenate([path[:, :-1], repeated, path[:, -1:]], axis=1)

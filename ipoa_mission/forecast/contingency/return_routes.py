@@ -31,6 +31,25 @@ class ReturnRoutes:
         landing, version = self._landing_after(seq), self.mission.firmware_version
         return self.mission.autopilot.return_route(self.parameters, ReturnOrder(here, self.rally, landing, version))
 
+    def goals(self, stop: Vector, seq: int, error: float) -> set[int]:
+        """Return the indices of the goals that the vehicle may choose with a position error [m].
+
+        Home is 0, the rally points follow, then `kinds`.
+        """
+        if not self.rally and not self.kinds:
+            return {0}
+        east, north, up = triple(stop)
+        offsets = ((0.0, 0.0), (error, 0.0), (-error, 0.0), (0.0, error), (0.0, -error))
+        return {self._goal_of(self.route((east + e, north + n, up), seq)) for e, n in offsets}
+
+    def _goal_of(self, route: ReturnRoute) -> int:
+        if route.by in self.kinds:
+            return self.goal_along(route.by)
+        return 0 if route.rally is None else 1 + route.rally
+
+    def goal_along(self, by: ReturnBy) -> int:
+        return 1 + len(self.rally) + self.kinds.index(by)
+
     @cached_property
     def kinds(self) -> tuple[ReturnBy, ...]:
         return tuple(by for by in WHERE if by in self._all_kinds)
