@@ -5,9 +5,9 @@ from collections.abc import Iterator
 import numpy as np
 import shapely
 
+from ipoa_mission.autopilot.returning import FlightStage
 from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.forecast.itinerary.flown_legs import Phase
 from ipoa_mission.geodesy import Geodetic, LocalFrame
 from ipoa_mission.geometry import union_of
 from ipoa_mission.mission.items import FenceCircle, FencePolygon, Mission, item_of
@@ -62,7 +62,7 @@ def _legs(forecast: Forecast, allowed: shapely.Geometry) -> Iterator[Finding]:
         start, end = (wide.covers(shapely.Point(leg.points[n, :2])) for n in (0, -1))
         if leg.seq in reported or (end and wide.covers(shapely.LineString(leg.points[:, :2]))):
             continue
-        if not end and leg.phase is not Phase.RETURN:
+        if not end and leg.stage is not FlightStage.RETURN:
             message = "expected inside the fence, but it lies outside"
         elif start:
             message = f"expected legs inside the fence, but {leg.name} crosses it"

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import shapely
 
-from ipoa_mission.autopilot.returning import Contingency
+from ipoa_mission.autopilot.returning import Contingency, FlightStage
 from ipoa_mission.checks.landings import check_ground, check_unread
 from ipoa_mission.errors import MissionError, Remedy
 from ipoa_mission.finding import Finding, Severity
@@ -26,7 +26,6 @@ from ipoa_mission.forecast.contingency.shortfalls import (
 from ipoa_mission.forecast.deviation.clearance_guarantee import ClearanceGuarantee, KeptLimit
 from ipoa_mission.forecast.deviation.law import not_measured
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.forecast.itinerary.flown_legs import Phase
 from ipoa_mission.forecast.leg_limits import ROUNDING, broken_limits
 from ipoa_mission.mission.item_words import name_items
 from ipoa_mission.mission.items import Mission, item_of
@@ -84,13 +83,13 @@ def check_airspace(forecast: Forecast) -> Iterator[Finding]:
             begins = np.linalg.norm(np.array(check.nearest.place) - leg.points[0]) < ROUNDING["m"]
             if words in reported and begins:
                 continue
-            reported |= {words} if leg.phase is Phase.CRUISE else set()
+            reported |= {words} if leg.stage is FlightStage.ROUTE else set()
             item, message = item_of(mission, leg.seq), f"{leg.name}: {words}"
             contact = scenario.vehicle.radius - ROUNDING["m"] if check.limit in ("obstacles", "ground") else -math.inf
-            if leg.phase is not Phase.CRUISE and not check.nearest.distance < contact:
+            if leg.stage is not FlightStage.ROUTE and not check.nearest.distance < contact:
                 yield item.warning("leg-too-near", message)
             else:
-                hint, remedies = remedy(forecast) if leg.phase is Phase.RETURN else (None, ())
+                hint, remedies = remedy(forecast) if leg.stage is FlightStage.RETURN else (None, ())
                 yield item.error("leg-too-near", message, hint, remedies)
 
 

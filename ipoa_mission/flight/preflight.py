@@ -10,13 +10,14 @@ import numpy as np
 
 from ipoa_mission.autopilot.commands import Frame, plain_frame
 from ipoa_mission.autopilot.failsafe import FenceLimit, OwnFence
+from ipoa_mission.autopilot.returning import FlightStage
 from ipoa_mission.checks.check import check_mission
 from ipoa_mission.checks.firmware_check import NOT_MEASURED, check_aboard
 from ipoa_mission.checks.unsafe import refuse_errors
 from ipoa_mission.errors import MissionError, Unsafe
 from ipoa_mission.forecast.deviation.law import law_of
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.forecast.itinerary.flown_legs import Leg, Phase
+from ipoa_mission.forecast.itinerary.flown_legs import Leg
 from ipoa_mission.forecast.leg_limits import landings
 from ipoa_mission.geodesy import Geodetic, apart
 from ipoa_mission.link.dialogue import NoAnswer, TimeUp
@@ -194,7 +195,7 @@ def breaches(mission: Mission, fence: OwnFence, there: Geodetic) -> tuple[str, .
     heights = [forecast.frame.to_geodetic(leg.points)[2] - mission.home.altitude for leg in legs]
     away = [(leg, float(np.hypot(*(leg.points[:, :2] - center).T).max())) for leg in legs]
     highest = [(leg, float(up.max())) for leg, up in zip(legs, heights, strict=True)]
-    lowest = [(leg, float(up.min())) for leg, up in zip(legs, heights, strict=True) if leg.phase is Phase.CRUISE]
+    lowest = [(leg, float(up.min())) for leg, up in zip(legs, heights, strict=True) if leg.stage is FlightStage.ROUTE]
     return (
         *_beyond(mission, fence.radius, away, "away from home", law.lateral(share)),
         *_beyond(mission, fence.ceiling, highest, "above home", law.highest.distance(share)),

@@ -10,9 +10,10 @@ from numpy.typing import NDArray
 
 from ipoa_mission.autopilot.known_parameters import expect_known
 from ipoa_mission.autopilot.parameters import NO_PARAMETERS, Parameters
+from ipoa_mission.autopilot.returning import FlightStage
 from ipoa_mission.autopilot.version import Version
 from ipoa_mission.errors import MissionError, NotModeled, renamed
-from ipoa_mission.forecast.itinerary.flown_legs import Leg, Phase, flown_legs, join, trace_returns
+from ipoa_mission.forecast.itinerary.flown_legs import Leg, flown_legs, join, trace_returns
 from ipoa_mission.forecast.itinerary.itinerary import Itinerary, Unknown, find_unknown, itinerary, past_jumps
 from ipoa_mission.geodesy import LocalFrame
 from ipoa_mission.geometry import Points
@@ -131,11 +132,11 @@ class Forecast:
 
     @property
     def cruise(self) -> list[Leg]:
-        return [leg for leg in self.legs if leg.phase is Phase.CRUISE and not leg.alternative]
+        return [leg for leg in self.legs if leg.stage is FlightStage.ROUTE and not leg.alternative]
 
     @property
     def ways_home(self) -> list[Leg]:
-        return [leg for leg in self.legs if leg.phase is Phase.RETURN]
+        return [leg for leg in self.legs if leg.stage is FlightStage.RETURN]
 
     def returns_from(self, places: Points) -> NDArray[np.float64]:
         """Return paths of returns, (goals, n, 3, 3) [m]."""

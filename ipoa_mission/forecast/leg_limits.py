@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ipoa_mission.autopilot.commands import Command, command_name
+from ipoa_mission.autopilot.returning import FlightStage
 from ipoa_mission.autopilot.slow_landing import SlowStretch
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.forecast.itinerary.flown_legs import Leg, Phase
+from ipoa_mission.forecast.itinerary.flown_legs import Leg
 from ipoa_mission.mission.items import Item
 
 if TYPE_CHECKING:  # not for an upload
@@ -23,9 +24,9 @@ def broken_limits(leg: Leg, scenario: "Scenario") -> "list[Check]":
     from ipoa_mission.planning.proof import prove
 
     limits = {"obstacles"}  # a take-off and a landing are steep, and begin or end on the ground
-    if leg.phase in (Phase.CRUISE, Phase.RETURN):
+    if leg.stage in (FlightStage.ROUTE, FlightStage.RETURN):
         limits |= {"ground", "ceiling", "bounds"}
-    if leg.phase is Phase.CRUISE and np.ptp(leg.points[:, :2], axis=0).max() >= ROUNDING["m"]:
+    if leg.stage is FlightStage.ROUTE and np.ptp(leg.points[:, :2], axis=0).max() >= ROUNDING["m"]:
         limits |= {"climb", "descent"}
     checks = prove(leg.points, scenario, leg.stray).checks
     return [c for c in checks if c.limit in limits and c.slack < -ROUNDING[c.unit]]
@@ -58,7 +59,7 @@ class Landing:
 def landings(forecast: Forecast) -> Iterator[Landing]:
     mission, reported = forecast.mission, set[tuple[int, float]]()
     for leg in forecast.legs:
-        if leg.phase is not Phase.LANDING or leg.points[-1, 2] > leg.points[0, 2]:
+        if leg.stage is not FlightStage.LANDING or leg.points[-1, 2] > leg.points[0, 2]:
             continue
         height = forecast.frame.geodetic(leg.points[-1]).altitude - mission.home.altitude
         if (leg.seq, round(height, 1)) not in reported:

@@ -5,11 +5,11 @@ from dataclasses import replace
 
 from ipoa_mission.autopilot.commands import Command
 from ipoa_mission.autopilot.parameters import name_values
+from ipoa_mission.autopilot.returning import FlightStage
 from ipoa_mission.autopilot.slow_landing import HEIGHT_UNCERTAINTY
 from ipoa_mission.errors import Unsafe
 from ipoa_mission.forecast.contingency.shortfalls import clear_in, heights_above
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.forecast.itinerary.flown_legs import Phase
 from ipoa_mission.forecast.leg_limits import landings
 from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.mission.items import Mission, waypoint
@@ -77,7 +77,7 @@ def raise_way_home(mission: Mission, scenario: Scenario) -> Mission:
         climb = waypoint(above, height, *mission.autopilot.waypoint_defaults(mission.firmware_version))
         raised = replace(mission, items=(*mission.items[:-2], stopped, climb, mission.items[-1]))
         legs = Forecast(raised, scenario).legs
-        climb_leg, *returns = (leg for leg in legs if leg.seq == len(mission.items) or leg.phase is Phase.RETURN)
+        climb_leg, *returns = (leg for leg in legs if leg.seq == len(mission.items) or leg.stage is FlightStage.RETURN)
         if any(check.slack < 0 for check in prove(climb_leg.points, scenario).checks if check.limit != "climb"):
             return mission
         if is_clear(returns):

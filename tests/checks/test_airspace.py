@@ -10,9 +10,10 @@ from hypothesis import strategies as st
 
 from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.autopilot.commands import Command
+from ipoa_mission.autopilot.returning import FlightStage
 from ipoa_mission.checks.check import check_mission
 from ipoa_mission.forecast.forecast import estimate
-from ipoa_mission.forecast.itinerary.flown_legs import Leg, Phase, flown_legs
+from ipoa_mission.forecast.itinerary.flown_legs import Leg, flown_legs
 from ipoa_mission.forecast.leg_limits import broken_limits
 from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.geometry import Points, Vector
@@ -81,7 +82,9 @@ def test_the_leg_to_a_payload_place_or_a_loiter_to_altitude_is_checked(command: 
     assert predicted.items[2].duration_s == pytest.approx(flown.item_reached_s[2] - flown.item_reached_s[1], abs=0.6)
     assert predicted.items[2].duration_s > 10.0
     if command == Command.NAV_PAYLOAD_PLACE:
-        down, up = (leg for leg in flown_legs(through, scenario.frame) if leg.seq == 3 and leg.phase is Phase.LANDING)
+        down, up = (
+            leg for leg in flown_legs(through, scenario.frame) if leg.seq == 3 and leg.stage is FlightStage.LANDING
+        )
         assert corners(down)[-1] == corners(up)[0]
         assert corners(up)[-1] == corners(down)[0]
 
@@ -90,11 +93,11 @@ def test_the_legs_of_a_flight_are_climb_cruise_return_and_landing() -> None:
     scenario = world()
     high = {"RTL_RETURN_ALT": 50.0}
     legs = flown_legs(flight(scenario, (60.0, 0.0, 20.0)).with_parameters(high), scenario.frame)
-    assert [(leg.seq, leg.phase) for leg in legs] == [
-        (1, Phase.TAKEOFF),
-        (2, Phase.CRUISE),
-        (3, Phase.RETURN),
-        (3, Phase.LANDING),
+    assert [(leg.seq, leg.stage) for leg in legs] == [
+        (1, FlightStage.TAKEOFF),
+        (2, FlightStage.ROUTE),
+        (3, FlightStage.RETURN),
+        (3, FlightStage.LANDING),
     ]
     assert corners(legs[0]) == [[0, 0, 0], [0, 0, 20]]
     assert corners(legs[1]) == [[0, 0, 20], [60, 0, 20]]
@@ -123,7 +126,7 @@ def test_the_way_home_is_as_high_as_the_autopilots_parameters_say(
 ) -> None:
     scenario = world()
     mission = flight(scenario, (east, 0.0, 20.0), autopilot=autopilot).with_parameters(parameters)
-    ways = [leg for leg in flown_legs(mission, scenario.frame) if leg.phase is Phase.RETURN]
+    ways = [leg for leg in flown_legs(mission, scenario.frame) if leg.stage is FlightStage.RETURN]
     assert [way.points[:, 2].max() for way in ways] == pytest.approx(tops, abs=0.01)
     assert [way.alternative for way in ways] == [False, True][: len(ways)]
 
@@ -177,7 +180,7 @@ def test_a_leg_above_terrain_follows_the_ground() -> None:
 def test_a_rally_point_is_where_it_returns_as_high_above_it_as_above_home() -> None:
     scenario = world()
     mission = replace(flight(scenario, (60.0, 0.0, 20.0)), rally=(replace(place(scenario, 60.0, 30.0), altitude=10.0),))
-    ways = [corners(leg)[-1] for leg in flown_legs(mission, scenario.frame) if leg.phase is Phase.RETURN]
+    ways = [corners(leg)[-1] for leg in flown_legs(mission, scenario.frame) if leg.stage is FlightStage.RETURN]
     assert ways == [[60, 30, 40], [0, 0, 30]]  # home as well, where rally points are not taken
 
 
@@ -293,7 +296,7 @@ def test_a_leg_out_of_bounds_is_an_error_with_the_place() -> None:
 def test_a_limit_is_broken_by_more_than_the_rounding_of_a_file(short: float, limits: list[str]) -> None:
     """Places in a file are whole 1e-7 degrees, 1.1 cm: a leg may be short by 2 cm, not by more."""
     north = 15.0 - 2.5 + short  # of the hall's south wall; the radius and the safety distance are 2.5 m
-    leg = Leg(1, Phase.CRUISE, np.array([(0.0, north, 20.0), (100.0, north, 20.0)]))
+    leg = Leg(1, FlightStage.ROUTE, np.array([(0.0, north, 20.0), (100.0, north, 20.0)]))
     assert [check.limit for check in broken_limits(leg, world())] == limits
 
 

@@ -8,9 +8,10 @@ import shapely
 
 from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.autopilot.commands import Command
+from ipoa_mission.autopilot.returning import FlightStage
 from ipoa_mission.checks.check import check_mission
 from ipoa_mission.forecast.forecast import estimate
-from ipoa_mission.forecast.itinerary.flown_legs import Phase, flown_legs, join
+from ipoa_mission.forecast.itinerary.flown_legs import flown_legs, join
 from ipoa_mission.geodesy import LocalFrame
 from ipoa_mission.mission.items import Mission, return_to_launch, spline_waypoint, takeoff, waypoint
 from ipoa_mission.mission.mission_io import read_mission_file
@@ -61,7 +62,7 @@ def test_arducopter_flew_along_the_curve_and_not_along_its_chords(name: str) -> 
 
 def test_mast_on_a_spline_is_found_but_not_one_on_its_chord() -> None:
     mission, scenario = zigzag((-40.0, -80.0), is_spline=True)
-    legs = [leg for leg in flown_legs(mission, scenario.frame) if leg.phase is Phase.CRUISE]
+    legs = [leg for leg in flown_legs(mission, scenario.frame) if leg.stage is FlightStage.ROUTE]
     curve, _ = join(legs)
     chords = shapely.LineString([(0.0, 0.0), *ZIGZAG])
     away = shapely.distance(chords, shapely.points(curve[:, :2]))

@@ -6,9 +6,10 @@ from shapely import LineString, box
 
 from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.autopilot.commands import Command
+from ipoa_mission.autopilot.returning import FlightStage
 from ipoa_mission.checks.check import check_mission
 from ipoa_mission.flight.flight import plan_flight
-from ipoa_mission.forecast.itinerary.flown_legs import Phase, flown_legs
+from ipoa_mission.forecast.itinerary.flown_legs import flown_legs
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.routing.build import build_mission
 from ipoa_mission.routing.repairs import raise_way_home_remarks
@@ -49,7 +50,7 @@ def mission(scenario: Scenario) -> Mission:
 
 def height_over_the_hall(flown: Mission, scenario: Scenario) -> float:
     """Return the height of the way home over the hall, without the package's clearances."""
-    ways = [leg for leg in flown_legs(flown, scenario.frame) if leg.phase is Phase.RETURN]
+    ways = [leg for leg in flown_legs(flown, scenario.frame) if leg.stage is FlightStage.RETURN]
     assert all(LineString(way.points[:, :2]).intersects(HALL) for way in ways)
     return float(min(way.points[-1, 2] for way in ways))
 

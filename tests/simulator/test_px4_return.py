@@ -3,8 +3,9 @@ import pytest
 
 from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.autopilot.commands import Command
+from ipoa_mission.autopilot.returning import FlightStage
 from ipoa_mission.forecast.forecast import estimate
-from ipoa_mission.forecast.itinerary.flown_legs import Phase, flown_legs
+from ipoa_mission.forecast.itinerary.flown_legs import flown_legs
 from ipoa_mission.geodesy import Geodetic, LocalFrame
 from ipoa_mission.mission.items import Mission, return_to_launch, takeoff, waypoint
 from ipoa_mission.simulator.simulated_flight import SimulatedFlight
@@ -34,7 +35,7 @@ def test_checks_estimate_and_built_in_autopilot_return_equally_high(parameters: 
     items = (takeoff(HOME, 20.0), waypoint(frame.geodetic(np.array([60.0, 0.0, 0.0])), 20.0), return_to_launch())
     mission = Mission(HOME, items, Autopilot.PX4, 5.0, parameters=parameters)
     checked = [leg.points[:, 2].max() for leg in flown_legs(mission, frame)]
-    usual = next(leg for leg in flown_legs(mission, frame) if leg.phase is Phase.RETURN)
+    usual = next(leg for leg in flown_legs(mission, frame) if leg.stage is FlightStage.RETURN)
     assert usual.points[:, 2].max() == pytest.approx(top, abs=0.01)
     assert max(checked) == pytest.approx(top, abs=0.01)
     assert estimate(mission).track.points[:, 2].max() == pytest.approx(top, abs=1.0)

@@ -6,13 +6,12 @@ Heights become local `up` with the Earth's curvature. Loops are not unrolled: ea
 import math
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from enum import StrEnum
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ipoa_mission.autopilot.commands import FLOWN_TO, JUMPS, Command
-from ipoa_mission.autopilot.returning import ReturnBy, ReturnOrder
+from ipoa_mission.autopilot.returning import FlightStage, ReturnBy, ReturnOrder
 from ipoa_mission.forecast.itinerary.copter_curves import (
     NEAR_CIRCLE,
     arc_chords,
@@ -40,13 +39,6 @@ MOVING = FLOWN_TO | {Command.NAV_RETURN_TO_LAUNCH}
 HOME_RADIUS = 0.5  # of a take-off at home [m]
 
 
-class Phase(StrEnum):
-    TAKEOFF = "take-off"
-    CRUISE = "cruise"
-    RETURN = "return"
-    LANDING = "landing"
-
-
 @dataclass(frozen=True, eq=False)
 class Leg:
     """The path to item `seq`: points (k, 3) [m].
@@ -56,7 +48,7 @@ class Leg:
     """
 
     seq: int
-    phase: Phase
+    stage: FlightStage
     points: Points
     alternative: bool = False
     over_terrain: bool = False
@@ -65,8 +57,12 @@ class Leg:
 
     @property
     def name(self) -> str:
-        names = {Phase.CRUISE: "the leg to it", Phase.RETURN: "the way home", Phase.TAKEOFF: "the climb"}
-        name = names.get(self.phase, "the descent")
+        names = {
+            FlightStage.ROUTE: "the leg to it",
+            FlightStage.RETURN: "the way home",
+            FlightStage.TAKEOFF: "the climb",
+        }
+        name = names.get(self.stage, "the descent")
         if self.jumped_from < 0:
             return name
         return f"{name} from {f'item {self.jumped_from}' if self.jumped_from else 'home'}, after a jump"
@@ -191,7 +187,7 @@ class _LegBuilder:
             points = np.column_stack([np.interp(steps, traveled, axis) for axis in points.T])
             points[:, 2] += self.ground(points)
         self.at = points[-1]
-        return Leg(seq, Phase.CRUISE, points, over_terrain=follows, stray=CHORD_TOLERANCE)
+        return Leg(seq, FlightStage.ROUTE, points, over_terrain=follows, stray=CHORD_TOLERANCE)
 
     def _circle(self, seq: int, item: Item) -> Iterator[Leg]:
         if (center := self.places[seq - 1]) is None:
@@ -216,7 +212,7 @@ class _LegBuilder:
             self.heading = math.atan2(*(target - self.at)[:2])
         self.at = target
         path = self._over_ground(points) if follow_terrain else points
-        return Leg(seq, Phase.CRUISE, path, over_terrain=follow_terrain)
+        return Leg(seq, FlightStage.ROUTE, path, over_terrain=follow_terrain)
 
     def _over_ground(self, ends: Points) -> Points:
         steps = max(2, math.ceil(float(np.hypot(*(ends[1] - ends[0])[:2])) / FOLLOWING_STEP) + 1)
@@ -229,7 +225,7 @@ class _LegBuilder:
     def _takeoff(self, seq: int, item: Item) -> Iterator[Leg]:
         if not math.isfinite(item.altitude):
             return
-        yield self._vertical(seq, Phase.TAKEOFF, self.home[2] + item.height(self.mission.home))
+        yield self._vertical(seq, FlightStage.TAKEOFF, self.home[2] + item.height(self.mission.home))
         target = self.places[seq - 1]
         if self.mission.autopilot.guidance.climbs_where_it_stands or target is None:
             return  # ArduCopter climbs in place, whatever the take-off's position
@@ -240,7 +236,7 @@ class _LegBuilder:
         if item.has_position:
             place = self.frame.local(Geodetic(item.latitude_deg, item.longitude_deg, self.mission.home.altitude))
             yield self._to(seq, np.array([*place[:2], self.at[2]]), follow_terrain=False)
-        yield self._vertical(seq, Phase.LANDING, float(self.ground(self.at[None, :])[0]))
+        yield self._vertical(seq, FlightStage.LANDING, float(self.ground(self.at[None, :])[0]))
 
     def _payload(self, seq: int, item: Item) -> Iterator[Leg]:
         target = self.places[seq - 1]
@@ -249,8 +245,8 @@ class _LegBuilder:
             yield self._to(seq, np.array([target[0], target[1], up]), follow_terrain=False)
         top, ground = float(self.at[2]), float(self.ground(self.at[None, :])[0])
         deepest = item.params[0] if item.params[0] > 0.0 else math.inf
-        yield self._vertical(seq, Phase.LANDING, max(top - deepest, ground))
-        yield self._vertical(seq, Phase.LANDING, top)
+        yield self._vertical(seq, FlightStage.LANDING, max(top - deepest, ground))
+        yield self._vertical(seq, FlightStage.LANDING, top)
 
     def _returns(self, seq: int) -> Iterator[Leg]:
         places, version = [triple(place) for place in self._rally_points()], self.mission.firmware_version
@@ -264,8 +260,8 @@ class _LegBuilder:
         landed = self.at
         for n, (goal, (path,)) in enumerate(paths):
             self.at = path[-1]
-            down = self._vertical(seq, Phase.LANDING, float(self.ground(goal[None, :])[0]))
-            yield from (replace(leg, alternative=n > 0) for leg in (Leg(seq, Phase.RETURN, path), down))
+            down = self._vertical(seq, FlightStage.LANDING, float(self.ground(goal[None, :])[0]))
+            yield from (replace(leg, alternative=n > 0) for leg in (Leg(seq, FlightStage.RETURN, path), down))
             landed = self.at if n == 0 else landed
         self.at = landed
 
@@ -274,9 +270,9 @@ class _LegBuilder:
         places = [place for item, place in flown if item.command in FLOWN_TO and place is not None]
         path = np.array([self.at, *reversed(places)])
         over_home = np.array([self.home[0], self.home[1], path[-1, 2]])
-        yield Leg(seq, Phase.RETURN, np.vstack([path, over_home]))
+        yield Leg(seq, FlightStage.RETURN, np.vstack([path, over_home]))
         self.at = over_home
-        yield self._vertical(seq, Phase.LANDING, float(self.ground(self.home[None, :])[0]))
+        yield self._vertical(seq, FlightStage.LANDING, float(self.ground(self.home[None, :])[0]))
 
     def trace_returns(self, places: Points) -> Iterator[tuple[Vector, NDArray[np.float64]]]:
         """Return each goal, and the paths from places (n, 3) to over it, (n, 3, 3).
@@ -321,11 +317,11 @@ class _LegBuilder:
             yield from (replace(leg, alternative=True, jumped_from=self.last) for leg in legs)
             self.at, self.flown_in, self.curve = here, flown_in, curve
 
-    def _vertical(self, seq: int, phase: Phase, up: float) -> Leg:
+    def _vertical(self, seq: int, stage: FlightStage, up: float) -> Leg:
         points = np.array([self.at, [self.at[0], self.at[1], up]])
         self.flown_in = self.curve = None
         self.at = points[-1]
-        return Leg(seq, phase, points)
+        return Leg(seq, stage, points)
 
 
 def triple(point: Vector) -> Place:
