@@ -1,6 +1,5 @@
 """The interface of an autopilot's flight model, and what it predicts."""
 
-import math
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -10,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ipoa_mission.autopilot.parameters import Parameters
-from ipoa_mission.autopilot.returning import Contingency
+from ipoa_mission.autopilot.returning import Contingency, level_distance
 from ipoa_mission.errors import MissionError, NotModeled
-from ipoa_mission.forecast.itinerary.itinerary import Itinerary
+from ipoa_mission.forecast.itinerary.itinerary import Itinerary, turn_deg
 from ipoa_mission.forecast.timing.bound import Kinematics
 from ipoa_mission.forecast.timing.track import Track
 from ipoa_mission.geometry import Place, Points, Vector
@@ -50,11 +49,10 @@ class Prediction:
 
 
 def corner_deg(before: Place, at: Place, after: Place) -> float:
-    """Return the level course change [deg]; 0 at a vertical side."""
-    x1, y1, x2, y2 = at[0] - before[0], at[1] - before[1], after[0] - at[0], after[1] - at[1]
-    if math.hypot(x1, y1) < 0.1 or math.hypot(x2, y2) < 0.1:
+    """Return the turn at a place, 0 to 180; 0 at a vertical side."""
+    if level_distance(before, at) < 0.1 or level_distance(at, after) < 0.1:
         return 0.0
-    return abs(math.degrees(math.atan2(x1 * y2 - y1 * x2, x1 * x2 + y1 * y2)))
+    return turn_deg(before, at, after)
 
 
 @dataclass(frozen=True)
