@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ipoa_mission.centimeters import ceil_cm
-from ipoa_mission.forecast.deviation.clearance_guarantee import broken_limits
+from ipoa_mission.forecast.deviation.clearance_guarantee import limits_broken_by_deviation
 from ipoa_mission.forecast.deviation.kept_limits import clearance_task, with_margins
 from ipoa_mission.forecast.deviation.proximity import proximity_risks
 from ipoa_mission.forecast.timing.estimate import kinematics
@@ -131,7 +131,7 @@ def _broken(attempt: Attempt, stations: Vector, places: list[tuple[float, float,
     airspace, required = task.path.airspace, ceil_cm(task.path.limits.obstacle_distance)
     flown, (samples, line) = pieces_of(prediction.track), curve_samples(curve)
     is_broken = (airspace.obstacle_distance(flown.points) < required) | is_far(flown.points, line, tolerance)
-    for place in [*places, *(check.nearest.place for check in broken_limits(flown.points, task))]:
+    for place in [*places, *(check.nearest.place for check in limits_broken_by_deviation(flown.points, task))]:
         is_broken[np.argmin(np.linalg.norm(flown.points - place, axis=1))] = True
     times = flown.times[is_broken]
     if task.chance is not None:

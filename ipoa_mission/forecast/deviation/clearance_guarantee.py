@@ -121,10 +121,10 @@ def deviation_bound_holds(flown: Pieces, task: ClearanceTask) -> bool:
             pairs = proximity_risks(flown, airspace, law, required)
             if pairs.of(free[pairs.piece]).chance(required) > chance:
                 return False
-    return not broken_limits(flown.points, task)
+    return not limits_broken_by_deviation(flown.points, task)
 
 
-def broken_limits(path: Points, task: ClearanceTask) -> list[Check]:
+def limits_broken_by_deviation(path: Points, task: ClearanceTask) -> list[Check]:
     """Return the limits of height and place that flights along the path (n, 3) break, each at its worst place."""
     checks = limits_kept(thinned(path), task.path, _bound(task.law, task.chance))
     return [check for check in checks if _breaks(check.nearest.distance, check.required, check.at_most)]
