@@ -139,7 +139,9 @@ def placed_items(forecast: Forecast) -> list[tuple[Item, Vector | None]]:
 
 
 def item_legs(forecast: Forecast) -> tuple[ItemLeg, ...]:
-    legs, items, rows = [], placed_items(forecast), rows_of(forecast)
+    legs = []
+    items = placed_items(forecast)
+    rows = rows_of(forecast)
     bent = {leg.seq for leg in forecast.cruise if leg.stray > 0}
     curves = {seq: join([leg for leg in forecast.cruise if leg.seq == seq]) for seq in bent}
     before, flying = np.zeros(3), False
@@ -181,7 +183,8 @@ def extent_of(*paths: Points) -> Extent:
     low, high = points.min(axis=0), points.max(axis=0)
     half = (high - low) / 2 + max(15.0, 0.18 * float((high - low).max()))
     half = np.maximum(half, 0.62 * half.max())
-    (west, south), (east, north) = ((low + high) / 2 - half).tolist(), ((low + high) / 2 + half).tolist()
+    west, south = ((low + high) / 2 - half).tolist()
+    east, north = ((low + high) / 2 + half).tolist()
     return Extent((west, south), (east, north))
 
 

@@ -180,7 +180,8 @@ def _draw_top(axes: Axes, airspace: Airspace, paths: Mapping[str, Points]) -> No
 def _draw_front(axes: Axes, airspace: Airspace, paths: Mapping[str, Points]) -> None:
     east, _, up = ground_mesh(airspace, 240)
     far_first = sorted(airspace.obstacles, key=lambda o: -float(o.bounds[0, 1]))
-    silhouettes, colors = [obstacle.silhouette(0) for obstacle in far_first], _roof_colors(far_first, alpha=0.55)
+    silhouettes = [obstacle.silhouette(0) for obstacle in far_first]
+    colors = _roof_colors(far_first, alpha=0.55)
     shapes = PolyCollection(silhouettes, facecolors=colors, edgecolors=Color.OUTLINE, linewidths=0.4)
     axes.add_collection(shapes, autolim=False)
     tops = [float(obstacle.bounds[1, 2]) for obstacle in far_first if obstacle.solid]

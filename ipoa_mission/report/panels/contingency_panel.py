@@ -84,7 +84,9 @@ def contingency_strip(forecast: Forecast, predicted: SampledTrack) -> str:
 def _stretch(row: ContingencyRow, ends: Vector) -> str:
     """`ends`: shares of the strip (2,)."""
     begin, end = ends.tolist()
-    look, words, width = GRADE_LOOKS[row.grade], escape(str(row)), max(end - begin, MIN_WIDTH)
+    look = GRADE_LOOKS[row.grade]
+    words = escape(str(row))
+    width = max(end - begin, MIN_WIDTH)
     has_room = width >= 0.09  # for the label
     return (
         f'<span class="way {look.replace(" ", "-")}" role="img" aria-label="{words}" title="{words}" '

@@ -54,7 +54,9 @@ def _line(look: str, sign: str, words: str) -> str:
 
 def figures(forecast: Forecast, length: float, waypoints: int, comparison: Comparison | None) -> str:
     """`length`: of the predicted path over ground [m]."""
-    estimate, guarantee, budget = forecast.estimate, forecast.guarantee_if_known, budget_of(forecast)
+    estimate = forecast.estimate
+    guarantee = forecast.guarantee_if_known
+    budget = budget_of(forecast)
     interval = f"{seconds(estimate.low_s)} to {seconds(estimate.high_s)}{estimate.besides}"
     cards = [_card("estimated flight", seconds(estimate.total_s), interval, "lead")]
     if comparison is not None:

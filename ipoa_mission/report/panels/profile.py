@@ -22,7 +22,9 @@ def along_axis(predicted: SampledTrack) -> GraphAxis:
 def height_profile(flight: DrawnFlight) -> str:
     """Show obstacles below the path and near it."""
     predicted, flown, limits = flight.predicted, flight.flown, flight.scenario.limits
-    along, up, required = predicted.along, predicted.points[:, 2], limits.obstacle_distance
+    along = predicted.along
+    up = predicted.points[:, 2]
+    required = limits.obstacle_distance
     near = list(near_track(predicted, flight.scenario.airspace, required))
     tops = np.array([min(float(body.bounds[1, 2]), float(up.max()) * 1.6) for body, *_ in near])
     heights = [up + required, predicted.ground, *([] if flown is None else [flown.points[:, 2]])]
@@ -72,7 +74,8 @@ def distance_profile(predicted: SampledTrack, required: float) -> str:
 
 def speed_profile(flight: DrawnFlight) -> str:
     """Show a tick at each completed item, with what kept it slow."""
-    predicted, tracks = flight.predicted, [flight.predicted, *([] if flight.flown is None else [flight.flown])]
+    predicted = flight.predicted
+    tracks = [flight.predicted, *([] if flight.flown is None else [flight.flown])]
     chart = Graph(
         axis_over("time from arming [s]", *(track.times for track in tracks), room=0.015, floor=0.0),
         axis_over("speed [m/s]", *(track.speeds for track in tracks), room=0.12, floor=0.0),
