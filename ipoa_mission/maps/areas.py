@@ -57,7 +57,9 @@ def find_zones(
     about = MapWindow.of(frame)
     shapes, near = to_plane([feature.shape for feature in features], frame, about)
     about.expect_near(path)
-    mistakes, zones, remarks = Mistakes(), list[MapArea](), list[str]()
+    mistakes = Mistakes()
+    zones = list[MapArea]()
+    remarks = list[str]()
     passed, unread = list[PassedOver](), list[Unread]()
     wanted = {_respelled(restriction) for restriction in restrictions}
     for feature, shape, is_near in zip(features, shapes, near, strict=True):

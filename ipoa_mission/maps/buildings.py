@@ -111,7 +111,9 @@ class _Finder:
         self._rules, self._frame, self._path, self._all_buildings = rules, frame, path, all_buildings
         self._mistakes, self._counts = Mistakes(), Counter[str]()
         self._odd, self._odd_first = 0, list[str]()
-        self._obstacles, self._passed, self._unread = list[MapObstacle](), list[PassedOver](), list[Unread]()
+        self._obstacles = list[MapObstacle]()
+        self._passed = list[PassedOver]()
+        self._unread = list[Unread]()
 
     def add(self, features: Sequence[Feature], around: MapWindow) -> None:
         shapes, near = to_plane([feature.shape for feature in features], self._frame, around)
@@ -150,7 +152,9 @@ class _Finder:
 
     def _stand(self, feature: Feature, shape: Any) -> list[MapObstacle]:
         """Return an obstacle for each part."""
-        rules, counts, doubts = self._rules, self._counts, list[str]()
+        rules = self._rules
+        counts = self._counts
+        doubts = list[str]()
 
         def odd(key: str, value: str) -> None:
             self._odd += 1

@@ -152,10 +152,13 @@ def _raise_over_posts(
     rows, columns = ground.shape
     x, y = (east - lower[0]) / spacing, (north - lower[1]) / spacing
     inside = (x >= 0) & (y >= 0) & (x <= columns - 1) & (y <= rows - 1)
-    x, y, up = x[inside], y[inside], up[inside]
+    x = x[inside]
+    y = y[inside]
+    up = up[inside]
     missing = up - scipy.ndimage.map_coordinates(ground, [y, x], order=1, mode="nearest")
     short = missing > 0
-    column, row = np.minimum(x[short].astype(int), columns - 2), np.minimum(y[short].astype(int), rows - 2)
+    column = np.minimum(x[short].astype(int), columns - 2)
+    row = np.minimum(y[short].astype(int), rows - 2)
     raised = np.zeros_like(ground)
     for down, right in ((0, 0), (0, 1), (1, 0), (1, 1)):
         np.maximum.at(raised, (row + down, column + right), missing[short])

@@ -47,7 +47,9 @@ def read_geojson(path: Path) -> tuple[Feature, ...]:
 
 
 def _values(text: str) -> list[Any]:
-    decode, values, at = json.JSONDecoder().raw_decode, list[Any](), _first(text, 0)
+    decode = json.JSONDecoder().raw_decode
+    values = list[Any]()
+    at = _first(text, 0)
     while at < len(text) or not values:
         if values and text[at] != "{":
             raise json.JSONDecodeError("Extra data", text, at)

@@ -55,7 +55,9 @@ class _Message(NamedTuple):
 
 def grib_winds(path: Path, place: Geodetic) -> ForecastWinds:
     eccodes = imported("eccodes", f"{path}: a forecast of winds needs eccodes", "wind")
-    winds, nearest, axes = ForecastWinds(path, place), dict[str, Nearest](), dict[_Moment, float]()
+    winds = ForecastWinds(path, place)
+    nearest = dict[str, Nearest]()
+    axes = dict[_Moment, float]()
     parts = defaultdict[_Moment, dict[Component, list[float]]](lambda: defaultdict(list))
     for number, handle in enumerate(_messages(eccodes, path), 1):
         if (message := _read(eccodes, handle, f"message {number}", winds, nearest)) is not None:
@@ -153,7 +155,8 @@ def _read(eccodes: Any, handle: Any, where: str, winds: ForecastWinds, nearest: 
 def _axis_deg(eccodes: Any, get: Any, path: Path, latitude_deg: float, longitude_deg: float) -> float | None:
     # eccodes has no uvRelativeToGrid of polar stereographic and Lambert azimuthal grids
     is_along = get("uvRelativeToGrid", int) or (get("resolutionAndComponentFlags", int) or 0) & ALONG_AXES
-    kind, north_up = get("gridType"), "regular_ll regular_gg reduced_ll reduced_gg mercator unstructured_grid"
+    kind = get("gridType")
+    north_up = "regular_ll regular_gg reduced_ll reduced_gg mercator unstructured_grid"
     if not is_along or kind in north_up.split():
         return None
     if kind == "rotated_ll" and not get("angleOfRotationInDegrees", float):

@@ -54,7 +54,10 @@ def meters(text: str, place: str) -> float:
 def length_of(text: str) -> tuple[float | None, bool]:
     """Return the greatest length [m], and whether all was understood. A bare number or an unknown unit is in meters."""
     text = re.sub(r"\.{2,}|…", "-", _plain(text))
-    lengths, end, last, rest = list[float](), 0, 0.0, list[str]()
+    lengths = list[float]()
+    end = 0
+    last = 0.0
+    rest = list[str]()
     for match in _QUANTITY.finditer(text):
         between, end = text[end : match.start()], match.end()
         rest.append(between)

@@ -174,7 +174,9 @@ def _levels(east: Any, north: Any, winds: ForecastWinds) -> Iterator[tuple[float
 
 def _heights(path: Path, coordinate: Any) -> _Heights | None:
     """Return heights; refuse unknown units, and heights that count downwards."""
-    name, attributes, standard = str(coordinate.name), coordinate.attrs, _standard_name(coordinate)
+    name = str(coordinate.name)
+    attributes = coordinate.attrs
+    standard = _standard_name(coordinate)
     if {"grid_mapping_name", "crs_wkt"} & attributes.keys():
         return None
     unit, is_axis = attributes.get("units"), attributes.get("axis") == "Z"
@@ -267,7 +269,8 @@ def _at_place(variable: Any, winds: ForecastWinds) -> tuple[Any, float | None]:
     """Return the value at the nearest point, and the direction of the y axis for a component along the axes."""
     place, path = winds.place, winds.path
     latitude, longitude = (_degrees(variable, kind, path) for kind in ("latitude", "longitude"))
-    relative, is_named = variable.attrs.get("GRIB_uvRelativeToGrid"), variable.attrs.get("standard_name") in GEOGRAPHIC
+    relative = variable.attrs.get("GRIB_uvRelativeToGrid")
+    is_named = variable.attrs.get("standard_name") in GEOGRAPHIC
     # cfgrib calls winds along the axes eastward, too
     is_along = relative == 1 and variable.attrs.get("GRIB_gridType") != "mercator" if is_named else relative != 0
     is_along = is_along and latitude.ndim == 2 and _component(variable) in (Component.EAST, Component.NORTH)
@@ -303,7 +306,8 @@ def _at_place(variable: Any, winds: ForecastWinds) -> tuple[Any, float | None]:
 
 def _degrees(variable: Any, kind: str, path: Path) -> Any:
     for name, coordinate in variable.coords.items():
-        standard, unit = coordinate.attrs.get("standard_name"), coordinate.attrs.get("units", "degrees")
+        standard = coordinate.attrs.get("standard_name")
+        unit = coordinate.attrs.get("units", "degrees")
         is_named = standard == kind or (standard is None and str(name).lower() in (kind, kind[:3]))
         if is_named and str(unit).lower().startswith("deg"):
             return variable[name]

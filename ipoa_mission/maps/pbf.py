@@ -80,7 +80,8 @@ class _Extract:
             counts = self._around.wants(np.array([self._box_of(relation) for relation in relations.values()]))
             relations = {number: relations[number] for number in compress(relations, counts.tolist())}
         for node in self._again(osm.NODE, self._nodes):
-            shape, tags = shapely.Point(node.lon, node.lat) if _is_known(node) else EMPTY_SHAPE, _tags(node)
+            shape = shapely.Point(node.lon, node.lat) if _is_known(node) else EMPTY_SHAPE
+            tags = _tags(node)
             if tags.keys() - META_TAGS:
                 yield feature_of(f"node {node.id}", tags, shape, self._path)
         parts, lines = _parts(relations), dict[str, list[tuple[float, float]] | None]()

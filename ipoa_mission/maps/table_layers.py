@@ -80,11 +80,14 @@ def _layers(path: Path, around: MapWindow) -> list[list[Feature]]:
 
 
 def _layer(pyogrio: Any, path: Path, name: str, place: str, around: MapWindow) -> list[Feature]:
-    info, count, features = pyogrio.read_info(path, layer=name), 0, list[Feature]()
+    info = pyogrio.read_info(path, layer=name)
+    count = 0
+    features = list[Feature]()
     if not info["crs"]:
         words = "expected a file that names its coordinate system"
         raise NoCoordinateSystem(words, place=path, hint="a Shapefile names it in the .prj file next to it")
-    to_degrees, is_cut = degrees_of(CRS.from_user_input(info["crs"])), path.suffix.lower() == ".shp"
+    to_degrees = degrees_of(CRS.from_user_input(info["crs"]))
+    is_cut = path.suffix.lower() == ".shp"
     chosen = {"layer": name, "return_fids": True, "batch_size": BATCH, "use_pyarrow": True}
     with pyogrio.raw.open_arrow(path, **chosen) as (meta, batches):
         shapes = _Shapes(meta["geometry_name"] or "wkb_geometry", to_degrees, is_cut)

@@ -100,7 +100,8 @@ def _flown_levels(heights: list[float], notes: ForecastWinds) -> list[float]:
 def _winds_at_time(
     height: float, samples: Sequence[WindSamples], time: np.datetime64 | None, notes: ForecastWinds
 ) -> Points:
-    winds, times = np.concatenate([s.winds for s in samples]), np.concatenate([s.times for s in samples])
+    winds = np.concatenate([s.winds for s in samples])
+    times = np.concatenate([s.times for s in samples])
     undated = np.isnat(times)
     if undated.any():
         notes.note("time of a wind, taken as the flight's", f"{height:g} m up")
