@@ -41,7 +41,9 @@ _EXPECTED = {
 
 def _explain(problem: Any, table: Mapping[str, Any], model: type[BaseModel]) -> str:
     """Return a line like `obstacles[0].radius: expected a number greater than 0, not -3`."""
-    place, kind, value = _place(problem["loc"], table), problem["type"], problem["input"]
+    place = _place(problem["loc"], table)
+    kind = problem["type"]
+    value = problem["input"]
     limits = problem.get("ctx", {})
     match kind:
         case "missing":

@@ -127,7 +127,8 @@ class Scenario(Section):
 
     @classmethod
     def model_json_schema(cls, *options: Any, **named: Any) -> dict[str, Any]:
-        whole, ends = super().model_json_schema(*options, **named), [{"required": ["start", "goal"]}]
+        whole = super().model_json_schema(*options, **named)
+        ends = [{"required": ["start", "goal"]}]
         for name, section in added_sections().items():
             own = section.model_json_schema(*options, **named)
             whole["$defs"] |= own.pop("$defs", {}) | {section.__name__: own}

@@ -141,7 +141,9 @@ def surroundings_of(scenario: Site) -> Surroundings:
     buildings, (lower, upper) = _read_buildings(scenario, maps.area, _things(scenario), allowed)
     near, beyond = _near(_map_obstacles(scenario, buildings), maps.no_fly, (lower, upper))
     terrain, terrain_remarks = _terrain(scenario, lower, upper)
-    frame, ground, tables = scenario.frame, Ground(terrain), enumerate(scenario.obstacles)
+    frame = scenario.frame
+    ground = Ground(terrain)
+    tables = enumerate(scenario.obstacles)
     drawn = tuple(table.build(table.name or f"{table.kind} {i}", frame, ground) for i, table in tables)
     raised = raise_obstacles(near, ground)
     up = scenario.bounds.up or _up(scenario, terrain, (lower, upper), (*drawn, *raised))
@@ -166,8 +168,12 @@ def surroundings_of(scenario: Site) -> Surroundings:
 
 
 def _read_zones(scenario: Site) -> _Zones:
-    no_fly, areas, fenced = list[tuple[NoFlyMap, MapArea]](), list[Any](), False
-    passed, unread, remarks = list[PassedOver](), list[Unread](), dict[int, tuple[str, ...]]()
+    no_fly = list[tuple[NoFlyMap, MapArea]]()
+    areas = list[Any]()
+    fenced = False
+    passed = list[PassedOver]()
+    unread = list[Unread]()
+    remarks = dict[int, tuple[str, ...]]()
     for number, section in enumerate(scenario.maps):
         if isinstance(section, BuildingsMap):
             continue

@@ -194,12 +194,14 @@ class VehicleSection(Section):
         parameters, words = translated(self.parameters, self.autopilot, autopilot)
         changes = {"autopilot": autopilot, "parameters": parameters, "firmware_version": None}
         copied = self.model_copy(update=changes | {"unmeasured_version": False})
-        copied._learned, copied._remarks = None, tuple(f"vehicle.parameters: {remark}" for remark in words)
+        copied._learned = None
+        copied._remarks = tuple(f"vehicle.parameters: {remark}" for remark in words)
         return copied
 
     def autopilot_parameters(self) -> Parameters:
         """Return the speeds as parameters, then `parameters`."""
-        table, speeds = self.autopilot.parameter_table, {"climb": self.climb_speed, "descent": self.descent_speed}
+        table = self.autopilot.parameter_table
+        speeds = {"climb": self.climb_speed, "descent": self.descent_speed}
         given = ((table.by_meaning[f"{way} speed"], speed) for way, speed in speeds.items() if speed is not None)
         changed = {parameter.name: parameter.spelled(speed) for parameter, speed in given}
         return table.overridden(changed, self.parameters)
