@@ -125,7 +125,9 @@ class Flight:
     def summary(self) -> dict[str, object]:
         """Return NAME.json in meters, seconds and degrees."""
         scenario, plan, estimate, energy = self.scenario, self.plan, self.estimate, self.energy
-        budget, parameters, items = self.budget, dict(self.mission.parameters), items_as_json(self.forecast)
+        budget = self.budget
+        parameters = dict(self.mission.parameters)
+        items = items_as_json(self.forecast)
         return {
             "name": scenario.name,
             "version": version("ipoa-mission"),

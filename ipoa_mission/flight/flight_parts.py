@@ -64,7 +64,10 @@ def split_flight(whole: Forecast) -> tuple[Forecast, ...]:
         raise BadInput(words, code="battery-missing", place="vehicle.battery")
     if budget.refusal is None:
         return (whole,)
-    parts, flights, begin, legs = _Parts(whole), list[Forecast](), 0, 1
+    parts = _Parts(whole)
+    flights = list[Forecast]()
+    begin = 0
+    legs = 1
     while begin < parts.last:
         end, flight = parts.longest(begin, legs)
         flights.append(flight)
@@ -124,7 +127,9 @@ class _Parts:
         """Yield paths to the resumed waypoint: straight, then as high as an RTL."""
         yield ()
         if begin > 0:
-            frame, item, home = self.whole.frame, self.mission.items[self.turns[begin - 1]], self.mission.home
+            frame = self.whole.frame
+            item = self.mission.items[self.turns[begin - 1]]
+            home = self.mission.home
             where = Geodetic(item.latitude_deg, item.longitude_deg, home.altitude + item.height(home))
             over, over_home = self.whole.returns_from(frame.local(where)[None])[0, 0, 1:]
             high = (frame.geodetic(point) for point in (over_home, over))

@@ -190,7 +190,9 @@ def breaches(mission: Mission, fence: OwnFence, there: Geodetic) -> tuple[str, .
 
     One flight in a hundred deviates farther than counted.
     """
-    law, share, forecast = law_of(mission.autopilot), 0.01, Forecast(mission)
+    law = law_of(mission.autopilot)
+    share = 0.01
+    forecast = Forecast(mission)
     center, legs = forecast.frame.local(there)[:2], forecast.legs
     heights = [forecast.frame.to_geodetic(leg.points)[2] - mission.home.altitude for leg in legs]
     away = [(leg, float(np.hypot(*(leg.points[:, :2] - center).T).max())) for leg in legs]

@@ -181,7 +181,8 @@ def load_mission(vehicle: Vehicle, forecast: Forecast, options: ProcedureOptions
     with stages(Stage.CHECK):
         if not anyway:  # a parameter may be missing or lost
             expect_slow_landing(vehicle, forecast)
-        remarks, left = expect_fit(vehicle, mission, anyway, options.ignore), left_lists(vehicle, mission)
+        remarks = expect_fit(vehicle, mission, anyway, options.ignore)
+        left = left_lists(vehicle, mission)
         if not anyway and MissionType.RALLY in left:
             hint = "clear its lists (ipoa-mission clear), or fly with --anyway"
             raise MissionError(left[MissionType.RALLY], hint, code="other-rally-points")
