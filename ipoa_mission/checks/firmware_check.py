@@ -379,7 +379,8 @@ def _rises(forecast: Forecast) -> dict[int, float]:
     """Return the greatest change of height [m] after each waypoint."""
     mission = forecast.mission
     try:
-        program, seqs = forecast.itinerary.program, [visit.seq for visit in forecast.itinerary.visits]
+        program = forecast.itinerary.program
+        seqs = [visit.seq for visit in forecast.itinerary.visits]
     except BadInput:
         program = program_of(mission, as_flown(mission).items)
         seqs = list(range(1, len(mission.items) + 1))

@@ -171,7 +171,8 @@ def check_wind(forecast: Forecast) -> Iterator[Finding]:
         return
     for wind in dict.fromkeys((forecast.wind, forecast.wind.as_strong_as_may_be())):
         if (why := _why_not(forecast, wind)) is not None and _why_not(forecast, CALM) is None:
-            words, hint = f"in wind up to {wind.strongest:g} m/s: {why}", "fly in less wind, slower, or another way"
+            words = f"in wind up to {wind.strongest:g} m/s: {why}"
+            hint = "fly in less wind, slower, or another way"
             yield Finding("wind-too-strong", Severity.ERROR, None, words, hint)
             return
 
