@@ -94,7 +94,9 @@ def estimate(file: FileArgument, how: WorldOptions, as_json: JsonOption = False)
         raise BadInput(wrong[0], place=file).followed_by(*(f"{file}: {words}" for words in wrong[1:]))
     asked = forecast.mission_as_read
     refuse_errors(tuple(check_version(asked.autopilot, asked.firmware_version, asked.unmeasured_version)))
-    mission, prediction, budget = forecast.mission, forecast.estimate, known_budget(forecast)
+    mission = forecast.mission
+    prediction = forecast.estimate
+    budget = known_budget(forecast)
     remarks = remarks_on(requested, forecast)
     if as_json:
         energy: dict[str, Any] = {"energy_wh": None if budget is None else round(budget.used.energy_wh, 3)}

@@ -59,7 +59,9 @@ def fly(
     from ipoa_mission.scenario import read_scenario
 
     search, flown_by, on_link, to = asked.search, asked.flown_by, asked.on_link, asked.files
-    is_planned, link, ignore = source.suffix.lower() == ".toml", asked.on_vehicle.link, asked.ignore or ()
+    is_planned = source.suffix.lower() == ".toml"
+    link = asked.on_vehicle.link
+    ignore = asked.ignore or ()
     if not is_planned:
         _expect_no_plan(source, {"--report": to.report, "--optimizer": search.optimizer})
     _expect_link(asked.on_vehicle)
@@ -163,7 +165,9 @@ def _fly_stages(
     from ipoa_mission.flight.procedure import ProcedureOptions, Stage, begin_mission, begun_forecast, load_mission
     from ipoa_mission.forecast.contingency.contingencies_now import ContingenciesNow
 
-    remarks, contingencies, flown = list[str](), list[ContingenciesNow](), job.forecast
+    remarks = list[str]()
+    contingencies = list[ContingenciesNow]()
+    flown = job.forecast
 
     def remark(words: str) -> None:
         remarks.append(words)

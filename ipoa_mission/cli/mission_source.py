@@ -79,7 +79,8 @@ def adapt_scenario(scenario: Scenario, search: SearchOptions, flown_by: FlownByO
     changes: dict[str, Any] = {}
     if optimizer is not None and optimizer != scenario.optimizer.name:
         changes["optimizer"] = type(scenario.optimizer)(name=optimizer)
-    scenario, changed = scenario.flown_by(autopilot or scenario.vehicle.autopilot), dict[str, Any]()
+    scenario = scenario.flown_by(autopilot or scenario.vehicle.autopilot)
+    changed = dict[str, Any]()
     flies = scenario.vehicle.autopilot
     if flown_by.unmeasured_version:
         changed["unmeasured_version"] = True

@@ -77,7 +77,9 @@ def mock(worse: FaultOptions, how: MockOptions, as_json: options.JsonOption = Fa
     address, system = parse_address(how.link), how.system or 1
     parameters, remarks = options.read_parameter_options(how.param, how.param_file)
     autopilot = built_in_autopilot(how, parameters)
-    name, version, home = str(autopilot.profile.autopilot), autopilot.profile.version, autopilot.flight.home
+    name = str(autopilot.profile.autopilot)
+    version = autopilot.profile.version
+    home = autopilot.flight.home
     signer = options.signer_of(how.key, "mock")
 
     @cache
@@ -107,7 +109,9 @@ def built_in_autopilot(how: MockOptions, parameters: Mapping[str, float]) -> "Bu
     from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot
     from ipoa_mission.simulator.situation import Conditions
 
-    home, family, conditions = how.home or ZURICH, how.autopilot or default_autopilot(), Conditions(cold=True)
+    home = how.home or ZURICH
+    family = how.autopilot or default_autopilot()
+    conditions = Conditions(cold=True)
     if not (-90 <= home[0] <= 90 and -180 <= home[1] <= 180):
         raise BadInput(f"expected latitude and longitude in degrees, not {home[0]} {home[1]}", place="--home")
     place = Geodetic(*home)

@@ -33,7 +33,9 @@ def show(file: FileArgument, how: WorldOptions, as_json: JsonOption = False) -> 
     from ipoa_mission.unread import unread_as_json
 
     requested, forecast, world = read_forecast(file, how)
-    mission, rows, errors = forecast.mission, rows_of(forecast), refusals(forecast.mission)
+    mission = forecast.mission
+    rows = rows_of(forecast)
+    errors = refusals(forecast.mission)
     timed, total, energy = (None, "no time: a position or height is not valid", []) if errors else _estimated(forecast)
     done = {} if timed is None else {item.seq: item.done_s for item in timed.items}
     of_world = () if forecast.scenario is None else forecast.scenario.remarks
