@@ -68,7 +68,9 @@ def assemble_survey(tour: Tour, sight: Sight, scenario: Scenario, growth: Mappin
 
 def _path(tour: Tour) -> tuple[Points, list[int], list[int]]:
     """Return the corners (n, 2), and the indices of line begins and ends."""
-    path, begins, ends = list[Points](), list[int](), list[int]()
+    path = list[Points]()
+    begins = list[int]()
+    ends = list[int]()
 
     def reach(place: Points) -> int:
         if not path or (path[-1] != place).any():

@@ -290,7 +290,9 @@ def _where_lines_go(area: Any, keep_out: Any, visible: Any, spacing: float, past
 
 
 def _tour_of(places: Points, is_on: list[bool]) -> Tour:
-    swaths, transits, transit = list[Swath](), list[Points](), list[Points]()
+    swaths = list[Swath]()
+    transits = list[Points]()
+    transit = list[Points]()
     for n, on in enumerate(is_on):
         if on:
             if swaths:

@@ -122,7 +122,9 @@ def _sets_of_starts(count: int) -> Iterator[tuple[int, ...]]:
 
 
 def _joined_by_start(task: SurveyTask, starts: Points) -> Tour:
-    swaths, transits, transit = list[Swath](), list[Points](), task.cover.transit
+    swaths = list[Swath]()
+    transits = list[Points]()
+    transit = task.cover.transit
     for start, own in zip(starts, nearest_areas(task.area, starts, task.sight.spacing), strict=True):
         if own is None or own.without(task.keep_out).is_empty:
             continue

@@ -234,7 +234,9 @@ def _neighbors(
     lengths = np.linalg.norm(legs, axis=1)
     ahead, max_sine = line.ahead, math.sin(math.radians(2.0))
     is_parallel = np.abs(legs[:, 0] * ahead[1] - legs[:, 1] * ahead[0]) < max_sine * lengths
-    ends, legs, lengths = ends[is_parallel], legs[is_parallel], lengths[is_parallel]
+    ends = ends[is_parallel]
+    legs = legs[is_parallel]
+    lengths = lengths[is_parallel]
     off = line.photos[:, None, :2] - ends[None, :, 0, :2]
     share = (off * legs).sum(axis=2) / lengths**2
     away = ((share[:, :, None] * legs - off) * towards).sum(axis=2)

@@ -47,7 +47,8 @@ class FreeSpace:
 
     def ways(self, places: Points, others: Points, arms: Points | None = None) -> Points:
         """Return straight distances from places (n, 2) to others (m, 2), or NO_WAY, (n, m) [m]."""
-        none, there = np.zeros((len(places), 4)), np.zeros((len(others), 4)) if arms is None else arms
+        none = np.zeros((len(places), 4))
+        there = np.zeros((len(others), 4)) if arms is None else arms
         return np.asarray(straight_ways(*map(np.ascontiguousarray, (places, none, others)), there, self.edges))
 
     def sees(self, places: Points, others: Points) -> NDArray[np.bool_]:
@@ -79,7 +80,9 @@ class Transits:
         """Return the corners (k, 2) from end i to end j, both included."""
         which = int(self._is_outside[i, j])
         _, last, previous = self._searches[which]
-        corners, passed, corner = self._spaces[which].corners, [self.ends[j]], int(last[i, j])
+        corners = self._spaces[which].corners
+        passed = [self.ends[j]]
+        corner = int(last[i, j])
         assert corner != NONE, "the search chose an existing transit"
         while corner != DIRECT:
             passed.append(corners[corner])
@@ -144,7 +147,9 @@ def _filled(ring: Points, most: float) -> Points:
         return ring
     first = int(turns.argmax())
     ring, turns = np.roll(ring, -first, axis=0), np.roll(turns, -first)
-    kept, n, count = [0], 0, len(ring)
+    kept = [0]
+    n = 0
+    count = len(ring)
     while n < count:
         end, turned = n + 1, 0.0
         while end < count and turns[end] < 0.0 and turned - turns[end] <= MAX_TURN:
@@ -164,9 +169,13 @@ def _pointed(ring: Points, most: float) -> Points:
     turns = _turns(ring)
     first = int(turns.argmax()) if turns.max() > MAX_TURN else int(turns.argmin())
     ring, turns = np.roll(ring, -first, axis=0), np.roll(turns, -first)
-    corners, n, count = [ring[0]], 1, len(ring)
+    corners = [ring[0]]
+    n = 1
+    count = len(ring)
     while n < count:
-        corner, turned, end = ring[n], turns[n], n + 1
+        corner = ring[n]
+        turned = turns[n]
+        end = n + 1
         into = ring[n] - ring[n - 1]
         while end < count and min(turns[end], turns[end - 1]) > 0.0 and turned + turns[end] <= MAX_TURN:
             out, apart = ring[(end + 1) % count] - ring[end], ring[end] - ring[n - 1]
@@ -174,7 +183,9 @@ def _pointed(ring: Points, most: float) -> Points:
             meets = ring[n - 1] + share * into
             if shapely.LineString(ring[n : end + 1]).distance(shapely.Point(meets)) > most:
                 break
-            corner, turned, end = meets, turned + turns[end], end + 1
+            corner = meets
+            turned += turns[end]
+            end += 1
         corners.append(corner)
         n = end
     return np.array(corners)

@@ -22,7 +22,9 @@ def left_to_fly(
     for path in flown:
         for run in runs_in_order(tour, path, sight, ground):
             pieces[run.line].append((run.begin, run.end))
-    swaths, transits, before = list[Swath](), list[Points](), -1
+    swaths = list[Swath]()
+    transits = list[Points]()
+    before = -1
     for n, swath in enumerate(tour.swaths):
         for begin, end in _left(pieces[n], swath.length, sight):
             first = swath.at(begin) if begin > 0.0 else swath.begin
@@ -86,7 +88,8 @@ def _length(chain: list[_Run]) -> float:
 
 def _runs(tour: Tour, path: Points, sight: Sight, ground: Ground) -> Iterator[_Run]:
     """Yield the pieces of lines that a path (n, 3) flies."""
-    max_lateral, max_slant = min(max(0.1 * sight.spacing, 2.0), 0.4 * sight.spacing), 0.25  # [m], [m/m]
+    max_lateral = min(max(0.1 * sight.spacing, 2.0), 0.4 * sight.spacing)  # [m]
+    max_slant = 0.25  # [m/m]
     is_high = path[:, 2] - ground(path) >= 0.9 * sight.least
     for line, swath in enumerate(tour.swaths):
         ahead, off = swath.ahead, path[:, :2] - swath.begin
@@ -107,7 +110,8 @@ def _left(flown: list[tuple[float, float]], length: float, sight: Sight) -> list
     left = list[tuple[float, float]]()
     for low, high in [*sorted(flown), (length, length)]:
         if low - reached > end or not flown:
-            begin, until = max(reached - sight.piece_overlap, 0.0), min(low + sight.piece_overlap, length)
+            begin = max(reached - sight.piece_overlap, 0.0)
+            until = min(low + sight.piece_overlap, length)
             if left and begin <= left[-1][1]:
                 begin, _ = left.pop()
             left.append((begin, until))

@@ -79,7 +79,8 @@ def sight_of(section: SurveySection, area: Area, scenario: Scenario) -> Sight:
     across, along = (section.line_spacing or 0.0, 0.0) if camera is None else camera.footprint(least)
     spacing = section.line_spacing or across * (1.0 - (USUAL_OVERLAP if side is None else side))
     trigger = None if camera is None else along * (1.0 - (USUAL_OVERLAP if front is None else front))
-    spacing_key, min_distance = "line_spacing" if section.line_spacing else "side_overlap", 0.5  # [m]
+    spacing_key = "line_spacing" if section.line_spacing else "side_overlap"
+    min_distance = 0.5  # [m]
     for key, distance in ((spacing_key, spacing), ("front_overlap", trigger)):
         if distance is not None and distance < min_distance:
             raise BadInput(

@@ -148,7 +148,9 @@ class Survey:
 
 
 def describe(survey: Survey) -> list[str]:
-    plan, first, sight = survey.plan, survey.flights[0], survey.plan.sight
+    plan = survey.plan
+    first = survey.flights[0]
+    sight = survey.plan.sight
     firmware = first.mission.autopilot.checked_for(first.mission.firmware_version)
     heights = f"{sight.least:.1f}" + (f" to {sight.least + sight.band:.1f}" if sight.band else "")
     photos = "" if sight.trigger is None else f", {plan.photos} photos, one each {sight.trigger:.1f} m or less"

@@ -98,7 +98,8 @@ def line_over(gap: Any, inner: Any, width: float) -> Points | None:
             reach = np.sqrt(np.maximum((width / 2) ** 2 - away**2, 0.0))
             sees = (np.abs(away) <= width / 2) & (places[:, 0] >= ends[0] - reach) & (places[:, 0] <= ends[1] + reach)
             if (count := int(sees.sum())) > most:
-                first, last = (places[sees, 0] + reach[sees]).min(), (places[sees, 0] - reach[sees]).max()
+                first = (places[sees, 0] + reach[sees]).min()
+                last = (places[sees, 0] - reach[sees]).max()
                 ends = np.clip([min(first, last), max(first, last)], *ends)
                 best, most = grid.back(np.column_stack([ends, [height, height]])), count
     return best
@@ -166,7 +167,9 @@ class GapCloser:
         With `once`, one detour round a hole sees all gaps along its edge. Return the lines (k, 2) and places (1, 2) of
         detours, and the unseen share beyond the limit.
         """
-        hopeless, goals, left = list[Any](), list[Points](), self._gaps(route)
+        hopeless = list[Any]()
+        goals = list[Points]()
+        left = self._gaps(route)
         max_passes = 8
         for n in range(max_passes + 1):
             gaps = self._joined_by_hole(polygons_of(left)) if once else polygons_of(left)

@@ -144,7 +144,9 @@ def _too_near(forecasts: Sequence[Forecast]) -> list[tuple[KeptLimit, ClearanceG
 
 def _missing(kept: KeptLimit, guarantee: ClearanceGuarantee, bodies: Sequence[Obstacle]) -> dict[str, float]:
     """Return the clearance [m] missing to the worst obstacle, and to others about as near, which have no bound."""
-    flight, lost, min_slack = guarantee.flight, kept.nominal - kept.guaranteed, 0.25  # [m]
+    flight = guarantee.flight
+    lost = kept.nominal - kept.guaranteed
+    min_slack = 0.25  # [m]
     points = flight.prediction.track.between(*flight.cruise_span).points[:, :2]
     path = shapely.LineString(points).simplify(THINNING_TOLERANCE)
     slack = shapely.distance(path, [body.horizontal_shape for body in bodies]) - lost - kept.required
@@ -211,7 +213,8 @@ def flight_table(plan: SurveyPlan, names: Sequence[str]) -> tuple[list[str], lis
     for name, flight in zip(names, plan.flights, strict=True):
         energy, kept = flight.forecast.energy, flight.forecast.guarantee.clearance
         counts = len(flight.tour.swaths), plan.sight.photos_of(flight.tour), len(flight.forecast.mission.items)
-        takes, wh = f"{flight.forecast.estimate.total_s:.1f}", "" if energy is None else f"{energy.energy_wh:.1f}"
+        takes = f"{flight.forecast.estimate.total_s:.1f}"
+        wh = "" if energy is None else f"{energy.energy_wh:.1f}"
         least = "" if kept is None else f"{floor_cm(kept.guaranteed):.2f} to {kept.to}"
         rows.append((f"{name}.plan", *map(str, counts), takes, wh, least))
     if plan.section.starts is not None:

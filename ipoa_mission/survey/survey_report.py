@@ -78,7 +78,10 @@ def survey_panel(plan: SurveyPlan, names: Sequence[str]) -> str:
 def _map(plan: SurveyPlan) -> str:
     west, south, east, north = plan.area.shape.buffer(plan.sight.spacing).bounds
     margin = 0.03 * (east - west)
-    west, south, width, height = west - margin, south - margin, east - west + 2 * margin, north - south + 2 * margin
+    width = east - west + 2 * margin
+    height = north - south + 2 * margin
+    west -= margin
+    south -= margin
     frame = shapely.box(west, south, west + width, south + height)
     outside = shapely.Polygon() if plan.keep_out is None else plan.keep_out.intersection(frame)
     stroke = max(width, height) / 400

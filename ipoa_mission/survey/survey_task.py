@@ -112,7 +112,8 @@ def keep_out(scenario: Scenario, sight: Sight, growth: Mapping[str, float]) -> A
     """Return the geometry to keep out of, in plan. `growth` [m] adds clearance by obstacle name, flown round."""
     air, bound = scenario.airspace, survey_bound(scenario)
     distance = scenario.limits.obstacle_distance + SPARE
-    max_widening, segments = min(0.05 * sight.spacing, 0.25), 16  # [m], for fewer corners; of a quarter circle
+    max_widening = min(0.05 * sight.spacing, 0.25)  # [m], for fewer corners
+    segments = 16  # of a quarter circle
     shapes = list[Any]()
     for body in flown_round(scenario, sight, growth):
         away = (distance + bound.level + growth.get(body.name, 0.0)) / math.cos(math.pi / 4 / segments)
@@ -140,7 +141,8 @@ def _is_passed(body: Obstacle, sight: Sight, ground: Ground, distance: float, bo
     reach = max(sight.across, sight.along) / 2 + distance + bound.level
     grid = np.meshgrid(np.linspace(west - reach, east + reach, num=7), np.linspace(south - reach, north + reach, num=7))
     heights = ground(np.stack(grid, axis=-1).reshape(-1, 2))
-    lowest, highest = float(heights.min()) + sight.least, float(heights.max()) + sight.least + sight.band
+    lowest = float(heights.min()) + sight.least
+    highest = float(heights.max()) + sight.least + sight.band
     return bool(top + distance + bound.down <= lowest or highest + distance + bound.up <= base)
 
 

@@ -137,7 +137,9 @@ def _fly(survey: "Survey", asked: FlyOptions, fly_job: FlyJob) -> None:
     written = _write(survey, files)
     if not files.as_json:
         _print(survey, written)
-    results, why, hint = list[dict[str, Any]](), "", ""
+    results = list[dict[str, Any]]()
+    why = ""
+    hint = ""
     system: int | None = None
     for n, (name, forecast) in enumerate(zip(survey.names, survey.flights, strict=True)):
         if n and link is not None and not _is_ready(survey, n):
@@ -168,7 +170,9 @@ def _fly(survey: "Survey", asked: FlyOptions, fly_job: FlyJob) -> None:
 def _is_ready(survey: "Survey", n: int) -> bool:
     from ipoa_mission.survey.survey_plan import begin_in_words
 
-    landed, following, home = survey.names[n - 1], survey.names[n], survey.flights[n].mission.home
+    landed = survey.names[n - 1]
+    following = survey.names[n]
+    home = survey.flights[n].mission.home
     is_elsewhere = home != survey.flights[n - 1].mission.home
     place = f"{begin_in_words(survey.plan, survey.plan.flights[n])} ({home.latitude_deg:.6f}, {home.longitude_deg:.6f})"
     position = f"the vehicle is at {place}, " if is_elsewhere else ""

@@ -283,7 +283,9 @@ class _Trials:
 
 def _seconds_within(tour: Tour, times: LegTimes) -> Vector:
     """Return the times from each line's begin to each other's end (n, n) [s]."""
-    begun, ended, path = list[float](), list[float](), tour.swaths[0].begin[None]
+    begun = list[float]()
+    ended = list[float]()
+    path = tour.swaths[0].begin[None]
     for n, swath in enumerate(tour.swaths):
         if n:
             path = np.concatenate([path, tour.transits[n - 1]])
