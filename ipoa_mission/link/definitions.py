@@ -68,7 +68,8 @@ def _definitions(dialect: ModuleType) -> Iterator[Definition]:
     # extension fields newer than the stable dialects: 32-bit numbers
     added = {"MISSION_ACK": ("opaque_id",), "MISSION_CURRENT": ("mission_id", "fence_id", "rally_points_id")}
     for kind in dialect.mavlink_map.values():
-        names, types = tuple(kind.ordered_fieldnames), dict(zip(kind.fieldnames, kind.fieldtypes, strict=True))
+        names = tuple(kind.ordered_fieldnames)
+        types = dict(zip(kind.fieldnames, kind.fieldtypes, strict=True))
         lengths = tuple(1 if types[name] == "char" else n for name, n in zip(names, kind.lengths, strict=True))
         new = tuple(name for name in added.get(kind.msgname, ()) if name not in names)
         layout = struct.Struct(kind.unpacker.format + "I" * len(new))

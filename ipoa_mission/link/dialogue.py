@@ -151,7 +151,9 @@ class Tempo:
         """Count the round trip of an unrepeated question."""
         self._backoff, self.doubts = 1.0, 0
         if self._mean is None:
-            self._mean, self._spread, self._shortest = seconds, seconds / 4, seconds
+            self._mean = seconds
+            self._spread = seconds / 4
+            self._shortest = seconds
         else:
             self._shortest = min(seconds, self._shortest)
             self._spread += (abs(seconds - self._mean) - self._spread) / 4

@@ -72,7 +72,9 @@ class LinkLoss:
         self._is_open = not isinstance(lost, LinkDown)
         if not (self._is_open or self._line.reopens):
             raise lost
-        self._since_s, self._reported_s, self._open_s = now - SILENT_S * self._is_open, -RETRY_S, now
+        self._since_s = now - SILENT_S * self._is_open
+        self._reported_s = -RETRY_S
+        self._open_s = now
         self._why, self._others = ("" if self._is_open else str(lost)), ""
         self._report_loss(report)
         log.warning("%s; listening for %g s", self.words, GIVE_UP_S)
@@ -93,7 +95,8 @@ class LinkLoss:
     def _identified(
         self, known: KnownVehicle, patience: Patience, interrupt: Interrupt, report: Callable[[str], None]
     ) -> list[Message] | None:
-        candidate, messages = VehicleState(known.state.autopilot, known.state.kind), list[Message]()
+        candidate = VehicleState(known.state.autopilot, known.state.kind)
+        messages = list[Message]()
 
         def note(message: Message) -> None:
             candidate.note(message)
@@ -118,7 +121,9 @@ class LinkLoss:
             converse(self._line, target, dialogue, Tempo(patience), Listening(note, end_s, SILENT_S))
             return messages
         except LinkDown as down:
-            self._is_open, self._open_s, self._why = False, self._line.now() + RETRY_S, str(down)
+            self._is_open = False
+            self._open_s = self._line.now() + RETRY_S
+            self._why = str(down)
         except (NoAnswer, NotReady, Silence) as unknown:
             self._why = f"it was heard, but {unknown}"
         except TimeUp:

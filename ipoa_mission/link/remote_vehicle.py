@@ -69,7 +69,8 @@ class RemoteVehicle:
         return self._hold(conversations.observed(dialogue, lambda heard: self.state.expect_flown()))
 
     def _hold(self, dialogue: Dialogue[T], quiet_s: float = math.inf) -> T:
-        target, listening = Target(self.system, AUTOPILOT_COMPONENT), Listening(self._overhear, self._until, quiet_s)
+        target = Target(self.system, AUTOPILOT_COMPONENT)
+        listening = Listening(self._overhear, self._until, quiet_s)
         return converse(self.line, target, dialogue, self._tempo, listening)
 
     @contextmanager

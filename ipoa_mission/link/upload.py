@@ -134,11 +134,16 @@ class MissionReports(VehicleTexts):
         self.stored_as, self.is_disputed, self.is_read = 0, False, False
 
     def reset_at_reading(self) -> None:
-        self.ids, self.latest, self.total, self.is_read = frozenset(), 0, None, True
+        self.ids = frozenset()
+        self.latest = 0
+        self.total = None
+        self.is_read = True
 
     def reset_ids(self) -> None:
         """Forget all ids but the last."""
-        self.ids, self.total, self.is_disputed = frozenset({self.latest} - {0}), None, False
+        self.ids = frozenset({self.latest} - {0})
+        self.total = None
+        self.is_disputed = False
         self.is_named = False
 
     def note(self, message: Message | None) -> None:

@@ -264,7 +264,9 @@ class Vehicle(RemoteVehicle):
             NotTheSameVehicle, NotFlown: another vehicle is heard in its place, or it holds another mission.
             TimeUp: at the limit of `give_up_after`; the vehicle may be in the air.
         """
-        onboard, is_back, record = self._onboard_lists.get(MissionType.MISSION), False, None
+        onboard = self._onboard_lists.get(MissionType.MISSION)
+        is_back = False
+        record = None
         compared = self.conformance.of(self._logbook)
         with self.state.in_errors(), self._in_flight_time(), self._mode_watch.watched(self._logbook.modes):
             while record is None:
