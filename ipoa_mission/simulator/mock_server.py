@@ -40,7 +40,9 @@ class Server:
             raise BadInput(f"expected 0.01 to 1000, not {speedup}", place="speedup")
         self._channel, self._station, self._speedup = channel, station, speedup
         self._faults, self._seed = faults, seed
-        self._real_s, self._virtual_s, self._lost_s = channel.now(), 0.0, 0.0
+        self._real_s = channel.now()
+        self._virtual_s = 0.0
+        self._lost_s = 0.0
         self._unread = 0.0  # frames above the allowed rate
         self._inward: dict[Peer, BadPipe] = {}
         self._outward: dict[Peer | None, BadPipe] = {}

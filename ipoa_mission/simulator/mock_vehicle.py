@@ -241,7 +241,8 @@ class MockVehicle:
         list_id = self.transfers.list_id(MissionType.MISSION)
         is_complete = flight.mission is MissionState.COMPLETE
         if profile.runs_on_ground:
-            seq, state = (flight.current + 1 if self.mission_begun else 0), MissionState.NOT_STARTED
+            seq = flight.current + 1 if self.mission_begun else 0
+            state = MissionState.NOT_STARTED
             if self.mission_runs or flight.mode is FlightMode.MISSION:
                 state = MissionState.ACTIVE
             if flight.armed and is_complete:
