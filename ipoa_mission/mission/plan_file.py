@@ -64,7 +64,9 @@ def parse_plan(path: Path, text: str, autopilot: Autopilot | None = None) -> Mis
     mission = plan["mission"]
     if version := mission.get("version"):
         version.whole("2", 2, 2)
-    speed, kind, ground = mission.given("hoverSpeed"), mission.get("vehicleType"), plan.get("landingGround")
+    speed = mission.given("hoverSpeed")
+    kind = mission.get("vehicleType")
+    ground = plan.get("landingGround")
     vehicle_type = QUADROTOR if kind is None else kind.whole("a MAV_TYPE number", 0, 255)
     autopilot = autopilot or autopilot_in(mission["firmwareType"], vehicle_type)
     listed = [entry for child in mission["items"].array() for entry in _listed(child)]

@@ -244,9 +244,13 @@ def fence_to_wire(fence: Sequence[FencePolygon | FenceCircle]) -> tuple[Item, ..
     places: tuple[tuple[float, float], ...]
     for part in fence:
         if isinstance(part, FenceCircle):
-            commands, size, places = CIRCLE, part.radius, (part.center,)
+            commands = CIRCLE
+            size = part.radius
+            places = (part.center,)
         else:
-            commands, size, places = POLYGON, float(len(part.vertices)), part.vertices
+            commands = POLYGON
+            size = float(len(part.vertices))
+            places = part.vertices
         command = next(command for command, inside in commands.items() if inside == part.inclusion)
         items += [Item(command, Frame.GLOBAL, (size, 0.0, 0.0, 0.0), *place) for place in places]
     return tuple(items)
@@ -257,7 +261,9 @@ def fence_from_wire(items: Sequence[Item]) -> tuple[FencePolygon | FenceCircle, 
     fence: list[FencePolygon | FenceCircle] = []
     at = 0
     while at < len(items):
-        item, place, count = items[at], f"fence item {at + 1}", 1
+        item = items[at]
+        place = f"fence item {at + 1}"
+        count = 1
         if item.command in POLYGON:
             count = int(item.params[0]) if math.isfinite(item.params[0]) else 0
             if count < 3:
