@@ -42,7 +42,13 @@ from ipoa_mission.vehicles.px4_multicopter.dynamics.navigator import (
     simulation_constants,
     with_patience,
 )
-from ipoa_mission.vehicles.px4_multicopter.dynamics.state import NOT_BEGUN, Order, Progress, SimulationConstants, State
+from ipoa_mission.vehicles.px4_multicopter.dynamics.state import (
+    NOT_BEGUN,
+    FlightProgress,
+    Order,
+    SimulationConstants,
+    State,
+)
 from ipoa_mission.vehicles.px4_multicopter.limits import px4_limits
 from ipoa_mission.vehicles.px4_multicopter.parameter_table import LEAST_HOLD
 from ipoa_mission.wind import CALM, Wind
@@ -260,7 +266,7 @@ class FlownOnce(NamedTuple):
 
     done: Vector
     samples: Points
-    progress: Progress
+    progress: FlightProgress
 
 
 class Flights:
@@ -302,7 +308,7 @@ class Flights:
             flight = self.at_start(begun) if isinstance(begun, int) else begun
             left = inputs[len(flight.done) - 1 :]
             times, places, (state, of_order, touched) = machine(left, constants, flight.progress, until, every)
-            done, progress = np.append(flight.done, times), Progress(State(*state), of_order, touched)
+            done, progress = np.append(flight.done, times), FlightProgress(State(*state), of_order, touched)
             if len(done) > len(orders) or progress.state.time >= until:
                 return FlownOnce(done, np.vstack([flight.samples, places]), progress)
             raise MissionError(

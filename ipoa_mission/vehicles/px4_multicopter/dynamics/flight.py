@@ -17,13 +17,20 @@ from ipoa_mission.vehicles.px4_multicopter.dynamics.guidance import (
     detect_contact,
     guided,
     heading_error,
+    horizontal_norm,
     is_low_take_off,
-    level,
     stands,
     turned,
     velocity_setpoint,
 )
-from ipoa_mission.vehicles.px4_multicopter.dynamics.state import Enu, Order, State, add_sensor_errors, integrate, of
+from ipoa_mission.vehicles.px4_multicopter.dynamics.state import (
+    Enu,
+    Order,
+    State,
+    add_sensor_errors,
+    as_tuple,
+    integrate,
+)
 from ipoa_mission.vehicles.px4_multicopter.limits import STAGES, Px4Limits
 
 SETTLED_S = 30.0  # of steady flight before a part of a leg is skipped [s]
@@ -78,7 +85,7 @@ def level_velocity(trajectory: px4.Trajectory, body: px4.Body, limits: Px4Limits
 
 def hover_learned(control: px4.Control, body: px4.Body, constants: px4.SimulationConstants, time: float) -> px4.Control:
     """Update the learned hover thrust, which counts drag in a climb as weight."""
-    fast = level(body.speed)
+    fast = horizontal_norm(body.speed)
     doubt = 1.0 + 10.0 * max(abs(body.speed.up) - HOVER_SURE_UP, fast - HOVER_SURE, 0.0)
     share = (1.0 / constants.limits.hover_learning + 1.0 / max(time - body.airborne_since, 1.0)) * constants.dt / doubt
     takes = 1.0 + constants.airframe.drag * body.speed.up / GRAVITY
@@ -255,7 +262,7 @@ def begun(state: State, order: Order) -> State:
     if on_ground:
         trajectory = px4.Trajectory(trajectory.east, trajectory.north, px4.Axis(trajectory.up.place, -GROUND_SINK, 0.0))
     body = px4.Body(body.place, body.speed, body.acceleration, body.asked, body.thrust, on_ground, body.airborne_since)
-    guidance = px4.Guidance(px4.ON_LINE, of(order.start), state.guidance.held, state.guidance.rising)
+    guidance = px4.Guidance(px4.ON_LINE, as_tuple(order.start), state.guidance.held, state.guidance.rising)
     return State(
         state.time, body, state.nose, trajectory, guidance, state.control, state.errors,
         px4.Contact(False, False, 0, state.time), state.time, px4.NOT_YET, False,
@@ -288,15 +295,19 @@ def past_cruise(state: State, order: Order, constants: px4.SimulationConstants) 
     )  # fmt: skip
 
 
-def at_start(height: float, seed: int) -> px4.Progress:
+def at_start(height: float, seed: int) -> px4.FlightProgress:
     first, second = (float(1 + x % 2_000_000_000) for x in np.random.SeedSequence(seed).generate_state(2))
     state = at_rest(Enu(0.0, 0.0, height), 0.0, math.nan, px4.no_errors(first, second), height <= 0.0)
-    return px4.Progress(state, px4.NOT_BEGUN, px4.NOT_YET)
+    return px4.FlightProgress(state, px4.NOT_BEGUN, px4.NOT_YET)
 
 
 def fly(
-    orders: Sequence[Order], laws: Sequence[px4.SimulationConstants], flight: px4.Progress, until: float, every: int
-) -> tuple[Vector, Points, px4.Progress]:
+    orders: Sequence[Order],
+    laws: Sequence[px4.SimulationConstants],
+    flight: px4.FlightProgress,
+    until: float,
+    every: int,
+) -> tuple[Vector, Points, px4.FlightProgress]:
     """Fly on; return times [s] after each order that ended, samples, and the progress.
 
     Samples (m, 7): time, place, estimated speed, each `every` steps (0: none). The flight starts at rest over home, or
@@ -328,7 +339,7 @@ def fly(
                 row[4], row[5], row[6] = speed.east, speed.north, speed.up
                 taken += 1
         if state.time >= until or not is_over(state, order):
-            return done[:n].copy(), samples[:taken].copy(), px4.Progress(state, steps, touched)
+            return done[:n].copy(), samples[:taken].copy(), px4.FlightProgress(state, steps, touched)
         done[n] = state.reached + order.hold_s if until == math.inf else state.time
         steps = px4.NOT_BEGUN
-    return done, samples[:taken].copy(), px4.Progress(state, steps, touched)
+    return done, samples[:taken].copy(), px4.FlightProgress(state, steps, touched)

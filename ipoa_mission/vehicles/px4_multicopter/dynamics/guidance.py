@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 from ipoa_mission.geometry import GRAVITY
 from ipoa_mission.vehicles.px4_multicopter.dynamics import state as px4
-from ipoa_mission.vehicles.px4_multicopter.dynamics.state import Enu, Order, State, Trajectory, of
+from ipoa_mission.vehicles.px4_multicopter.dynamics.state import Enu, Order, State, Trajectory, as_tuple
 from ipoa_mission.vehicles.px4_multicopter.limits import RANGE_LAG_S, STAGES, Px4Limits
 
 
@@ -61,7 +61,7 @@ def vertical_speed(at: Enu, to: Triplet, climb: Climb, limits: Px4Limits) -> flo
     """
     leave, goal, beyond = 0.0, to.goal, to.beyond
     if abs(beyond.up - goal.up) > 0.001:
-        now, then, next_then = level(at), level(goal), level(beyond)
+        now, then, next_then = horizontal_norm(at), horizontal_norm(goal), horizontal_norm(beyond)
         back, down, on, up = then - now, goal.up - at.up, then - next_then, goal.up - beyond.up
         size = math.sqrt((back * back + down * down) * (on * on + up * up))
         cosine = (back * on + down * up) / size if size > 1e-9 else 0.0
@@ -69,7 +69,7 @@ def vertical_speed(at: Enu, to: Triplet, climb: Climb, limits: Px4Limits) -> flo
     return min(climb.rate, speed_to(abs(goal.up - at.up), leave, climb.accel, limits.jerk))
 
 
-def level(place: Enu) -> float:
+def horizontal_norm(place: Enu) -> float:
     """Return the level length of a vector."""
     return math.sqrt(place.east * place.east + place.north * place.north)
 
@@ -146,9 +146,9 @@ def guided(state: State, order: Order, limits: Px4Limits) -> px4.Guidance:
         return state.guidance
     place, was, home = state.body.place, state.guidance, home_told(state, order)
     at = Enu(place.east, place.north, place.up - home)
-    ahead, along, across = beside_leg(at, of(order.start), of(order.goal))
+    ahead, along, across = beside_leg(at, as_tuple(order.start), as_tuple(order.goal))
     if ahead <= 1e-6:
-        return px4.Guidance(px4.ON_LINE, of(order.start), was.held, was.rising)
+        return px4.Guidance(px4.ON_LINE, as_tuple(order.start), was.held, was.rising)
     side = px4.ON_LINE
     if along > ahead:
         side = px4.BEYOND
@@ -175,7 +175,7 @@ def beside_leg(at: Enu, start: Enu, goal: Enu) -> tuple[float, float, float]:
 
 def triplet(guidance: px4.Guidance, order: Order) -> Triplet:
     """Return the leg's waypoints, or the way back to its end, start or nearest point."""
-    start, goal, beyond, at = of(order.start), of(order.goal), of(order.beyond), guidance.anchor
+    start, goal, beyond, at = as_tuple(order.start), as_tuple(order.goal), as_tuple(order.beyond), guidance.anchor
     if guidance.side == px4.BEYOND:
         return Triplet(at, goal, beyond)
     if guidance.side == px4.BEFORE:
@@ -216,7 +216,7 @@ def velocity_setpoint(
     to = triplet(guidance, order)
     at = Enu(x.place, y.place, z.place - home_told(state, order))
     aim = Enu(to.goal.east - at.east, to.goal.north - at.north, to.goal.up - at.up)
-    far, speed = level(aim), math.sqrt(x.speed * x.speed + y.speed * y.speed)
+    far, speed = horizontal_norm(aim), math.sqrt(x.speed * x.speed + y.speed * y.speed)
     fast, held = corner_speed(state.trajectory, to.goal, to.beyond, order, limits), guidance.held
     if speed > MOVING and far > order.radius and x.speed * aim.east + y.speed * aim.north < TURNING * speed * far:
         fast = min(held, fast)
@@ -250,7 +250,7 @@ def ahead_on_leg(at: Enu, to: Triplet, aim: Enu, radius: float) -> Enu:
 
 
 def apart(aim: Enu, fast: float, rise: float) -> Enu:
-    far = level(aim)
+    far = horizontal_norm(aim)
     share = fast / far if far > 0.0 else 0.0
     up = 0.0 if aim.up == 0.0 else math.copysign(rise, aim.up)
     return Enu(aim.east * share, aim.north * share, up)

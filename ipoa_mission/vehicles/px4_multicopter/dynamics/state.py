@@ -161,7 +161,7 @@ class State(NamedTuple):
     been_there: bool
 
 
-class Progress(NamedTuple):
+class FlightProgress(NamedTuple):
     """A flight's state, steps of its order or NOT_BEGUN, touchdown [s] or NOT_YET."""
 
     state: State
@@ -172,19 +172,19 @@ class Progress(NamedTuple):
 ZERO = Enu(0.0, 0.0, 0.0)
 
 
-def of(place: Enu) -> Enu:
-    """Convert a record to a tuple."""
+def as_tuple(place: Enu) -> Enu:
+    """Return a place, which may be a record of Numba, as a tuple."""
     return Enu(place.east, place.north, place.up)
 
 
 def normal(first: float, second: float) -> tuple[float, float, float, float]:
     """Return the next seeds, and two normal deviates (Box and Muller)."""
-    first, second = rest(first * FACTOR, MODULUS), rest(second * FACTOR_2, MODULUS_2)
+    first, second = remainder(first * FACTOR, MODULUS), remainder(second * FACTOR_2, MODULUS_2)
     size, angle = math.sqrt(-2.0 * math.log(first / MODULUS)), 2.0 * math.pi * second / MODULUS_2
     return first, second, size * math.cos(angle), size * math.sin(angle)
 
 
-def rest(value: float, modulus: float) -> float:
+def remainder(value: float, modulus: float) -> float:
     """Return `value % modulus` for a small quotient: exact, and faster compiled."""
     return value - math.floor(value / modulus) * modulus
 
