@@ -75,7 +75,7 @@ def test_a_refusal_without_a_detour_names_the_failsafe_and_its_alternative(autop
     kind = next(family for family in registered() if str(family) == autopilot)
     with refuses("no-path", "", "LAND", "battery", "roof") as refused:
         plan_flight(over_a_roof(kind, LANDS[autopilot], wide=160.0), seed=0)
-    assert f"{says} returns instead" in str(refused.value.hint)
+    assert f"or set {says} in the vehicle" in str(refused.value.hint)
     assert plan_flight(over_a_roof(kind, RETURNS[autopilot], wide=160.0), seed=0).proof.is_proved
 
 
@@ -85,7 +85,7 @@ def test_a_warning_names_the_failsafe_and_the_value_that_returns_instead() -> No
     findings = [finding for finding in check_mission(flight.mission, asked) if finding.code == "land-too-near"]
     assert len(findings) == 1
     assert "by critical battery (BATT_FS_CRT_ACT = 1), would descend" in findings[0].message
-    assert str(findings[0].hint).startswith("BATT_FS_CRT_ACT = 2 returns instead")
+    assert str(findings[0].hint).startswith("set BATT_FS_CRT_ACT = 2 in the vehicle")
 
 
 def test_landing_for_lack_of_a_return_is_no_choice() -> None:

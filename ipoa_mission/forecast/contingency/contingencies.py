@@ -78,7 +78,7 @@ def who_lands(forecast: Forecast) -> str:
 def to_return_instead(forecast: Forecast) -> str:
     values = {failsafe.parameter: failsafe.returns_at for failsafe in lands_by_choice(forecast)}
     words = " and ".join(f"{name} = {value}" for name, value in values.items())
-    return f"{words} return{'s' if len(values) == 1 else ''} instead, in the vehicle and under [vehicle.parameters]"
+    return f"set {words} in the vehicle and under [vehicle.parameters], to return instead"
 
 
 def contingencies_of(forecast: Forecast) -> tuple[Contingency, ...]:
