@@ -69,7 +69,9 @@ def _evidence_of(name: str, flight: LoggedFlight, mission: Mission | None) -> Ev
 
 def evidence_between(name: str, mission: Mission, done_s: Mapping[int, float]) -> Evidence:
     """`done_s`: when items were done [s since arming], by index; refuse too few."""
-    visits, done, met = [], [], set[int]()
+    visits = []
+    done = []
+    met = set[int]()
     route = Forecast(mission).itinerary
     for n, visit in enumerate(route.visits):
         at = done_s.get(visit.seq - 1)
@@ -97,7 +99,8 @@ def flights_in(
     """Return usable flights, remarks, version and autopilot; `read` returns a mission where the log has none."""
     log = read_flights(path, system)
     mission = None if read is None else read(log.autopilot)
-    usable, left_out = [], [*log.remarks, *filter(None, [log.autopilot.beyond_the_model(log.version)])]
+    usable = []
+    left_out = [*log.remarks, *filter(None, [log.autopilot.beyond_the_model(log.version)])]
     for number, flight in enumerate(log.flights, 1):
         name = f"{path.name}, flight {number}" if len(log.flights) > 1 else path.name
         measured = measure_flight(flight)

@@ -44,7 +44,9 @@ def drag_by_lean(
     if fast_s < min_time_s:
         words = f"expected {min_time_s:g} s or more of level flight over {min_speed:g} m/s, not {fast_s:.1f} s"
         raise LogUseless(words)
-    velocity, axes, held = velocity[steady], axes[steady], (pull - gained)[steady]
+    velocity = velocity[steady]
+    axes = axes[steady]
+    held = (pull - gained)[steady]
     airframe = autopilot.part(FlightModel).airframe(track.home_altitude)
 
     correlated_samples = 10

@@ -102,7 +102,9 @@ def _gathered(files: list[Path], system: int | None) -> tuple[list["Evidence"], 
             continue
         reader = None if mission is None else partial(read_mission, mission)
         usable, left, version, autopilot = flights_in(file, reader, system)
-        flights, remarks, mission = flights + usable, remarks + left, None
+        flights = flights + usable
+        remarks = remarks + left
+        mission = None
         if usable:
             kinds.add((autopilot.name, version))
     if not flights:
