@@ -261,13 +261,16 @@ class _Stretch:
 
 
 def _stretches(log: Log) -> Iterator[_Stretch]:
-    known, seen, now = _Known(), False, 0.0
+    known = _Known()
+    seen = False
+    now = 0.0
     current: Current | None = None
     stretch: _Stretch | None = None
     clock: Message | None = None
     for message in messages_of(log):
         if isinstance(message, Position | SystemTime):
-            clock, now = message, message.time_s if isinstance(message, Position) else message.boot_s
+            clock = message
+            now = message.time_s if isinstance(message, Position) else message.boot_s
         if stretch is not None:
             stretch.note(message, now)
         elif isinstance(message, Current):

@@ -42,7 +42,9 @@ class Measured:
         """Return all batteries' power (n, 2) [s, W], at the first one's times; refuse unmeasured current."""
         measured, reasons = [], []
         for battery in self.batteries:
-            volts, current, most = battery[:, 1], battery[:, 2], 10_000.0  # [V, A]
+            volts = battery[:, 1]  # [V]
+            current = battery[:, 2]  # [A]
+            most = 10_000.0  # beyond it a reading is wrong
             sound = battery[(volts > 0) & (volts < most) & (current >= 0) & (current < most)]
             amperes = sound[:, 2]
             if len(sound) < 2 or amperes.max() <= 0:
