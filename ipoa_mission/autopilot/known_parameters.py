@@ -50,7 +50,9 @@ def translated(
     >>> translated({"RTL_ALT_M": 65.0, "WP_JERK": 2.0}, Autopilot.ARDUPILOT, Autopilot.PX4)[0]
     {'RTL_RETURN_ALT': 65.0}
     """
-    values, left_out, words = dict[str, float](), list[str](), list[str]()
+    values = dict[str, float]()
+    left_out = list[str]()
+    words = list[str]()
     for name, value in parameters.items():
         ((old, there),) = other.parameter_table.by_old_names({name: value}).items()
         counterpart = _counterpart(name, other, autopilot)

@@ -26,7 +26,8 @@ class SlowedBy:
     spared_by: str = ""
 
     def raised(self, table: ParameterTable, parameters: Parameters, ground: float) -> Parameters:
-        p, higher = table.complete(parameters), math.ceil(ground - 0.05)  # whole meters, with rounding
+        p = table.complete(parameters)
+        higher = math.ceil(ground - 0.05)  # whole meters, with rounding
         return {name: round(min(p[name] * self.unit + higher, self.most) / self.unit, 6) for name in self.names}
 
 
