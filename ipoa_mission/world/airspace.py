@@ -192,7 +192,9 @@ class Airspace:
         """Return the least distance between `points` to an obstacle; beyond `within` [m] it is a lower bound."""
         if not self.obstacles:
             return NOTHING_NEAR
-        starts, ends, lengths = points[:-1], points[1:], leg_lengths(points)
+        starts = points[:-1]
+        ends = points[1:]
+        lengths = leg_lengths(points)
         known = within if np.isfinite(within) else float(self.obstacle_distance(points).min())
         reach = known + ROUNDING
         tracks = shapely.linestrings(np.stack([starts[:, :2], ends[:, :2]], axis=1))

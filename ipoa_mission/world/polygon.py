@@ -100,7 +100,9 @@ class Polygon:
 
     def break_parameters(self, a: Vector, b: Vector) -> Vector:
         """Find the line a-b abreast of a corner or across an edge."""
-        step, along, away = b - a, self.ends - self.starts, self.starts - a
+        step = b - a
+        along = self.ends - self.starts
+        away = self.starts - a
         square = float(step @ step)
         feet: Vector = away @ step / square if square > 0 else np.zeros(0)
         cross = _cross(step, along)

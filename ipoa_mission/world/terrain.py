@@ -200,7 +200,9 @@ class Grid:
             return np.asarray(sign * (spots[:, 2] - self.height(spots)))
 
         same = leg[:-1] == leg[1:]
-        legs, first, last = leg[:-1][same], fraction[:-1][same], fraction[1:][same]
+        legs = leg[:-1][same]
+        first = fraction[:-1][same]
+        last = fraction[1:][same]
         at_first, at_middle, at_last = (above(legs, t) for t in (first, (first + last) / 2, last))
         curvature = at_first - 2 * at_middle + at_last
         bowl = curvature > 0
