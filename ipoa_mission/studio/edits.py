@@ -230,7 +230,7 @@ def _new_item(mission: Mission, change: requests.InsertItem) -> Item:
         Command.NAV_LOITER_TURNS: (1.0,),
     }
     heading = math.nan if is_placed and firmware.takes_nan is None else 0.0
-    p1, p2, p3, *_ = *usual.get(change.command, ()), 0.0, 0.0, 0.0
+    p1, p2, p3 = (*usual.get(change.command, ()), 0.0, 0.0, 0.0)[:3]
     item = Item(change.command, like.frame, (p1, p2, p3, heading))
     if not is_placed or change.command == Command.NAV_RETURN_TO_LAUNCH:
         return replace(item, frame=int(Frame.MISSION))

@@ -54,7 +54,10 @@ class FlightWorker:
             raise
 
     def _fly(self, handed: HandedOver, order: JobOrder, answer: Answer) -> None:
-        link, log, mission, remarks = order["link"], Path(order["log"]), handed.forecast.mission, [*handed.remarks]
+        link = order["link"]
+        log = Path(order["log"])
+        mission = handed.forecast.mission
+        remarks = [*handed.remarks]
         if link is None:
             conditions = conditions_for(mission, handed.forecast.wind, handed.forecast.ground)
             opened = board(mission, conditions, log=log)
@@ -212,7 +215,8 @@ class Watch:
         vehicle, link_loss = self._vehicle, self._vehicle.link_loss
         words, lost_s = vehicle.changed or vehicle.order.words, None
         if link_loss.seconds is not None:
-            words, lost_s = "; ".join(filter(None, (link_loss.words, words))), round(link_loss.seconds)
+            words = "; ".join(filter(None, (link_loss.words, words)))
+            lost_s = round(link_loss.seconds)
         enders = {"rtl": vehicle.autopilot.modes.returns, "land": vehicle.autopilot.modes.lands}
         if self._ordered is None or self.obeyed != self._ordered:
             is_obeyed = self._ordered is not None and vehicle.state.custom_mode in enders[self._ordered]

@@ -122,7 +122,9 @@ def _known(value: float) -> Number:
 
 
 def mission_world(forecast: Forecast) -> answers.World:
-    mission, scenario, frame = forecast.mission_as_read, forecast.scenario, LocalFrame(forecast.mission_as_read.home)
+    mission = forecast.mission_as_read
+    scenario = forecast.scenario
+    frame = LocalFrame(forecast.mission_as_read.home)
     here = round(mission.home.longitude_deg, 7), round(mission.home.latitude_deg, 7)
     spot = answers.Spot(name="home", path=("home",), place=here, up=0.0, above_ground=0.0)
     sections = map(FenceSection.model_validate, fences_of(mission))

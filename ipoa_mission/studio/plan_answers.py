@@ -62,7 +62,10 @@ def planned(flight: Flight, proof: str) -> answers.Plan:
 
 def expected(forecast: Forecast, name: str) -> answers.Plan:
     """Show a forecast; its clearance only with a scenario."""
-    scenario, estimate, course, frame = forecast.scenario, forecast.estimate, course_of(forecast), forecast.frame
+    scenario = forecast.scenario
+    estimate = forecast.estimate
+    course = course_of(forecast)
+    frame = forecast.frame
     guarantee = None if scenario is None else forecast.guarantee_if_known
     kept = None if guarantee is None else guarantee.clearance
     required = 0.0 if scenario is None else scenario.limits.obstacle_distance

@@ -212,7 +212,8 @@ class Document:
         if not self.is_mission:
             raise BadInput("expected a mission", hint="a scenario's mission files: Mission files", place=self.path.name)
         autopilot = None if self.autopilot is None else autopilot_named(self.autopilot)
-        file, target = parse_mission(self.path, self.text, autopilot), unused(self.path.with_suffix(suffix))
+        file = parse_mission(self.path, self.text, autopilot)
+        target = unused(self.path.with_suffix(suffix))
         return target, write_mission(file.mission, target, file)
 
     def look_at_disk(self) -> bool:

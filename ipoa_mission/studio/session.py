@@ -108,7 +108,8 @@ class Session:
                 case requests.Upload():
                     self._expect_ready()
                     self._forget("trouble of flight")
-                    name, hand_over = self._name_of(request.flight), partial(self._hand_over, request.flight)
+                    name = self._name_of(request.flight)
+                    hand_over = partial(self._hand_over, request.flight)
                     self._flights.upload(request, hand_over, name, "survey" in self._latest)
                 case requests.Start():
                     await self._flights.start(request)

@@ -57,7 +57,9 @@ class Guard:
     """Refuse foreign requests, and send security headers; `knows` checks a token."""
 
     def __init__(self, app: ASGIApp, knows: Callable[[str], bool], hosts: Iterable[str], policy: str) -> None:
-        self._app, self._knows, self._hosts = app, knows, frozenset(hosts)
+        self._app = app
+        self._knows = knows
+        self._hosts = frozenset(hosts)
         self._headers = HEADERS | {"Content-Security-Policy": policy}
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
