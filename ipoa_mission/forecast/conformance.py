@@ -113,7 +113,8 @@ class ConformanceMonitor:
             return None
         distance = math.inf if leg.goal is None else float(np.linalg.norm(place - leg.goal))
         self._nearest = min(self._nearest, distance)
-        beyond, outside = self._beyond(leg, distance, time), self._outside(leg, place, distance, time)
+        beyond = self._beyond(leg, distance, time)
+        outside = self._outside(leg, place, distance, time)
         seen = {each.kind: each for each in (self._late(leg, time, place), beyond, outside) if each is not None}
         self._since = {kind: self._since.get(kind, time) for kind in seen}
         for kind, deviation in seen.items():

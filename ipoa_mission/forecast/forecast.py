@@ -210,8 +210,10 @@ class Forecast:
 
         if self.unknown:
             raise _refusal(self.unknown[0], "clearance")
-        task, predicted = clearance_task(self.world, self.mission.autopilot), self.predicted(noise_free=True)
-        model, flown = self.mission.autopilot.part(FlightModel), (self.itinerary, self.mission, self.wind, predicted)
+        task = clearance_task(self.world, self.mission.autopilot)
+        predicted = self.predicted(noise_free=True)
+        model = self.mission.autopilot.part(FlightModel)
+        flown = (self.itinerary, self.mission, self.wind, predicted)
         spread = None if task.chance is None else model.spread(*flown)
         return clearance_guarantee_of(PredictedFlight(self.itinerary, predicted, task, spread))
 

@@ -172,7 +172,8 @@ def predict_contingency(forecast: Forecast, contingency: Contingency, time: floa
     """Return duration and energy of a contingency ordered at a time [s]; raise NotModeled unless it is `TIMED`."""
     if contingency not in TIMED:
         raise NotModeled(f"the duration of {contingency} is not modeled")
-    model, ordered = forecast.mission.autopilot.part(FlightModel), OrderedContingency(time, contingency)
+    model = forecast.mission.autopilot.part(FlightModel)
+    ordered = OrderedContingency(time, contingency)
     prediction = model.predict_contingency(forecast.itinerary, forecast.mission, forecast.wind, ordered)
     lasts = max(float(prediction.low[-1]) - time, 0.0), max(float(prediction.high[-1]) - time, 0.0)
     first, _, last = prediction.touched or (np.nan,) * 3
@@ -292,7 +293,8 @@ class Contingencies:
     def _seen(self, samples: ContingencySamples, run: range) -> range:
         edges = samples.times[[run.start, run.stop - 1]]
         early, late = edges + np.array([-1.0, 1.0]) * self._tolerances(edges)
-        begin, end = np.searchsorted(samples.times, early), np.searchsorted(samples.times, late, side="right")
+        begin = np.searchsorted(samples.times, early)
+        end = np.searchsorted(samples.times, late, side="right")
         return range(min(int(begin), run.start), max(int(end), run.stop))
 
     def _nearest(self, contingency: Contingency, samples: ContingencySamples, run: range) -> list[Clearance]:

@@ -80,7 +80,9 @@ class ContingenciesNow:
             times = np.clip([begin, end], *self._contingencies.paths.in_air)
             predicted = ((t, self._predicted(row.contingency, t)) for t in times.tolist())
             lasts = {t: sum(each.duration_s) / 2 for t, each in predicted if each is not None}
-            middle, took, step_s = (begin + end) / 2, list(lasts.values()), end - begin
+            middle = (begin + end) / 2
+            took = list(lasts.values())
+            step_s = end - begin
             if step_s <= DURATIONS.min_step_s or len(took) < 2 or abs(took[1] - took[0]) < DURATIONS.max_slope * step_s:
                 return float(np.interp(time, [*lasts], took)) if lasts else None
             begin, end = (begin, middle) if time < middle else (middle, end)

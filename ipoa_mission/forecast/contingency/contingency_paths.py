@@ -143,7 +143,8 @@ class ContingencyPaths:
         self.forecast, self.mission, self._enlarged = forecast, forecast.mission, enlarged
         self.required, self.rally = forecast.world.limits.obstacle_distance, rally_places(self.mission)
         self._stops, self._samples = dict[Contingency, StoppingPoints](), dict[Contingency, ContingencySamples]()
-        self.routes, self._flight = ReturnRoutes(forecast, self.rally), None if shared is None else shared.flight
+        self.routes = ReturnRoutes(forecast, self.rally)
+        self._flight = None if shared is None else shared.flight
         if shared is not None:
             self._stops = shared._stops
             if shared.forecast is forecast:
@@ -190,7 +191,8 @@ class ContingencyPaths:
         speed = np.maximum(np.hypot(*velocity[:, :2].T), STATIONARY_SPEED)
         along = velocity[:, :2] / speed[:, None]
         gains = np.gradient(np.hypot(*velocity[:, :2].T), step_s) if len(times) > 1 else np.zeros(1)
-        accel, stops = (after[:, :2] + before[:, :2] - 2 * at_then[:, :2]) / step_s**2, at_then.copy()
+        accel = (after[:, :2] + before[:, :2] - 2 * at_then[:, :2]) / step_s**2
+        stops = at_then.copy()
         del before, after, at_then
         accel += along * (gains - (accel * along).sum(axis=1))[:, None]
         if not autopilot.guidance.climb_ends_at_once:  # else it stops within 0.5 m
@@ -226,7 +228,8 @@ class ContingencyPaths:
 
     def _at(self, contingency: Contingency, times: Vector) -> ContingencySamples:
         places, stops = self.stops(contingency).at(times)
-        paths, possible = np.stack([places, stops], axis=1)[:, None], np.ones((len(times), 1), dtype=bool)
+        paths = np.stack([places, stops], axis=1)[:, None]
+        possible = np.ones((len(times), 1), dtype=bool)
         if contingency is Contingency.LAND:
             paths = np.concatenate([paths, self._ground_below(stops)[:, None, None]], axis=2)
         elif contingency is Contingency.RTL:
@@ -329,7 +332,9 @@ class ContingencyPaths:
 
     def _with_ground(self, samples: ContingencySamples, end: int) -> ContingencySamples:
         begin, last = self.flight.cruise_span
-        near, which, slack = samples.near.copy(), samples.which.copy(), samples.slack.copy()
+        near = samples.near.copy()
+        which = samples.which.copy()
+        slack = samples.slack.copy()
         in_cruise = np.flatnonzero((samples.times >= begin) & (samples.times <= last))
         paths, terrain = samples.paths[in_cruise, :, :end], self.forecast.world.airspace.terrain
         heights = terrain.legs_height(paths[:, :, :-1].reshape(-1, 3), paths[:, :, 1:].reshape(-1, 3))
@@ -341,7 +346,9 @@ class ContingencyPaths:
             for check in prove_ground(samples.paths[n, k, :end], self.forecast.world):
                 if (left := check.slack - samples.spread[n]) < min(slack[n], 0.0):
                     leg = min(check.nearest.leg, near.shape[2] - 1)
-                    near[n, k, leg], which[n, k, leg], slack[n] = self.required + left, GROUND, left
+                    near[n, k, leg] = self.required + left
+                    which[n, k, leg] = GROUND
+                    slack[n] = left
         return replace(samples, near=near, which=which, slack=slack)
 
     @property

@@ -70,7 +70,9 @@ class Budget:
     def against_plan(self, left: float, time: float) -> ReserveNow | None:
         if self.battery is None:
             return None
-        until, whole, capacity = self.used.until(time), self.used.between, self.battery.capacity_wh
+        until = self.used.until(time)
+        whole = self.used.between
+        capacity = self.battery.capacity_wh
         remaining = (max(total - so_far, 0.0) for total, so_far in zip(whole, until, strict=True))
         low, likely, high = (left - wh / capacity for wh in remaining)
         planned = 1.0 - until.likely / capacity
@@ -178,7 +180,10 @@ def greatest_fitting(fits: Callable[[int], bool], count: int, guess: int = 1) ->
 
     Energy grows with the part flown before the return: flights as long as possible are the fewest.
     """
-    least, beyond, here, step = 0, count + 1, guess, 1
+    least = 0
+    beyond = count + 1
+    here = guess
+    step = 1
     while beyond - least > 1:
         here = min(max(here, least + 1), beyond - 1)
         least, beyond = (here, beyond) if fits(here) else (least, here)

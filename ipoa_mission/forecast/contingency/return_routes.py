@@ -96,7 +96,8 @@ class ReturnRoutes:
 
         `up`: height of the goal above home; `off`: error of the height over the ground [m].
         """
-        ground, lower = self.forecast.world.airspace.ground, self.forecast.world.airspace.ground(beyond)
+        ground = self.forecast.world.airspace.ground
+        lower = self.forecast.world.airspace.ground(beyond)
         under, far = ground(stops), np.hypot(*(beyond - stops)[:, :2].T)
         return_height = partial(self.mission.autopilot.return_height, self.parameters)
         above = list(map(return_height, (stops[:, 2] - under).tolist(), far.tolist(), (up - lower).tolist()))

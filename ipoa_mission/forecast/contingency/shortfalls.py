@@ -62,7 +62,8 @@ def highest_return(forecast: Forecast) -> float:
     if mission.fence:
         switch = table.by_meaning["fence switch"].name
         values[switch] = values[switch] or 1.0
-    own, stray = mission.autopilot.own_fence(values), law_of(mission.autopilot).highest.distance(0.01)
+    own = mission.autopilot.own_fence(values)
+    stray = law_of(mission.autopilot).highest.distance(0.01)
     allowed = [MAX_HEIGHT, world.airspace.bounds.upper[2], world.planning.max_height_above_ground or math.inf]
     return min([*allowed, *([] if own is None else [own.ceiling.value - stray])])
 
@@ -82,7 +83,8 @@ def heights_above(above: float) -> Iterator[float]:
 
 def clear_in(scenario: Scenario) -> Callable[[Iterable[Leg]], bool]:
     """Return a test of paths for the required clearance, with room for the deviation bound."""
-    enlarged, required = with_margins(clearance_task(scenario), sharing=4.0), scenario.limits.obstacle_distance
+    enlarged = with_margins(clearance_task(scenario), sharing=4.0)
+    required = scenario.limits.obstacle_distance
     spare = 0.0 if scenario.safety.chance is None else SAG
 
     def is_clear(legs: Iterable[Leg]) -> bool:
@@ -108,7 +110,9 @@ def try_return_altitudes(
     now = forecast.mission.autopilot.parameter_table.complete(forecast.mission.parameters)[by.name] * by.unit
     allowed = highest_return(forecast)
     highest = allowed - (return_altitude(forecast) - now)  # PX4 measures from the height of its goal
-    others, tried, heights = [(forecast, short)], {now}, list(_heights(paths, short, now))
+    others = [(forecast, short)]
+    tried = {now}
+    heights = list(_heights(paths, short, now))
     if now > highest:
         heights.append(float(HEIGHT_STEP * math.floor(highest / HEIGHT_STEP)))
     for _ in range(8):

@@ -150,7 +150,8 @@ def _bound(law: DeviationLaw, chance: float | None) -> DeviationBound:
 def _worst_checks(part: Pieces, task: ClearanceTask, bound: DeviationBound) -> Iterable[Check]:
     """Check the path, lowered and raised where flights spread."""
     side, down, up = np.vstack([part.spread, part.spread[-1:]]).T
-    wider, worst = replace(bound, level=bound.level + float(side.max())), dict[tuple[str, float], Check]()
+    wider = replace(bound, level=bound.level + float(side.max()))
+    worst = dict[tuple[str, float], Check]()
     for heights in (-down, up) if part.spread.any() else (up,):
         path = part.points.copy()
         path[:, 2] += heights

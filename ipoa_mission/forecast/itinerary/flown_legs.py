@@ -249,7 +249,8 @@ class _LegBuilder:
         yield self._vertical(seq, FlightStage.LANDING, top)
 
     def _returns(self, seq: int) -> Iterator[Leg]:
-        places, version = [triple(place) for place in self._rally_points()], self.mission.firmware_version
+        places = [triple(place) for place in self._rally_points()]
+        version = self.mission.firmware_version
         order = ReturnOrder(triple(self.at), places, version=version)
         route = self.mission.autopilot.return_route(self.parameters, order)
         if route.by is ReturnBy.MISSION_REVERSED:

@@ -157,7 +157,8 @@ class Unknown(NamedTuple):
 def find_unknown(mission: Mission) -> Iterator[Unknown]:
     autopilot, items = mission.autopilot, as_flown(mission).items
     program = Program(items, LocalFrame(mission.home), autopilot, version=mission.firmware_version)
-    circles, splines = Command.NAV_LOITER_TURNS in autopilot.command_effects.flown, autopilot.guidance.flies_splines
+    circles = Command.NAV_LOITER_TURNS in autopilot.command_effects.flown
+    splines = autopilot.guidance.flies_splines
     yield from past_jumps(mission)
     here: Place | None = None
     braking = _braking_lengths(mission) if splines else []
@@ -217,7 +218,8 @@ def _after_a_spline(program: Program, n: int) -> Iterator[Unknown]:
 def _braking_lengths(mission: Mission) -> list[float]:
     """Return for each item the length of a spline on which it can stop from its speed [m]; 0 from a stop."""
     autopilot, items = mission.autopilot, mission.items
-    table, values = autopilot.parameter_table, autopilot.complete(mission.parameters, mission.firmware_version)
+    table = autopilot.parameter_table
+    values = autopilot.complete(mission.parameters, mission.firmware_version)
     both = table.by_meaning["cruise speed"], table.by_meaning["acceleration"]
     speed, accel = (values[parameter.name] * parameter.unit for parameter in both)
     changed = (n for n, item in enumerate(items) if item.command == Command.DO_CHANGE_SPEED)
@@ -249,7 +251,10 @@ def _turns_back(program: Program, n: int, before: Place, place: Place) -> bool:
 
 def turn_deg(before: Place | Vector, at: Place | Vector, after: Place | Vector) -> float:
     """Return the turn at a place, 0 to 180; NaN where unknown."""
-    east, north, on_east, on_north = at[0] - before[0], at[1] - before[1], after[0] - at[0], after[1] - at[1]
+    east = at[0] - before[0]
+    north = at[1] - before[1]
+    on_east = after[0] - at[0]
+    on_north = after[1] - at[1]
     return math.degrees(math.atan2(abs(east * on_north - north * on_east), east * on_east + north * on_north))
 
 

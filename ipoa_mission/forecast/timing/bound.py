@@ -143,9 +143,13 @@ def _pieces(knots: Vector, points: Points, at: Vector) -> tuple[Points, Points, 
 
 def _slopes(knots: Vector, steps: Vector, chords: Points) -> Points:
     n = len(knots)
-    below, middle, above = np.zeros(n), np.ones(n), np.zeros(n)
+    below = np.zeros(n)
+    middle = np.ones(n)
+    above = np.zeros(n)
     right = np.zeros((n, chords.shape[1]))
-    below[1:-1], middle[1:-1], above[1:-1] = steps[1:], 2 * (steps[:-1] + steps[1:]), steps[:-1]
+    below[1:-1] = steps[1:]
+    middle[1:-1] = 2 * (steps[:-1] + steps[1:])
+    above[1:-1] = steps[:-1]
     right[1:-1] = 3 * (steps[1:, None] * chords[:-1] + steps[:-1, None] * chords[1:])
     if n == 3:  # a parabola
         above[0] = below[-1] = 1.0

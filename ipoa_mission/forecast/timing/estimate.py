@@ -237,7 +237,9 @@ def qgroundcontrol_time(mission: Mission) -> float:
     hover_speed, ascent_speed, descent_speed = 5.0, 3.0, 1.0  # its settings without a vehicle [m/s]
     delays = {Command.NAV_WAYPOINT, Command.NAV_DELAY, Command.CONDITION_DELAY}
     speed = mission.cruise_speed or hover_speed
-    here, height, total = (mission.home.latitude_deg, mission.home.longitude_deg), 0.0, 0.0
+    here = (mission.home.latitude_deg, mission.home.longitude_deg)
+    height = 0.0
+    total = 0.0
     taken_off, scanned = False, dict(mission.scanned)
     for index, item in enumerate(mission.items):
         total += scanned.get(index, 0.0) / speed

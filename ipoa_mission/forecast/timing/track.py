@@ -118,7 +118,11 @@ def pieces_of(track: Track, spread: Points | None = None) -> Pieces:
 
 
 def _bends(track: Track) -> tuple[Vector, Vector]:
-    begin, end, step_s, smoothed, reach_s = float(track.times[0]), float(track.times[-1]), 0.1, 5, 2.0
+    begin = float(track.times[0])
+    end = float(track.times[-1])
+    step_s = 0.1
+    smoothed = 5
+    reach_s = 2.0
     times = np.arange(begin, max(end, begin + smoothed * step_s) + step_s, step_s)
     level = track.at(times)[:, :2]
     mean = np.full(smoothed, 1 / smoothed)
@@ -129,7 +133,9 @@ def _bends(track: Track) -> tuple[Vector, Vector]:
 
 
 def _greatest_near(values: Vector, reach: int) -> Vector:
-    greatest, seen, width = np.pad(values, reach), 1, 2 * reach + 1
+    greatest = np.pad(values, reach)
+    seen = 1
+    width = 2 * reach + 1
     while seen < width:
         more = min(seen, width - seen)
         greatest, seen = np.maximum(greatest[:-more], greatest[more:]), seen + more
