@@ -69,7 +69,8 @@ def composed_route(plan: Plan, scenario: Scenario) -> Attempt:
             now = int(before[int(station)])
             leg = int(np.searchsorted(stations[1:-1], station, "right"))
             beside = int(now == len(levels) - 1)  # then it is approached slower
-            begin, end = stations[max(leg - beside, 0)], stations[min(leg + 1 + beside, len(stations) - 1)]
+            begin = stations[max(leg - beside, 0)]
+            end = stations[min(leg + 1 + beside, len(stations) - 1)]
             on_leg = slice(int(begin), 1 + int(np.ceil(end)))
             chosen[on_leg] = np.maximum(chosen[on_leg], min(now + 1, len(levels) - 1))
         if (chosen == before).all():
@@ -87,7 +88,9 @@ class _Level(NamedTuple):
 
 
 def _approximations(plan: Plan, scenario: Scenario) -> list[_Level]:
-    curve, via, task = plan.curve, scenario.via_points, clearance_task(scenario)
+    curve = plan.curve
+    via = scenario.via_points
+    task = clearance_task(scenario)
     lines = [
         (*corridor(curve, width * scenario.route.tolerance, via=via), radius, tight)
         for width, radius, tight in _Composing.levels
@@ -332,7 +335,9 @@ def _improve(attempt: Attempt) -> Attempt:
     scenario, tried = attempt.scenario, set[bytes]()
     trials = min(SEARCH.trials, SEARCH.legs // len(attempt.route.points))
     for share in SEARCH.step_shares:
-        step, at, in_vain = share * scenario.route.tolerance, 0, 0
+        step = share * scenario.route.tolerance
+        at = 0
+        in_vain = 0
         changes = [*_changes(attempt.route.points, step, scenario.via_points, tried)]
         while len(tried) < trials and in_vain < min(SEARCH.patience, len(changes)):
             candidate = attempt.along(changes[at % len(changes)])

@@ -183,7 +183,9 @@ class _RallySearch:
             end_of_cruise = int(np.searchsorted(self._times, paths.flight.cruise_span[1]))
             keep = self._margins[min(end_of_cruise, len(self._times) - 1)] >= 0.0
             keep[0] = True
-            self._goals, self._margins, self._away = self._goals[keep], self._margins[:, keep], self._away[:, keep]
+            self._goals = self._goals[keep]
+            self._margins = self._margins[:, keep]
+            self._away = self._away[:, keep]
 
     def add_samples(self, times: list[float]) -> None:
         """Sample next to the times [s] of shortfalls, which lie between the samples."""

@@ -97,7 +97,8 @@ def _leg(nearest: Attempt, tightest: KeptLimit) -> str:
 
 
 def _gap(tightest: KeptLimit, airspace: Airspace) -> str:
-    spot, needed = np.array(tightest.place), tightest.required + tightest.nominal - tightest.guaranteed
+    spot = np.array(tightest.place)
+    needed = tightest.required + tightest.nominal - tightest.guaranteed
     apart, other = _across(spot, tightest.to, needed, airspace)
     if other is not None and apart < 2 * needed:
         names = f"{tightest.to} and {other}"
@@ -120,7 +121,9 @@ def _across(spot: np.ndarray, name: str, needed: float, airspace: Airspace) -> t
         line = shapely.shortest_line(point, body.horizontal_shape)
         return np.asarray(np.diff(shapely.get_coordinates(line), axis=0)[0])
 
-    ahead, best, opposite_name = towards(first), np.inf, None
+    ahead = towards(first)
+    best = np.inf
+    opposite_name = None
     max_cosine = -0.5  # between the directions to both sides of a gap
     for body in bodies:
         aside = towards(body)
@@ -204,7 +207,8 @@ def _more(slow: frozenset[int], leg: int) -> int:
 def slowed_where_needed_remarks(route: Route) -> Iterator[str]:
     if not route.slow:
         return
-    ends, changes = [item + 1 for item in items_of_waypoints(route)[1:]], [*route.speed_changes, route.legs]
+    ends = [item + 1 for item in items_of_waypoints(route)[1:]]
+    changes = [*route.speed_changes, route.legs]
     stretches = [(ends[begin], ends[end - 1]) for begin, end in zip(changes[::2], changes[1::2], strict=False)]
     which = ", ".join(f"{first} to {last}" if last > first else f"{first}" for first, last in stretches)
     yield f"items {which} are flown at {route.slow_speed:g} m/s{route.slow_reason}"

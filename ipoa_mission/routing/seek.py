@@ -35,7 +35,8 @@ class TooNarrow(MissionError):
 
 def expect_wide(scenario: Scenario) -> None:
     """Raise TooNarrow if every way between given places leads through a gap below the least deviation bound."""
-    chance, law = scenario.safety.chance, law_of(scenario.vehicle.autopilot, scenario.wind.strongest)
+    chance = scenario.safety.chance
+    law = law_of(scenario.vehicle.autopilot, scenario.wind.strongest)
     if chance is None or not scenario.airspace.obstacles:
         return
     if tight_places(scenario, 2 * THINNING_TOLERANCE + law.lateral(chance)):
