@@ -100,8 +100,8 @@ def item_payload(seq: int, item: Item, kind: int, target: tuple[int, int] = (0, 
 
 def _misfit(item: Item) -> BadInput:
     for name, number, most in (("command", item.command, 0xFFFF), ("frame", item.frame, 0xFF)):
-        if not 0 <= number <= most:
-            return BadInput(f"expected a number from 0 to {most}, not {number}", place=name)
+        if not isinstance(number, int) or not 0 <= number <= most:
+            return BadInput(f"expected a whole number from 0 to {most}, not {number}", place=name)
     singles = {f"param{n}": value for n, value in enumerate(item.params, start=1)} | {"altitude": item.altitude}
     name, value = next((name, value) for name, value in singles.items() if SINGLE_MAX < abs(value) < math.inf)
     return BadInput(f"expected a number that fits in single precision, not {value:g}", place=name)
