@@ -237,9 +237,11 @@ def check_aboard(
 
 def _finding(why: str, unmeasured: bool) -> Finding:
     if unmeasured:
-        return Finding(NOT_MEASURED, Severity.WARNING, None, why)
+        return Finding("version-not-measured", Severity.WARNING, None, why)
     hint = "fly it in simulation first (docs/lab/flown.md), or go on with --unmeasured-version "
-    return Finding(NOT_MEASURED, Severity.ERROR, None, why, f"{hint}(in a scenario vehicle.unmeasured_version = true)")
+    return Finding(
+        "version-not-measured", Severity.ERROR, None, why, f"{hint}(in a scenario vehicle.unmeasured_version = true)"
+    )
 
 
 def _jumps(mission: Mission) -> Iterator[Finding]:
