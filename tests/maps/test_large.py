@@ -1,6 +1,6 @@
 import json
 import random
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +15,7 @@ from ipoa_mission.maps.building_rules import BuildingRules
 from ipoa_mission.maps.buildings import search_buildings
 from ipoa_mission.maps.map_reader import read_features
 from ipoa_mission.maps.map_window import Box, MapWindow
-from ipoa_mission.maps.passed import count_passed_over
+from ipoa_mission.maps.passed import PassedOver, count_passed_over
 from ipoa_mission.scenario import parse_scenario, surroundings
 from tests.examples import some
 
@@ -70,6 +70,14 @@ def generated(seed: int, at: At) -> dict[str, Any]:
     return rng.choice([kinds | {"features": features}, {"features": features} | kinds | crs])
 
 
+def unnumbered(passed: Iterable[PassedOver]) -> list[tuple[object, ...]]:
+    """Return the counts without the numbers of features, which differ in a part of a map."""
+    return [
+        (each.reason, each.may_be_obstacle, each.count, each.code, [name.partition("[")[0] for name in each.names])
+        for each in count_passed_over(passed)
+    ]
+
+
 @pytest.mark.parametrize("seed", some(10, range(240)))
 def test_a_part_of_a_map_is_read_as_a_map_of_its_own(
     seed: int, tmp_path: Path, frame: LocalFrame, at: At, monkeypatch: pytest.MonkeyPatch
@@ -90,7 +98,7 @@ def test_a_part_of_a_map_is_read_as_a_map_of_its_own(
     near = search_buildings(path, rules, frame, WITHIN)
     assert (near.features, near.elsewhere) == (len(part), len(drawn) - len(part))
     assert [words for words in near.remarks if "not examined" not in words] == list(whole.remarks)
-    assert list(count_passed_over(near.passed_over)) == list(count_passed_over(whole.passed_over))
+    assert unnumbered(near.passed_over) == unnumbered(whole.passed_over)
     assert [(s.name, s.shape.wkb, s.foot, s.height) for s in near.obstacles] == [
         (s.name, s.shape.wkb, s.foot, s.height) for s in whole.obstacles
     ]
