@@ -40,7 +40,7 @@ def _wanted(features: Sequence[Feature], around: MapWindow) -> list[Feature]:
     return [*compress(features, around.wants(boxes).tolist())]
 
 
-# These yield batches of the features near the flight.
+# Batches of features near the flight.
 _BATCH_READERS: dict[str, Callable[[Path, MapWindow], Iterator[list[Feature]]]] = {
     ".pbf": read_pbf,
     **dict.fromkeys(FIRST_BYTES, read_table),
