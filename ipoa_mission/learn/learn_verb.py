@@ -62,14 +62,14 @@ def learn(
     write_atomically(out, write_vehicle(vehicle))
     energy = energy_error(judged)
     if as_json:
-        told = {"energy_error": energy and round(energy, 5), "remarks": remarks, "written": str(out)}
+        outcome = {"energy_error": energy and round(energy, 5), "remarks": remarks, "written": str(out)}
         why = {name: _reasons(name, flights) for name, learned in asdict(vehicle).items() if learned is None}
         fitted = {
             "vehicle": asdict(vehicle) | {"autopilot": vehicle.autopilot.name},
             "left_out": [asdict(one) for one in judged],
             "median_error": {"before": round(before, 5), "after": round(after, 5)},
         }
-        print_json(fitted | {"not_told": why} | told)
+        print_json(fitted | {"not_told": why} | outcome)
         return
     columns = ["flight", "flown\ns", "estimated\ns", "with the\nvehicle s", "measured\nWh", "estimated\nWh"]
     if judged:

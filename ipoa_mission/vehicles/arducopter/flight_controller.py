@@ -158,7 +158,7 @@ class ArduCopterController:
     def _touch(self) -> None:
         if self._copter.this.kind == Kind.DESCENT:
             self._touched_s = self._now.time_s
-            self._copter.stand(0.0)
+            self._copter.wait_on_ground(0.0)
             self._floor = self._copter.state.z
 
     def _stand(self, seconds: float) -> None:
@@ -179,7 +179,7 @@ class ArduCopterController:
         state.place += state.velocity * STEP_S
         state.z += state.vz * STEP_S
         if state.z <= self._body.conditions.ground.at(state.place.real, state.place.imag):
-            self._copter.stand(0.0)
+            self._copter.wait_on_ground(0.0)
             self._floor = self._copter.state.z
 
     def _stay(self) -> None:

@@ -216,15 +216,15 @@ class _Flight:
             self.copter.hold(seconds)
             self.run()
         else:
-            self.stand(seconds)
+            self.wait_on_ground(seconds)
 
-    def stand(self, seconds: float) -> None:
-        self.copter.stand(seconds)
+    def wait_on_ground(self, seconds: float) -> None:
+        self.copter.wait_on_ground(seconds)
         self.note()
 
     def take_off(self, height: float) -> None:
         if not self.airborne:
-            self.stand(max(self.limits.lift_off_s + self.airframe.lift_delay, 0.0))
+            self.wait_on_ground(max(self.limits.lift_off_s + self.airframe.lift_delay, 0.0))
             self.airborne = True
         if height > self.copter.here[2]:
             self.copter.take_off(height)
@@ -240,7 +240,7 @@ class _Flight:
         self.go(legs)
         if self.copter.this.kind == Kind.DESCENT and not self.is_aborted:
             self.touched, delay = self.copter.state.time, self.airframe.landing_delay
-            self.stand(max(LANDED_S + self.copter.limits.spool_up + delay, 0.0))
+            self.wait_on_ground(max(LANDED_S + self.copter.limits.spool_up + delay, 0.0))
             self.airborne = False
 
     def run(self) -> float:

@@ -115,7 +115,7 @@ class Px4Controller:
 
     def _last_done(self) -> None:
         now, items = self._now, self._now.program.items
-        if self._state.contact.stands:
+        if self._state.contact.on_ground:
             now.landed = True
             if now.mode is FlightMode.MISSION:
                 now.done(now.current)
@@ -133,8 +133,8 @@ class Px4Controller:
         state, place = self._state, self._state.body.place
         if place.up > (ground := self._ground.at(place.east, place.north)):
             no_thrust = Enu(0.0, 0.0, -GRAVITY)
-            state = state._replace(body=integrate(state, no_thrust, self._law, stands=False), time=self._now.time_s)
-        elif not state.body.on_ground or state.contact.stands:
+            state = state._replace(body=integrate(state, no_thrust, self._law, is_held=False), time=self._now.time_s)
+        elif not state.body.on_ground or state.contact.on_ground:
             state = at_rest(place._replace(up=ground), self._now.time_s, state.nose.yaw, state.errors, True)
         self._state = state
 

@@ -160,7 +160,7 @@ class Copter:
         way = leg.length / slowest if leg.length > 0 else 0.0
         return max(way, leg.profile.lasts, leg.lasts)
 
-    def stand(self, seconds: float) -> None:
+    def wait_on_ground(self, seconds: float) -> None:
         x, y, z = self.place
         yaw, self.state = self.state.yaw, _at_rest((x, y, max(z, self._ground.at(x, y))), self.state.time + seconds)
         self.face(yaw)

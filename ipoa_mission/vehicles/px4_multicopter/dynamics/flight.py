@@ -19,7 +19,7 @@ from ipoa_mission.vehicles.px4_multicopter.dynamics.guidance import (
     heading_error,
     horizontal_norm,
     is_low_take_off,
-    stands,
+    touches_down,
     turned,
     velocity_setpoint,
 )
@@ -178,7 +178,7 @@ GROUND_SINK = 0.7  # [m/s]
 
 
 def step(state: State, order: Order, constants: px4.SimulationConstants) -> State:
-    limits, standing = constants.limits, stands(state, order)
+    limits, standing = constants.limits, touches_down(state, order)
     velocity, guidance = velocity_setpoint(state, order, constants, guided(state, order, limits))
     trajectory = track_setpoint(state, order, constants, velocity)
     asked, control = controlled(state, trajectory, order, constants)
@@ -186,7 +186,7 @@ def step(state: State, order: Order, constants: px4.SimulationConstants) -> Stat
         control = hover_learned(control, state.body, constants, state.time)
     body = integrate(state, asked, constants, standing)
     errors = add_sensor_errors(state, constants)
-    if errors.told != state.errors.told:
+    if errors.reported != state.errors.reported:
         guidance = px4.Guidance(px4.UNKNOWN, guidance.anchor, guidance.held, guidance.rising)
     contact = detect_contact(state, body, asked.up, constants) if order.kind == px4.LAND else state.contact
     time = state.time + constants.dt
@@ -319,7 +319,7 @@ def fly(
     for n in range(len(orders)):
         order = orders[n]
         if steps == px4.NOT_BEGUN:
-            if order.kind == px4.TAKE_OFF and (state.body.on_ground or state.contact.stands):
+            if order.kind == px4.TAKE_OFF and (state.body.on_ground or state.contact.on_ground):
                 lifts = state.time + constants.limits.spool_up
                 state = at_rest(state.body.place, lifts, state.nose.yaw, state.errors, True)
             state, steps = begun(state, order), 0
@@ -329,7 +329,7 @@ def fly(
             state, steps = step(state, order, constants), steps + 1
             if until == math.inf:
                 state = past_cruise(state, order, constants)
-            if order.kind == px4.LAND and not state.contact.stands:
+            if order.kind == px4.LAND and not state.contact.on_ground:
                 touched = state.time
             if every > 0 and steps % every == 0:
                 if taken == len(samples):

@@ -88,8 +88,8 @@ def sink_rate(state: State, order: Order, constants: px4.SimulationConstants) ->
     return min(limits.land_speed + min(max(share, 0.0), 1.0) * (limits.sinks_from - limits.land_speed), limits.descent)
 
 
-def stands(state: State, order: Order) -> bool:
-    return order.kind == px4.LAND and (state.contact.stands or state.body.place.up <= order.goal.up)
+def touches_down(state: State, order: Order) -> bool:
+    return order.kind == px4.LAND and (state.contact.on_ground or state.body.place.up <= order.goal.up)
 
 
 def detect_contact(state: State, body: px4.Body, thrust: float, constants: px4.SimulationConstants) -> px4.Contact:
@@ -98,15 +98,15 @@ def detect_contact(state: State, body: px4.Body, thrust: float, constants: px4.S
     The range finder loses the ground below an estimated height of 0.
     """
     was, limits = state.contact, constants.limits
-    sees, stands = constants.senses.sees_ground, body.on_ground
-    lost = was.lost or (was.stands and (state.errors.drift.up > 0.0 or not sees))
+    sees, on_ground = constants.senses.sees_ground, body.on_ground
+    lost = was.lost or (was.on_ground and (state.errors.drift.up > 0.0 or not sees))
     low = was.stages > 0 or thrust <= GRAVITY * (limits.low_thrust - 1.0)
-    if not stands or abs(body.speed.up) >= limits.most_touchdown or not low:
-        return px4.Contact(stands, lost, 0, state.time + constants.dt)
+    if not on_ground or abs(body.speed.up) >= limits.most_touchdown or not low:
+        return px4.Contact(on_ground, lost, 0, state.time + constants.dt)
     stage = limits.land_detector_s * (STAGES if lost and sees else 1) / STAGES
     if state.time + constants.dt - was.since >= stage:
-        return px4.Contact(stands, lost, was.stages + 1, state.time + constants.dt)
-    return px4.Contact(stands, lost, was.stages, was.since)
+        return px4.Contact(on_ground, lost, was.stages + 1, state.time + constants.dt)
+    return px4.Contact(on_ground, lost, was.stages, was.since)
 
 
 def heading_wanted(state: State, order: Order) -> float:
@@ -144,7 +144,7 @@ def guided(state: State, order: Order, limits: Px4Limits) -> px4.Guidance:
     """Return the guidance, restarted from the present place after a change."""
     if limits.splits_axes:
         return state.guidance
-    place, was, home = state.body.place, state.guidance, home_told(state, order)
+    place, was, home = state.body.place, state.guidance, reported_home_error(state, order)
     at = Enu(place.east, place.north, place.up - home)
     ahead, along, across = beside_leg(at, as_tuple(order.start), as_tuple(order.goal))
     if ahead <= 1e-6:
@@ -188,9 +188,9 @@ def triplet(guidance: px4.Guidance, order: Order) -> Triplet:
     return Triplet(start, goal, beyond)
 
 
-def home_told(state: State, order: Order) -> float:
+def reported_home_error(state: State, order: Order) -> float:
     """Return the guidance's error of home's height [m]."""
-    return state.errors.told if order.follows_home else 0.0
+    return state.errors.reported if order.follows_home else 0.0
 
 
 def is_low_take_off(state: State, order: Order, limits: Px4Limits) -> bool:
@@ -214,7 +214,7 @@ def velocity_setpoint(
     """
     limits, x, y, z = constants.limits, state.trajectory.east, state.trajectory.north, state.trajectory.up
     to = triplet(guidance, order)
-    at = Enu(x.place, y.place, z.place - home_told(state, order))
+    at = Enu(x.place, y.place, z.place - reported_home_error(state, order))
     aim = Enu(to.goal.east - at.east, to.goal.north - at.north, to.goal.up - at.up)
     far, speed = horizontal_norm(aim), math.sqrt(x.speed * x.speed + y.speed * y.speed)
     fast, held = corner_speed(state.trajectory, to.goal, to.beyond, order, limits), guidance.held

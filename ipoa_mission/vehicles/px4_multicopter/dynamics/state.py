@@ -127,21 +127,21 @@ class Yaw(NamedTuple):
 
 
 class Errors(NamedTuple):
-    """Error of `home`'s height, now and as `told` to guidance; `drift`; next fix [s]."""
+    """Error of `home`'s height, now and as `reported` to guidance; `drift`; next fix [s]."""
 
     seed_1: float
     seed_2: float
     next_in: float
     home: float
-    told: float
-    told_at: float
+    reported: float
+    reported_at: float
     drift: Enu
 
 
 class Contact(NamedTuple):
     """A landing: stages of the land detector and the last one's time."""
 
-    stands: bool
+    on_ground: bool
     lost: bool
     stages: int
     since: float
@@ -197,11 +197,11 @@ def add_sensor_errors(state: State, constants: SimulationConstants) -> Errors:
     was, time = state.errors, state.time + constants.dt
     if not constants.noisy:
         return was
-    told, told_at = was.told, was.told_at
-    if told_at >= 0.0 and time >= told_at:
-        told, told_at = was.home, NOT_YET
+    reported, reported_at = was.reported, was.reported_at
+    if reported_at >= 0.0 and time >= reported_at:
+        reported, reported_at = was.home, NOT_YET
     if was.next_in > constants.dt:
-        return Errors(was.seed_1, was.seed_2, was.next_in - constants.dt, was.home, told, told_at, was.drift)
+        return Errors(was.seed_1, was.seed_2, was.next_in - constants.dt, was.home, reported, reported_at, was.drift)
     senses = constants.senses
     seed_1, seed_2, n_east, n_north = normal(was.seed_1, was.seed_2)
     seed_1, seed_2, n_up, n_height = normal(seed_1, seed_2)
@@ -215,11 +215,11 @@ def add_sensor_errors(state: State, constants: SimulationConstants) -> Errors:
     home, measured, flown = was.home, senses.height_noise * n_height, time - state.body.airborne_since
     if flown < CORRECTED_FOR and abs(measured - home) > CORRECTED_BEYOND:
         home = measured
-        told_at = time + NOTICED_S if told_at < 0.0 else told_at
-    return Errors(seed_1, seed_2, was.next_in - constants.dt + senses.every, home, told, told_at, drift)
+        reported_at = time + NOTICED_S if reported_at < 0.0 else reported_at
+    return Errors(seed_1, seed_2, was.next_in - constants.dt + senses.every, home, reported, reported_at, drift)
 
 
-def integrate(state: State, asked: Enu, constants: SimulationConstants, stands: bool) -> Body:
+def integrate(state: State, asked: Enu, constants: SimulationConstants, is_held: bool) -> Body:
     body, drift, dt, drag = state.body, state.errors.drift, constants.dt, constants.airframe.drag
     asked_east = body.asked.east + (asked.east - body.asked.east) * constants.leaning
     asked_north = body.asked.north + (asked.north - body.asked.north) * constants.leaning
@@ -232,8 +232,8 @@ def integrate(state: State, asked: Enu, constants: SimulationConstants, stands: 
     blows_east, blows_north = wind_at(place.up, constants.wind)
     felt_east = thrust.east * lift - drag * (speed.east - blows_east)
     felt_north = thrust.north * lift - drag * (speed.north - blows_north)
-    on_ground = stands or (body.on_ground and thrust.up <= 0.0)
-    if stands:
+    on_ground = is_held or (body.on_ground and thrust.up <= 0.0)
+    if is_held:
         speed = Enu(-drift.east, -drift.north, -drift.up)
     elif on_ground:
         since = state.time
