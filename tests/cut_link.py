@@ -40,6 +40,8 @@ class CutLink:
             if end is self._door:
                 self._near, _ = end.accept()
                 continue
+            if end not in (self._far, self._near):  # closed a moment ago: what `far` sent could not be passed on
+                continue
             opposite = self._near if end is self._far else self._far
             try:
                 data = end.recv(65536)
