@@ -36,7 +36,7 @@ def landed_elsewhere(forecast: Forecast, record: FlightRecord) -> tuple[str, ...
     expected = landing_height(mission)
     if expected is None or not record.completed or not record.path:
         return ()
-    landed = round(record.path[-1].height, 1) + 0.0
+    landed = round(record.heights[-1], 1) + 0.0
     if abs(landed - expected) < 1.0:  # [m]
         return ()
     other = Forecast(landing_on(mission, landed), wind=forecast.wind).estimate.total_s
@@ -110,14 +110,12 @@ def flown_clearance(record: FlightRecord, scenario: Scenario, mission: Mission |
 
 
 def _flown(record: FlightRecord, scenario: Scenario) -> Points:
-    latitude, longitude, height = (
-        np.array([getattr(sample, name) for sample in record.path])
-        for name in ("latitude_deg", "longitude_deg", "height")
-    )
+    places = [(sample.latitude_deg, sample.longitude_deg) for sample in record.path]
+    latitude, longitude = np.array(places).T
     frame = scenario.frame
     level = frame.to_local(latitude, longitude, frame.home.altitude)
     ground = float(scenario.airspace.ground(level[:1])[0])
-    return frame.to_local(latitude, longitude, frame.home.altitude + ground + height)
+    return frame.to_local(latitude, longitude, frame.home.altitude + ground + np.array(record.heights))
 
 
 def _least(points: Points, scenario: Scenario) -> Check:

@@ -2,6 +2,8 @@
 
 from dataclasses import dataclass
 from enum import StrEnum
+from functools import cached_property
+from statistics import median
 from typing import Any
 
 
@@ -44,6 +46,9 @@ class Sample:
     speed: float
 
 
+HOME_SET_S = 2.0  # after arming
+
+
 @dataclass(frozen=True)
 class FlightRecord:
     """A flight as it was flown; times since arming.
@@ -72,6 +77,23 @@ class FlightRecord:
     in_air: bool = False
     deviations: tuple[Deviation, ...] = ()
     remarks: tuple[str, ...] = ()
+
+    @cached_property
+    def home_altitude(self) -> float:
+        """Return home's altitude as set at arming [m AMSL]. PX4 1.17 also changes it in flight."""
+        until_s = self.path[0].time_s + HOME_SET_S
+        return median(sample.altitude - sample.height for sample in self.path if sample.time_s <= until_s)
+
+    @property
+    def heights(self) -> list[float]:
+        """Return the height of each sample above home as set at arming [m]."""
+        return [sample.altitude - self.home_altitude for sample in self.path]
+
+    @property
+    def home_drift(self) -> float:
+        """Return the greatest change of home's altitude in flight [m]."""
+        drifts = (abs(height - sample.height) for height, sample in zip(self.heights, self.path, strict=True))
+        return max(drifts, default=0.0)
 
     @property
     def failure(self) -> str:

@@ -22,6 +22,8 @@ from ipoa_mission.mission.items import Mission
 from ipoa_mission.mission.stored_mission import compare, to_wire
 from ipoa_mission.wind import CALM, Wind
 
+NOTED_HOME_DRIFT = 0.5  # [m]
+
 
 @dataclass(frozen=True)
 class LegTime:
@@ -148,6 +150,9 @@ def compare_logged(
     away = 0.0 if track is None else math.hypot(*track.points[0, :2])  # from home [m]
     if away > 5.0:
         remarks.append(f"it was armed {away:.0f} m from the mission's home, where the estimate begins")
+    if record.home_drift > NOTED_HOME_DRIFT:
+        drift = f"{record.home_drift:.1f} m"
+        remarks.append(f"home's altitude changed by up to {drift} in flight: heights count from that at arming")
     if (first := min(record.item_reached_s, default=0) + 1) > 1:
         remarks.append(f"it began at item {first}")
     autopilot, actual = forecast.mission.autopilot, forecast.mission
@@ -165,7 +170,7 @@ def flown_track(mission: Mission, flight: FlightRecord) -> Track | None:
     """In home's local frame."""
     if len(flight.path) < 2:
         return None
-    positions = [(s.time_s, s.latitude_deg, s.longitude_deg, s.height, s.speed) for s in flight.path]
-    times, latitude, longitude, height, speeds = np.array(positions).T
-    points = LocalFrame(mission.home).to_local(latitude, longitude, mission.home.altitude + height)
+    positions = [(s.time_s, s.latitude_deg, s.longitude_deg, s.speed) for s in flight.path]
+    times, latitude, longitude, speeds = np.array(positions).T
+    points = LocalFrame(mission.home).to_local(latitude, longitude, mission.home.altitude + np.array(flight.heights))
     return Track(times=times, points=points, speeds=speeds)

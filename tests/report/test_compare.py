@@ -111,6 +111,18 @@ def test_the_picture_shows_both_times_of_each_leg(bowed: Bowed, tmp_path: Path) 
     assert (tmp_path / "a.svg").read_bytes() == (tmp_path / "b.svg").read_bytes()
 
 
+def test_heights_count_from_home_as_set_at_arming(bowed: Bowed) -> None:
+    _, mission, timed = bowed("campus.toml")
+    flight = flown_as(timed, mission, 1.0, 0.0)
+    drifted = tuple(replace(s, height=s.height - (2.0 if s.time_s > 5.0 else 0.0)) for s in flight.path)
+    as_px4_117 = replace(flight, path=drifted)
+    assert (flight.home_drift, as_px4_117.home_drift) == (pytest.approx(0.0), pytest.approx(2.0))
+    before, after = flown_track(mission, flight), flown_track(mission, as_px4_117)
+    assert before is not None
+    assert after is not None
+    assert np.abs(before.points - after.points).max() < 1e-6
+
+
 @pytest.mark.parametrize("name", ["campus-ardupilot", "campus-px4", "hold-ardupilot", "long-px4"])
 def test_recorded_flights_are_compared_item_by_item(name: str) -> None:
     facts = json.loads((RECORDED / name / "flight.json").read_text())
@@ -119,7 +131,7 @@ def test_recorded_flights_are_compared_item_by_item(name: str) -> None:
     timed = estimate(mission, {key: float(value) for key, value in facts["params"].items()})
     with (RECORDED / name / "trace.csv").open() as file:
         rows = [[float(v) for v in row] for row in list(csv.reader(file))[1:]]
-    path = tuple(Sample(r[0], r[1], r[2], math.nan, r[3], math.hypot(*r[4:7])) for r in rows)
+    path = tuple(Sample(r[0], r[1], r[2], r[3], r[3], math.hypot(*r[4:7])) for r in rows)
     reached = {int(seq) - 1: time for seq, time in facts["item_done_s"].items()}
     flight = FlightRecord(reached, facts["end_s"], path, (), True)
     comparison = compare_flight(timed, flight)
