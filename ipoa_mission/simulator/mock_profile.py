@@ -1,17 +1,21 @@
 """Measured behavior of ArduCopter 4.7 and PX4 1.17 in the mission service."""
 
-from collections.abc import Mapping
+import random
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from enum import Enum
+from typing import Protocol
 
 from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.autopilot.firmware_tables import NO_VERSION
 from ipoa_mission.autopilot.firmware_tables import Firmware as Tables
+from ipoa_mission.autopilot.parameters import Parameters
 from ipoa_mission.autopilot.version import Version
 from ipoa_mission.link.conversations import RequestStyle
 from ipoa_mission.link.dialogue import Patience
 from ipoa_mission.link.messages import CommandResult, MissionType
-from ipoa_mission.simulator.situation import FlightMode
+from ipoa_mission.mission.items import Item
+from ipoa_mission.simulator.situation import FlightMode, SimulatedVehicle, Situation
 
 #: MAV_PROTOCOL_CAPABILITY: mission and parameters as floats, MISSION_INT, COMMAND_INT, MAVLink 2, fence, rally.
 CAPABILITIES = 1 | 2 | 4 | 8 | 8192 | 16384 | 32768
@@ -41,11 +45,34 @@ class StartUp:
     no_mission: str  # reason against arming in mission mode
 
 
+class FlightController(Protocol):
+    """Flies in the mode and to the item of its `Situation`, as the firmware does."""
+
+    def enter(self) -> None:
+        """Follow a new mode or current item."""
+
+    def follow_new_mission(self, before: tuple[Item, ...]) -> None:
+        """Continue after the mission was replaced in flight."""
+
+    def climb(self, height: float) -> None:
+        """Take off to a height above home [m], and hold."""
+
+    @property
+    def rising(self) -> bool: ...
+
+    def go_to(self, east: float, north: float, up: float, speed: float) -> None:
+        """Fly there and hold; NaN: the present target, height or default speed."""
+
+    def step(self) -> None:
+        """Fly for `STEP_S`; not armed in the air, it falls."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class MockProfile:
     """A default means that the firmware lacks the feature."""
 
     autopilot: Autopilot
+    controller: Callable[[SimulatedVehicle, Situation, Parameters, random.Random], FlightController]
     protocol_profile: RequestStyle
     patience: Patience
     timeout_result: int | None = None

@@ -5,9 +5,7 @@ Deterministic and without a clock: `advance` integrates.
 
 import math
 import random
-from collections.abc import Callable
-from dataclasses import dataclass, replace
-from typing import Protocol
+from dataclasses import replace
 
 import numpy as np
 
@@ -17,6 +15,7 @@ from ipoa_mission.geodesy import Geodetic, LocalFrame
 from ipoa_mission.geometry import GRAVITY, Vector
 from ipoa_mission.mission.items import Item
 from ipoa_mission.mission.program import Program
+from ipoa_mission.simulator.mock_profile import FlightController, MockProfile
 from ipoa_mission.simulator.situation import (
     STANDARD_CONDITIONS,
     STEP_S,
@@ -26,33 +25,6 @@ from ipoa_mission.simulator.situation import (
     SimulatedVehicle,
     Situation,
 )
-
-
-class FlightController(Protocol):
-    def enter(self) -> None:
-        """Follow a new mode or current item."""
-
-    def replaced(self, before: tuple[Item, ...]) -> None:
-        """Continue after the mission was replaced in flight."""
-
-    def climb(self, height: float) -> None:
-        """Take off to a height above home [m], and hold."""
-
-    @property
-    def rising(self) -> bool: ...
-
-    def go_to(self, east: float, north: float, up: float, speed: float) -> None:
-        """Fly there and hold; NaN: the present target, height or default speed."""
-
-    def step(self) -> None:
-        """Not armed in the air, it falls."""
-
-
-@dataclass(frozen=True)
-class FlightControllers:
-    """`make` makes a flight's controller; its random numbers are sensor errors."""
-
-    make: Callable[[SimulatedVehicle, Situation, Parameters, random.Random], FlightController]
 
 
 class SimulatedFlight(Situation):
@@ -69,7 +41,7 @@ class SimulatedFlight(Situation):
         self._controller = self._new_controller()
 
     def _new_controller(self) -> FlightController:
-        return self.autopilot.part(FlightControllers).make(self._body, self, self.parameters, self._chance)
+        return self.autopilot.part(MockProfile).controller(self._body, self, self.parameters, self._chance)
 
     def _program(self, items: tuple[Item, ...]) -> Program:
         first, version = self.autopilot.guidance.first_item, self.conditions.version
@@ -126,7 +98,7 @@ class SimulatedFlight(Situation):
         if self.current >= len(items):
             self.current = self.autopilot.guidance.past_the_end % len(items)
         if self.mode is FlightMode.MISSION:
-            self._controller.replaced(before)
+            self._controller.follow_new_mission(before)
         else:
             self.mission = MissionState.NOT_STARTED if self.on_ground else MissionState.PAUSED
 

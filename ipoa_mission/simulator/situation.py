@@ -124,3 +124,11 @@ class Situation:
     def disarm(self) -> None:
         self.armed = False
         self.landed = True
+
+    def end_on_ground(self, announced: bool = True) -> None:
+        """Disarm after a landing, which completes a mission."""
+        if self.mode is FlightMode.MISSION:
+            self.done(self.current, announced)
+            self.mission = MissionState.COMPLETE
+        self.disarm()
+        self.mode = FlightMode.HOLD

@@ -32,8 +32,7 @@ from ipoa_mission.geometry import Place, Vector
 from ipoa_mission.mission.items import Item, Mission
 from ipoa_mission.mission.program import Program
 from ipoa_mission.simulator.mock_profile import MockProfile
-from ipoa_mission.simulator.simulated_flight import FlightControllers
-from ipoa_mission.simulator.situation import STEP_S, FlightMode, MissionState, SimulatedVehicle, Situation
+from ipoa_mission.simulator.situation import STEP_S, FlightMode, SimulatedVehicle, Situation
 from ipoa_mission.wind import Wind
 from tests.cli.conftest import Outcome, Run
 from tests.refused import refuses
@@ -114,7 +113,7 @@ class StraightController:
         if self.now.mode is FlightMode.MISSION:
             self._begin(self.now.current - 1)
 
-    def replaced(self, before: tuple[Item, ...]) -> None:
+    def follow_new_mission(self, before: tuple[Item, ...]) -> None:
         self._begin(self.now.current - 1)
 
     def climb(self, height: float) -> None:
@@ -155,13 +154,12 @@ class StraightController:
 
     def _arrived(self) -> None:
         item = self.now.program.items[self.now.current]
-        self.now.done(self.now.current)
         if item.command in (Command.NAV_LAND, Command.NAV_RETURN_TO_LAUNCH):
-            self.now.landed = self.body.on_ground = True
-            self.now.mission = MissionState.COMPLETE
-            self.now.disarm()
-            self.now.mode, self.goes = FlightMode.HOLD, False
+            self.body.on_ground = True
+            self.goes = False
+            self.now.end_on_ground()
             return
+        self.now.done(self.now.current)
         self._begin(self.now.current)
 
 
@@ -213,11 +211,7 @@ class Toy(Autopilot):
     )
     slowed_by = SlowedBy((), 1.0, 0.0, ())
     own_fence_by = ("TOY_FENCE",)
-    parts: ClassVar[Mapping[str, Any]] = {
-        "FlightModel": Model(),
-        "DeviationLaw": LAW,
-        "FlightControllers": FlightControllers(StraightController),
-    }
+    parts: ClassVar[Mapping[str, Any]] = {"FlightModel": Model(), "DeviationLaw": LAW}
 
     def braking_distance(self, parameters: Parameters, speed: Vector, accel: Vector) -> Vector:
         return 0.0 * speed
@@ -276,6 +270,7 @@ def toy(monkeypatch: pytest.MonkeyPatch) -> Autopilot:
     spoken = replace(  # speaks as PX4, with its own numbers
         Autopilot.PX4.part(MockProfile),
         autopilot=vehicle,
+        controller=StraightController,
         modes={FlightMode.HOLD: 1, FlightMode.MISSION: 2, FlightMode.RETURN: 3, FlightMode.LAND: 4},
         first_mode=1,
         placed_modes=frozenset({2, 3, 4}),

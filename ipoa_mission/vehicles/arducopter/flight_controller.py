@@ -8,8 +8,7 @@ from ipoa_mission.autopilot.commands import Command
 from ipoa_mission.autopilot.parameters import Parameters
 from ipoa_mission.geometry import GRAVITY, Place
 from ipoa_mission.mission.items import Item
-from ipoa_mission.simulator.simulated_flight import FlightControllers
-from ipoa_mission.simulator.situation import STEP_S, FlightMode, MissionState, SimulatedVehicle, Situation
+from ipoa_mission.simulator.situation import STEP_S, FlightMode, SimulatedVehicle, Situation
 from ipoa_mission.vehicles.arducopter.dynamics.airframe import airframe_of
 from ipoa_mission.vehicles.arducopter.dynamics.copter import Copter, stop_at
 from ipoa_mission.vehicles.arducopter.dynamics.motion import Kind
@@ -25,7 +24,7 @@ from ipoa_mission.vehicles.arducopter.limits import LANDED_S, copter_limits
 
 
 class ArduCopterController:
-    """Give the copter its next leg: of the procedure, or by `_then`."""
+    """Give the copter its next leg: of the procedure, or by `_on_arrival`."""
 
     def __init__(
         self, body: SimulatedVehicle, situation: Situation, parameters: Parameters, chance: random.Random
@@ -39,7 +38,7 @@ class ArduCopterController:
         self._copter.start_at(body.place)
         self._landing_s = LANDED_S + airframe.landing_delay
         self._legs: Iterator[None] = iter(())
-        self._then: Callable[[], None] | None = None
+        self._on_arrival: Callable[[], None] | None = None
         self._flying = False
         self._touched_s: float | None = None
         self._floor = self._copter.state.z
@@ -49,7 +48,7 @@ class ArduCopterController:
     def enter(self) -> None:
         match self._now.mode:
             case FlightMode.MISSION:
-                self._begin_behind(self._now.current - 1)
+                self._begin_after(self._now.current - 1)
             case FlightMode.RETURN:
                 self._come_down(self._return())
             case FlightMode.LAND:
@@ -57,12 +56,12 @@ class ArduCopterController:
             case FlightMode.HOLD:
                 self._stay()
 
-    def replaced(self, before: tuple[Item, ...]) -> None:
+    def follow_new_mission(self, before: tuple[Item, ...]) -> None:
         """Continue in the new mission; restart at the waypoint if the next items differ."""
         now, after = self._now.current, self._now.program.items
         ahead = slice(now, now + 3)
-        if self._then == self._arrived and before[ahead] != after[ahead] and now < len(after):
-            self._begin_behind(now - 1)
+        if self._on_arrival == self._arrived and before[ahead] != after[ahead] and now < len(after):
+            self._begin_after(now - 1)
 
     def go_to(self, east: float, north: float, up: float, speed: float) -> None:
         """ArduCopter has no such command."""
@@ -75,7 +74,7 @@ class ArduCopterController:
 
     @property
     def rising(self) -> bool:
-        return self._flying and self._then == self._stay
+        return self._flying and self._on_arrival == self._stay
 
     def step(self) -> None:
         lifting = self._now.armed and self._now.time_s - self._now.armed_s >= self._lift_s
@@ -87,7 +86,7 @@ class ArduCopterController:
             self._go_on()
         self._update_body()
 
-    def _begin_behind(self, index: int) -> None:
+    def _begin_after(self, index: int) -> None:
         """Start the next item with a duration."""
         item = self._now.come_to(index, lambda item: self._copter.change_speed(int(item.params[0]), item.params[1]))
         if item is None:
@@ -97,7 +96,7 @@ class ArduCopterController:
 
     def _done(self) -> None:
         self._now.done(self._now.current)
-        self._begin_behind(self._now.current)
+        self._begin_after(self._now.current)
 
     def _start(self, index: int, item: Item) -> None:
         match item.command:
@@ -105,7 +104,7 @@ class ArduCopterController:
                 self._take_off(self._place(index)[2], self._done)
             case Command.NAV_DELAY:
                 self._copter.hold(self._copter.wait_at(item))
-                self._then, self._flying = self._done, True
+                self._on_arrival, self._flying = self._done, True
             case _ if self._now.landed:
                 self._flying = False
             case Command.NAV_RETURN_TO_LAUNCH:
@@ -122,37 +121,37 @@ class ArduCopterController:
                 program = self._now.program
                 onward, stop = program.onward(index), stop_at(program, index, self._copter.place)
                 self._copter.fly_to(stop, None if onward is None else stop_at(program, onward, stop.place))
-                self._then = self._arrived
+                self._on_arrival = self._arrived
 
     def _place(self, index: int) -> Place:
         return self._now.program.place(index, self._copter.place)
 
     def _go_on(self) -> None:
-        if next(self._legs, self) is self and self._then is not None:
-            then, self._then = self._then, None
+        if next(self._legs, self) is self and self._on_arrival is not None:
+            then, self._on_arrival = self._on_arrival, None
             then()
 
     def _arrived(self) -> None:
         seconds = self._copter.wait_at(self._now.program.items[self._now.current])
         if seconds > 0:
             self._copter.hold(seconds)
-            self._then = self._done
+            self._on_arrival = self._done
         else:
             self._done()
 
     def _take_off(self, height: float, then: Callable[[], None]) -> None:
         self._copter.take_off(height)
-        self._legs, self._then = iter(()), then
+        self._legs, self._on_arrival = iter(()), then
         self._now.landed, self._flying = False, True
 
     def _go(self, legs: Iterator[None]) -> None:
-        self._legs, self._then = legs, self._done
+        self._legs, self._on_arrival = legs, self._done
         next(legs)
 
     def _come_down(self, legs: Iterator[None]) -> None:
         if self._now.landed:
             return
-        self._legs, self._then = legs, self._touch
+        self._legs, self._on_arrival = legs, self._touch
         next(legs)
 
     def _touch(self) -> None:
@@ -164,13 +163,11 @@ class ArduCopterController:
     def _stand(self, seconds: float) -> None:
         self._now.landed = seconds >= self._landing_s
         if seconds >= self._landing_s + self._copter.limits.spool_up:
-            if self._now.mode is FlightMode.MISSION:
-                last = self._now.program.items[self._now.current].command == Command.NAV_LAND
-                self._now.done(self._now.current, announced=not last)
-                self._now.mission = MissionState.COMPLETE
-            self._now.disarm()
-            self._now.mode = FlightMode.HOLD
-            self._touched_s, self._flying = None, False
+            is_mission = self._now.mode is FlightMode.MISSION
+            lands = is_mission and self._now.program.items[self._now.current].command == Command.NAV_LAND
+            self._now.end_on_ground(announced=not lands)
+            self._touched_s = None
+            self._flying = False
 
     def _fall(self) -> None:
         """Fall to the ground without thrust; drag is neglected."""
@@ -183,7 +180,7 @@ class ArduCopterController:
             self._floor = self._copter.state.z
 
     def _stay(self) -> None:
-        self._legs, self._then = iter(()), None
+        self._legs, self._on_arrival = iter(()), None
         if self._now.landed:
             self._flying = False
         elif not self._copter.passed:
@@ -200,6 +197,3 @@ class ArduCopterController:
         if state.z > self._floor:
             self._floor = -math.inf
         body.on_ground = state.z <= self._floor
-
-
-CONTROLLERS = FlightControllers(ArduCopterController)

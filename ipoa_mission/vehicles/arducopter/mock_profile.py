@@ -3,10 +3,12 @@ from ipoa_mission.link.conversations import RequestStyle
 from ipoa_mission.link.messages import CommandResult, MissionType, Result
 from ipoa_mission.simulator.mock_profile import CAPABILITIES, FTP, Answer, MockProfile, StartUp, asks_every
 from ipoa_mission.simulator.situation import FlightMode
+from ipoa_mission.vehicles.arducopter.flight_controller import ArduCopterController
 from ipoa_mission.vehicles.arducopter.vehicle import ARDUCOPTER
 
 MOCK_PROFILE = MockProfile(
     autopilot=ARDUCOPTER,
+    controller=ArduCopterController,
     protocol_profile=RequestStyle(legacy=True, rebukes=True),
     patience=asks_every(1.0, 8.0),
     timeout_result=Result.OPERATION_CANCELLED,

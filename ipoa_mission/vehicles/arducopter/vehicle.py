@@ -240,7 +240,6 @@ class ArduCopter(Autopilot):
         "LogFormat": "ipoa_mission.vehicles.arducopter.log:FORMAT",
         "DeviationLaw": "ipoa_mission.vehicles.arducopter.flight_model:LAW",
         "MockProfile": "ipoa_mission.vehicles.arducopter.mock_profile:MOCK_PROFILE",
-        "FlightControllers": "ipoa_mission.vehicles.arducopter.flight_controller:CONTROLLERS",
     }
     own_fence_by = (*FENCE_SWITCHES, "FENCE_TYPE", "FENCE_ACTION", "FENCE_RADIUS", "FENCE_ALT_MAX", "FENCE_ALT_MIN")
     failsafe_profile = FAILSAFES

@@ -7,7 +7,6 @@ from ipoa_mission.autopilot.commands import Command
 from ipoa_mission.autopilot.parameters import Parameters
 from ipoa_mission.geometry import GRAVITY
 from ipoa_mission.mission.items import Item
-from ipoa_mission.simulator.simulated_flight import FlightControllers
 from ipoa_mission.simulator.situation import STEP_S, FlightMode, MissionState, SimulatedVehicle, Situation
 from ipoa_mission.vehicles.px4_multicopter.dynamics.airframe import SIH_SENSES, airframe_of
 from ipoa_mission.vehicles.px4_multicopter.dynamics.flight import at_rest, begun, is_over, step
@@ -48,7 +47,7 @@ class Px4Controller:
     def enter(self) -> None:
         match self._now.mode:
             case FlightMode.MISSION:
-                self._begin_behind(self._now.current - 1)
+                self._begin_after(self._now.current - 1)
             case FlightMode.RETURN:
                 self._return()
             case FlightMode.LAND:
@@ -57,8 +56,8 @@ class Px4Controller:
             case FlightMode.HOLD:
                 self._brake()
 
-    def replaced(self, before: tuple[Item, ...]) -> None:
-        self._begin_behind(self._now.current - 1)
+    def follow_new_mission(self, before: tuple[Item, ...]) -> None:
+        self._begin_after(self._now.current - 1)
 
     def climb(self, height: float) -> None:
         here, limits = self._over_home(), self._limits
@@ -109,19 +108,14 @@ class Px4Controller:
         if self._orders:
             self._state = begun(self._state, self._orders[0])
         elif self._now.mode is FlightMode.MISSION:
-            self._begin_behind(self._now.current)
+            self._begin_after(self._now.current)
         else:
             self._here = ended.goal
 
     def _last_done(self) -> None:
         now, items = self._now, self._now.program.items
         if self._state.contact.on_ground:
-            now.landed = True
-            if now.mode is FlightMode.MISSION:
-                now.done(now.current)
-                now.mission = MissionState.COMPLETE
-            now.disarm()
-            now.mode = FlightMode.HOLD
+            now.end_on_ground()
             self._orders = []
         elif now.mode is FlightMode.MISSION:
             # these suppress the report of the waypoint before (measured)
@@ -144,7 +138,7 @@ class Px4Controller:
         vehicle.tilt_accel = body.thrust.east, body.thrust.north
         vehicle.yaw, vehicle.on_ground = self._state.nose.yaw % (2.0 * math.pi), body.on_ground
 
-    def _begin_behind(self, index: int) -> None:
+    def _begin_after(self, index: int) -> None:
         """Start the next item with a duration."""
         now = self._now
         item = now.come_to(index, self._change_speed)
@@ -156,13 +150,13 @@ class Px4Controller:
             now.done(now.current)
             self._return()
         else:
-            self._fly(self._of_item(now.current, item))
+            self._fly(self._orders_of(now.current, item))
 
     def _change_speed(self, item: Item) -> None:
         if item.params[1] > 0.0 and item.params[0] in (0.0, 1.0):
             self._cruise = item.params[1]
 
-    def _of_item(self, index: int, item: Item) -> list[Order]:
+    def _orders_of(self, index: int, item: Item) -> list[Order]:
         start, limits, cruise = self._here, self._limits, self._cruise
         goal = Enu(*self._now.program.place(index, start))
         if item.command == Command.NAV_DELAY:
@@ -211,6 +205,3 @@ class Px4Controller:
         self._announced, self._orders = False, orders
         if orders:
             self._state = begun(self._state, orders[0])
-
-
-CONTROLLERS = FlightControllers(Px4Controller)

@@ -4,10 +4,12 @@ from ipoa_mission.link.conversations import RequestStyle
 from ipoa_mission.link.messages import CommandResult, MissionType
 from ipoa_mission.simulator.mock_profile import BYTEWISE, CAPABILITIES, Answer, MockProfile, StartUp, asks_every
 from ipoa_mission.simulator.situation import FlightMode
+from ipoa_mission.vehicles.px4_multicopter.flight_controller import Px4Controller
 from ipoa_mission.vehicles.px4_multicopter.vehicle import PX4_MULTICOPTER
 
 MOCK_PROFILE = MockProfile(
     autopilot=PX4_MULTICOPTER,
+    controller=Px4Controller,
     protocol_profile=RequestStyle(),
     patience=asks_every(0.25, 5.0),
     timeout_text="Operation timeout",

@@ -203,7 +203,6 @@ class Px4Multicopter(Autopilot):
         "LogFormat": "ipoa_mission.vehicles.px4_multicopter.log:FORMAT",
         "DeviationLaw": "ipoa_mission.vehicles.px4_multicopter.flight_model:LAW",
         "MockProfile": "ipoa_mission.vehicles.px4_multicopter.mock_profile:MOCK_PROFILE",
-        "FlightControllers": "ipoa_mission.vehicles.px4_multicopter.flight_controller:CONTROLLERS",
     }
     own_fence_by = ("GF_ACTION", "GF_MAX_HOR_DIST", "GF_MAX_VER_DIST")
     failsafe_profile = FAILSAFES
