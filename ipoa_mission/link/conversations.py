@@ -8,7 +8,7 @@ from typing import Literal
 
 from ipoa_mission.errors import MissionError
 from ipoa_mission.link import messages as m
-from ipoa_mission.link.dialogue import Ask, Cancelled, Dialogue, NoAnswer, Pause, SendOnce, Step, T, Tell, TimeUp
+from ipoa_mission.link.dialogue import Ask, Cancelled, Dialogue, NoAnswer, Pause, SendOnce, Step, T, Tell, TimeUp, hear
 from ipoa_mission.link.events import words_of
 from ipoa_mission.link.item_run import ItemsRead, ItemsSent
 from ipoa_mission.link.mavftp import list_checksum
@@ -235,10 +235,7 @@ def _answered(question: m.RequestList | m.ClearAll) -> Dialogue[int]:
 
 
 def listen_for_words(texts: VehicleTexts) -> Dialogue[None]:
-    heard: m.Message | None = yield Pause(REASON_TIMEOUT_S)
-    while heard is not None:
-        texts.note(heard)
-        heard = yield None
+    yield from hear(Pause(REASON_TIMEOUT_S), texts.note)
 
 
 READ_ATTEMPTS = 5

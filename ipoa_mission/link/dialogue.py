@@ -20,6 +20,7 @@ from ipoa_mission.errors import MissionError
 from ipoa_mission.link.item_run import ItemsRead, ItemsSent
 from ipoa_mission.link.messages import Ack, CommandAck, Count, FileTransfer, ItemAt, Message, Request
 
+A = TypeVar("A")
 T = TypeVar("T")
 
 
@@ -85,14 +86,24 @@ Step: TypeAlias = Ask | Tell | SendOnce | Pause | None
 Dialogue: TypeAlias = Generator[Step, Message | None, T]
 
 
-def until(condition: Callable[[], bool], seconds: float) -> Dialogue[bool]:
-    if condition():
-        return True
-    heard = yield Pause(seconds)
+def hear(step: Ask | Pause, accept: Callable[[Message], A | None]) -> Dialogue[A | None]:
+    """Take a step, and pass messages to `accept` until it returns a true value.
+
+    Return that value, or None at the end of a pause. Raise NoAnswer if an `Ask` is not answered.
+    """
+    heard = yield step
     while heard is not None:
-        if condition():
-            return True
+        accepted = accept(heard)
+        if accepted:
+            return accepted
         heard = yield None
+    return None
+
+
+def until(condition: Callable[[], bool], seconds: float) -> Dialogue[bool]:
+    """Wait for a condition of the messages heard; return whether it holds."""
+    if not condition():
+        yield from hear(Pause(seconds), lambda heard: condition())
     return condition()
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from enum import IntEnum
 
 from ipoa_mission.errors import MissionError
-from ipoa_mission.link.dialogue import Ask, Dialogue, NoAnswer, Pause, SendOnce, Step
+from ipoa_mission.link.dialogue import Ask, Dialogue, NoAnswer, Pause, SendOnce, hear
 from ipoa_mission.link.messages import FileTransfer, Message, MissionType
 from ipoa_mission.progress import Progress, count, silent
 
@@ -57,6 +57,12 @@ class FileMessage:
     def checksum(self) -> int | None:
         """Return None if unsupported."""
         return int.from_bytes(self.data[:4], "little") if self.opcode == Opcode.ACK else None
+
+    def answer_in(self, heard: Message) -> "FileMessage | None":
+        """Return the answer to this question if it was heard."""
+        answer = unpack(heard) if isinstance(heard, FileTransfer) else None
+        is_ours = answer and answer.sequence == (self.sequence + 1) & 0xFFFF and answer.request == self.opcode
+        return answer if is_ours else None
 
     def pack(self) -> FileTransfer:
         size = len(self.data) if self.size is None else self.size
@@ -126,11 +132,9 @@ def list_checksum(kind: int, numbers: Iterator[int]) -> Dialogue[int | None]:
     asked: set[int] = set()
     for seconds in (0.5,) * 4 + (1.0,) * 6 + (2.0,) * 8:
         yield SendOnce(checksum_question(kind, numbers, asked))
-        heard = yield Pause(seconds)
-        while heard is not None:
-            if (answer := checksum_answer(heard, asked)) is not None:
-                return answer.checksum
-            heard = yield None
+        answer = yield from hear(Pause(seconds), lambda heard: checksum_answer(heard, asked))
+        if answer is not None:
+            return answer.checksum
     raise NoAnswer(f"the vehicle does not answer when asked for the checksum of {LIST_FILES[kind]}")
 
 
@@ -152,18 +156,11 @@ def file_checksum(data: bytes) -> int:
 
 
 def ask_of_file(question: FileMessage, action: str, may_end: bool = False) -> Dialogue[FileMessage]:
-    step: Step = Ask(question.pack(), item=True)
-    while True:
-        try:
-            heard = yield step
-        except NoAnswer:
-            raise NoAnswer(f"the vehicle does not answer when asked to {action}") from None
-        step = None
-        if not isinstance(heard, FileTransfer):
-            continue
-        answer = unpack(heard)
-        if answer.sequence != (question.sequence + 1) & 0xFFFF or answer.request != question.opcode:
-            continue
-        if answer.opcode == Opcode.ACK or (may_end and answer.data[:1] == bytes((FileError.END_OF_FILE,))):
-            return answer
-        raise FileRefused(f"the vehicle would not {action} (error {answer.data[0] if answer.data else 0})")
+    try:
+        answer = yield from hear(Ask(question.pack(), item=True), question.answer_in)
+    except NoAnswer:
+        raise NoAnswer(f"the vehicle does not answer when asked to {action}") from None
+    assert answer is not None, "only a pause ends without an answer"
+    if answer.opcode == Opcode.ACK or (may_end and answer.data[:1] == bytes((FileError.END_OF_FILE,))):
+        return answer
+    raise FileRefused(f"the vehicle would not {action} (error {answer.data[0] if answer.data else 0})")

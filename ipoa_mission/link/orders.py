@@ -12,7 +12,7 @@ from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.link import messages as m
 from ipoa_mission.link.conversations import VehicleTexts, listen_for_words
 from ipoa_mission.link.definitions import message_number
-from ipoa_mission.link.dialogue import Ask, Dialogue, NoAnswer, Pause, SendOnce, Step
+from ipoa_mission.link.dialogue import Ask, Dialogue, NoAnswer, Pause, SendOnce, Step, hear
 from ipoa_mission.link.telemetry import AutopilotVersion, HomePosition, SystemTime
 
 M = TypeVar("M", bound=m.Message)
@@ -48,22 +48,20 @@ def command(number: int, *params: float) -> Dialogue[tuple[int, str]]:
 
 def send_command(message: m.CommandLong) -> Dialogue[tuple[int, str]]:
     """Return the CommandResult, and the vehicle's words about a refusal."""
-    texts, number = VehicleTexts(), message.command
-    step: Step = Ask(message)
-    while True:
-        heard = yield step
-        step = None
-        match heard:
-            case m.CommandAck(n, m.CommandResult.IN_PROGRESS) if n == number:
-                step = Pause(30.0)
-            case m.CommandAck(n, result) if n == number:
-                if result != m.CommandResult.ACCEPTED:
-                    yield from listen_for_words(texts)
-                return result, str(texts)
-            case None:
-                raise NoAnswer(f"command {number} was begun, but never ended", code="command-not-ended")
-            case _:
-                texts.note(heard)
+    texts = VehicleTexts()
+
+    def answer_in(heard: m.Message) -> m.CommandAck | None:
+        texts.note(heard)
+        return heard if isinstance(heard, m.CommandAck) and heard.command == message.command else None
+
+    answer = yield from hear(Ask(message), answer_in)
+    while answer is not None and answer.result == m.CommandResult.IN_PROGRESS:
+        answer = yield from hear(Pause(30.0), answer_in)
+    if answer is None:
+        raise NoAnswer(f"command {message.command} was begun, but never ended", code="command-not-ended")
+    if answer.result != m.CommandResult.ACCEPTED:
+        yield from listen_for_words(texts)
+    return answer.result, str(texts)
 
 
 def set_current(seq: int, home: int, restart: bool = False) -> Dialogue[None]:
@@ -73,15 +71,10 @@ def set_current(seq: int, home: int, restart: bool = False) -> Dialogue[None]:
         return
     if result != m.CommandResult.UNSUPPORTED:
         raise CommandRefused(f"go to item {seq + 1 - home}", result, words)
-    step: Step = Ask(m.SetCurrent(seq))
-    while True:
-        try:
-            heard = yield step
-        except NoAnswer:
-            raise NoAnswer(f"the vehicle did not go to item {seq + 1 - home}", code="no-such-item") from None
-        step = None
-        if isinstance(heard, m.Current) and heard.seq == seq:
-            return
+    try:
+        yield from hear(Ask(m.SetCurrent(seq)), lambda heard: isinstance(heard, m.Current) and heard.seq == seq)
+    except NoAnswer:
+        raise NoAnswer(f"the vehicle did not go to item {seq + 1 - home}", code="no-such-item") from None
 
 
 def request_stream(name: str, interval_s: float) -> Dialogue[bool]:
@@ -176,15 +169,18 @@ def set_parameter(name: str, value: float, autopilot: Autopilot) -> Dialogue[Non
     except BadInput as error:
         raise error.at(name) from None
     stored: float | None = None
+
+    def is_stored(heard: m.Message) -> bool:
+        nonlocal stored
+        if not isinstance(heard, m.ParamValue) or heard.param_id != name:
+            return False
+        stored = parameter_value(heard, autopilot)
+        return abs(stored - value) <= 1e-6 * max(1.0, abs(value))
+
     for seconds in (1.0, 2.0, 4.0):
         yield SendOnce(order)
-        heard = yield Pause(seconds)
-        while heard is not None:
-            if isinstance(heard, m.ParamValue) and heard.param_id == name:
-                stored = parameter_value(heard, autopilot)
-                if abs(stored - value) <= 1e-6 * max(1.0, abs(value)):
-                    return
-            heard = yield None
+        if (yield from hear(Pause(seconds), is_stored)):
+            return
     if stored is None:
         raise NoAnswer(f"the vehicle does not answer when {name} is set to {value:g}")
     raise MissionError(f"expected {value:g}, but the vehicle keeps {stored:g}", code="parameter-kept", place=name)

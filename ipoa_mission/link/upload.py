@@ -18,7 +18,7 @@ from ipoa_mission.link.conversations import (
     read_consistent,
     read_list,
 )
-from ipoa_mission.link.dialogue import Cancelled, Dialogue, NoAnswer, Pause, SendOnce, Step, TimeUp, wait
+from ipoa_mission.link.dialogue import Cancelled, Dialogue, NoAnswer, Pause, SendOnce, Step, TimeUp, hear, wait
 from ipoa_mission.link.item_run import ItemsSent
 from ipoa_mission.link.messages import NO_MISSION, WARNING, Ack, Current, Message, MissionType, Request, Result
 from ipoa_mission.link.wire import item_of, item_payload, stored_part
@@ -306,17 +306,10 @@ def _remaining_list(job: Upload) -> str:
 
 def _refuse_requests(kind: int) -> Dialogue[None]:
     """Answer requests with "cancelled" until the vehicle is quiet."""
-    yield SendOnce(Ack(Result.OPERATION_CANCELLED, kind))
-    step: Step = Pause(1.0)
-    while True:
-        match (yield step):
-            case None:
-                return
-            case Request(_, k) if k == kind:
-                yield SendOnce(Ack(Result.OPERATION_CANCELLED, kind))
-                step = Pause(1.0)
-            case _:
-                step = None
+    asks_on: bool | None = True
+    while asks_on:
+        yield SendOnce(Ack(Result.OPERATION_CANCELLED, kind))
+        asks_on = yield from hear(Pause(1.0), lambda heard: isinstance(heard, Request) and heard.kind == kind)
 
 
 def _verdict(reports: MissionReports) -> Dialogue[int]:
