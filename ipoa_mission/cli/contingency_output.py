@@ -9,8 +9,7 @@ from ipoa_mission.forecast.contingency.contingencies_now import ContingenciesNow
 from ipoa_mission.forecast.contingency.energy_budget import ReserveNow, budget_of
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.geodesy import Geodetic
-from ipoa_mission.link.messages import Message
-from ipoa_mission.link.telemetry import Position
+from ipoa_mission.link.messages import Message, Position
 from ipoa_mission.link.vehicle import Vehicle
 from ipoa_mission.progress import Progress
 from ipoa_mission.terminal import picked, print_lines, print_table

@@ -11,10 +11,9 @@ from ipoa_mission.autopilot.commands import Command, VehicleCommand
 from ipoa_mission.errors import MissionError
 from ipoa_mission.link.dialogue import Cancelled, Dialogue, NoAnswer, SendOnce, TimeUp, until, wait
 from ipoa_mission.link.flight_order import SHOWN_S, change_mode
-from ipoa_mission.link.messages import CommandLong, CommandResult, Current
+from ipoa_mission.link.messages import CommandLong, CommandResult, Current, Position, SystemStatus
 from ipoa_mission.link.onboard_list import OnboardList, expect_unchanged, prove
 from ipoa_mission.link.orders import CommandRefused, command, request_stream, set_current
-from ipoa_mission.link.telemetry import Position, SystemStatus
 from ipoa_mission.link.vehicle_state import ON_GROUND, NotReady, VehicleState
 from ipoa_mission.progress import Progress, silent
 

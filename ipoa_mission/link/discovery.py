@@ -9,9 +9,8 @@ from ipoa_mission.autopilot.vehicle_kind import VehicleKind
 from ipoa_mission.autopilot.version import Version
 from ipoa_mission.link.codec import Heard, Target
 from ipoa_mission.link.line import Line
-from ipoa_mission.link.messages import AUTOPILOT_COMPONENT, STANDBY, Heartbeat, MavAutopilot, Ping
+from ipoa_mission.link.messages import AUTOPILOT_COMPONENT, STANDBY, AutopilotVersion, Heartbeat, MavAutopilot, Ping
 from ipoa_mission.link.orders import message_request, order
-from ipoa_mission.link.telemetry import AutopilotVersion
 
 VERSIONS_S = 3.0
 

@@ -12,10 +12,9 @@ from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.link.conversations import VehicleTexts, listen_for_words
 from ipoa_mission.link.dialogue import Dialogue, Pause, SendOnce, until
 from ipoa_mission.link.logbook import Logbook
-from ipoa_mission.link.messages import CommandAck, CommandLong, CommandResult, Message
+from ipoa_mission.link.messages import CommandAck, CommandLong, CommandResult, Message, Position
 from ipoa_mission.link.on_deviation import OnDeviation
 from ipoa_mission.link.orders import CommandRefused, command, mode_order, order, send_command
-from ipoa_mission.link.telemetry import Position
 from ipoa_mission.link.vehicle_state import NotFlown, NotReady, VehicleState
 
 if TYPE_CHECKING:

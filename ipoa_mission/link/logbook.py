@@ -8,9 +8,8 @@ from typing import Protocol
 from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.autopilot.commands import LAST_NAV, MULTICOPTER_LANDINGS, Command
 from ipoa_mission.geodesy import Geodetic, apart
+from ipoa_mission.link import messages as m
 from ipoa_mission.link.dialogue import Dialogue, Pause
-from ipoa_mission.link.messages import CommandAck, CommandResult, Current, Heartbeat, Message, Reached, Text
-from ipoa_mission.link.telemetry import Attitude, LocalPosition, Position, SystemTime
 from ipoa_mission.link.vehicle_state import IN_AIR_HEIGHT
 from ipoa_mission.mission.flight_record import FlightRecord, Sample
 from ipoa_mission.mission.items import Item
@@ -83,30 +82,30 @@ class Logbook:
         flight = self._flight
         return flight is not None and (flight.state == COMPLETE or self._final in flight.reached)
 
-    def note(self, message: Message) -> None:
+    def note(self, message: m.Message) -> None:
         flight = self._flight
         match message:
-            case Position(time_s=time_s) | LocalPosition(time_s=time_s) | Attitude(time_s=time_s):
+            case m.Position(time_s=time_s) | m.LocalPosition(time_s=time_s) | m.Attitude(time_s=time_s):
                 self.clock_s = max(time_s, self.clock_s)
-                if flight and isinstance(message, Position) and flight.disarmed_s is None:
+                if flight and isinstance(message, m.Position) and flight.disarmed_s is None:
                     place = (message.latitude_deg, message.longitude_deg, message.altitude, message.height)
                     flight.path.append(Sample(time_s - flight.zero, *place, math.hypot(*message.velocity)))
-            case SystemTime(boot_s=time_s):
+            case m.SystemTime(boot_s=time_s):
                 self.clock_s = max(time_s, self.clock_s)
-            case CommandAck(number, CommandResult.ACCEPTED) if (
+            case m.CommandAck(number, m.CommandResult.ACCEPTED) if (
                 number == Command.COMPONENT_ARM_DISARM and not self.armed
             ):
                 self._begin()
-            case Text(_, text):
+            case m.Text(_, text):
                 self._texts.append(text)
                 if flight and text.startswith(("Disarming motors", "Disarmed")):  # earlier than the next heartbeat
                     flight.disarming_s = self.clock_s - flight.zero
-            case Heartbeat():
+            case m.Heartbeat():
                 self._note_heartbeat(message)
-            case Reached(seq) if flight and flight.disarmed_s is None:
+            case m.Reached(seq) if flight and flight.disarmed_s is None:
                 self._turn_to(flight, seq)
                 flight.reached.setdefault(seq - self._first, self.clock_s - flight.zero)
-            case Current(seq, _, state):
+            case m.Current(seq, _, state):
                 self._current = seq
                 if flight and flight.disarmed_s is None:
                     self._turn_to(flight, seq)
@@ -135,7 +134,7 @@ class Logbook:
         self._texts.clear()
         self._flight = _Recording(self.clock_s, self._current, current=self._current)
 
-    def _note_heartbeat(self, heartbeat: Heartbeat) -> None:
+    def _note_heartbeat(self, heartbeat: m.Heartbeat) -> None:
         if heartbeat.armed and not self.armed:
             self._begin()
         flight = self._flight
@@ -185,7 +184,7 @@ class Logbook:
 
 
 class Observer(Protocol):
-    def observe(self, heard: Message, now_s: float) -> Dialogue[None]:
+    def observe(self, heard: m.Message, now_s: float) -> Dialogue[None]:
         """`now_s` is on the vehicle's clock."""
 
 

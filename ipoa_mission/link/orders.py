@@ -13,7 +13,6 @@ from ipoa_mission.link import messages as m
 from ipoa_mission.link.conversations import VehicleTexts, listen_for_words
 from ipoa_mission.link.definitions import message_number
 from ipoa_mission.link.dialogue import Ask, Dialogue, NoAnswer, Pause, SendOnce, Step, hear
-from ipoa_mission.link.telemetry import AutopilotVersion, HomePosition, SystemTime
 
 M = TypeVar("M", bound=m.Message)
 
@@ -109,17 +108,17 @@ def _request(name: str, kind: type[M], pause_s: float, requests: int = 5) -> Dia
 
 
 def request_home() -> Dialogue[Geodetic | None]:
-    at = yield from _request("HOME_POSITION", HomePosition, 2.0)
+    at = yield from _request("HOME_POSITION", m.HomePosition, 2.0)
     return None if at is None else Geodetic(at.latitude_deg, at.longitude_deg, at.altitude)
 
 
-def request_clock() -> Dialogue[SystemTime | None]:
-    return (yield from _request("SYSTEM_TIME", SystemTime, 1.0, requests=2))
+def request_clock() -> Dialogue[m.SystemTime | None]:
+    return (yield from _request("SYSTEM_TIME", m.SystemTime, 1.0, requests=2))
 
 
-def request_version() -> Dialogue[AutopilotVersion | None]:
+def request_version() -> Dialogue[m.AutopilotVersion | None]:
     try:
-        return (yield from _request("AUTOPILOT_VERSION", AutopilotVersion, 1.0, requests=2))
+        return (yield from _request("AUTOPILOT_VERSION", m.AutopilotVersion, 1.0, requests=2))
     except NoAnswer:
         return None
 

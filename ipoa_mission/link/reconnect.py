@@ -14,9 +14,8 @@ from ipoa_mission.link.conversations import observed
 from ipoa_mission.link.dialogue import Cancelled, Dialogue, NoAnswer, Patience, Silence, Tempo, TimeUp, until
 from ipoa_mission.link.discovery import autopilots_in
 from ipoa_mission.link.line import NOTICE_S, Carrier, Interrupt, Listening, converse, noted_interrupts
-from ipoa_mission.link.messages import AUTOPILOT_COMPONENT, Current, Heartbeat, Message
+from ipoa_mission.link.messages import AUTOPILOT_COMPONENT, AutopilotVersion, Current, Heartbeat, Message, Position
 from ipoa_mission.link.onboard_list import OnboardList, prove
-from ipoa_mission.link.telemetry import AutopilotVersion, Position
 from ipoa_mission.link.upload import Replaced
 from ipoa_mission.link.vehicle_state import NotReady, VehicleState
 

@@ -12,8 +12,7 @@ from ipoa_mission.link.dialogue import SPECIFIED, Dialogue, Patience, T, Tempo
 from ipoa_mission.link.discovery import FoundVehicle
 from ipoa_mission.link.line import Carrier, Listening, converse
 from ipoa_mission.link.mavutil_channel import expect_line, messages_from, payload_of
-from ipoa_mission.link.messages import AUTOPILOT_COMPONENT, Message
-from ipoa_mission.link.telemetry import AutopilotVersion
+from ipoa_mission.link.messages import AUTOPILOT_COMPONENT, AutopilotVersion, Message
 from ipoa_mission.link.vehicle_state import VehicleState
 
 

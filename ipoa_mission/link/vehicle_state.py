@@ -8,8 +8,7 @@ from dataclasses import dataclass, field
 from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.autopilot.vehicle_kind import VehicleKind, with_article
 from ipoa_mission.errors import MissionError
-from ipoa_mission.link.messages import STANDBY, WARNING, Current, Heartbeat, MavAutopilot, Message, Text
-from ipoa_mission.link.telemetry import BatteryStatus, ExtendedState, Position, SystemStatus
+from ipoa_mission.link import messages as m
 
 log = logging.getLogger(__name__)
 ON_GROUND = 1  # MAV_LANDED_STATE
@@ -55,36 +54,36 @@ class VehicleState:
     armed: bool | None = None
     custom_mode: int | None = None
     landed_state: int | None = None
-    position: Position | None = None
-    current: Current | None = None
+    position: m.Position | None = None
+    current: m.Current | None = None
     may_arm: bool | None = None
     battery_left: float | None = None  # share, first battery
-    heard: set[type[Message]] = field(default_factory=set)
+    heard: set[type[m.Message]] = field(default_factory=set)
     warnings: list[str] = field(default_factory=list)
     other_kind: VehicleKind | None = None
 
-    def note(self, message: Message) -> None:
+    def note(self, message: m.Message) -> None:
         self.heard.add(type(message))
         match message:
-            case SystemStatus(battery_remaining=left) | BatteryStatus(id=0, battery_remaining=left) if left >= 0:
+            case m.SystemStatus(battery_remaining=left) | m.BatteryStatus(id=0, battery_remaining=left) if left >= 0:
                 self.battery_left = left / 100.0
         match message:
-            case Heartbeat() if not self.owns(message):
-                if message.autopilot != MavAutopilot.INVALID:
+            case m.Heartbeat() if not self.owns(message):
+                if message.autopilot != m.MavAutopilot.INVALID:
                     self.other_kind = self.other_kind or VehicleKind(message.autopilot, message.type)
-            case Heartbeat():
+            case m.Heartbeat():
                 self.kind = VehicleKind(message.autopilot, message.type)
-                self.booted = message.system_status >= STANDBY
+                self.booted = message.system_status >= m.STANDBY
                 self.armed, self.custom_mode = message.armed, message.custom_mode
-            case ExtendedState(landed_state) if landed_state:
+            case m.ExtendedState(landed_state) if landed_state:
                 self.landed_state = landed_state
-            case Position():
+            case m.Position():
                 self.position = message
-            case Current():
+            case m.Current():
                 self.current = message
-            case SystemStatus(present, _, health):
+            case m.SystemStatus(present, _, health):
                 self.may_arm = bool(health & PREARM_CHECK) if present & PREARM_CHECK else None
-            case Text(severity, text) if severity <= WARNING:
+            case m.Text(severity, text) if severity <= m.WARNING:
                 self.warnings = [*self.warnings[-49:], text.rstrip("\t ")]
 
     def expect_flown(self) -> None:
@@ -94,10 +93,10 @@ class VehicleState:
         if self.kind is not None and self.other_kind is not None:
             raise OtherKind(self.kind, self.other_kind)
 
-    def owns(self, message: Message) -> bool:
-        if not isinstance(message, Heartbeat):
+    def owns(self, message: m.Message) -> bool:
+        if not isinstance(message, m.Heartbeat):
             return True
-        if message.autopilot == MavAutopilot.INVALID:
+        if message.autopilot == m.MavAutopilot.INVALID:
             return False
         reported = VehicleKind(message.autopilot, message.type)
         return self.kind in (None, reported) or (reported.is_flown and reported.autopilot is self.autopilot)
@@ -158,8 +157,8 @@ class ModeWatch:
         finally:
             self._modes = frozenset()
 
-    def note(self, message: Message, now_s: float) -> None:
-        if isinstance(message, Text) and message.severity <= WARNING:
+    def note(self, message: m.Message, now_s: float) -> None:
+        if isinstance(message, m.Text) and message.severity <= m.WARNING:
             self._warnings.append((now_s, message.text.strip()))
         mode = self.state.custom_mode
         if not self._modes or mode is None or not self.state.armed or not self.state.in_air:

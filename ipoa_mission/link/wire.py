@@ -13,7 +13,6 @@ from typing import Any, TypeAlias
 from ipoa_mission.autopilot.commands import PLAIN_FRAME, Frame
 from ipoa_mission.errors import BadInput
 from ipoa_mission.link import messages as m
-from ipoa_mission.link import telemetry as t
 from ipoa_mission.link.definitions import definition_of, unit_and_type
 from ipoa_mission.mission.items import Item
 
@@ -203,7 +202,7 @@ def _value(message: str, ours: str, theirs: tuple[str, ...]) -> _Value:
 #: By MAVLink's name.
 KINDS: Mapping[str, type[m.Message]] = {
     kind.NAME: kind
-    for kind in (*vars(m).values(), *vars(t).values())
+    for kind in vars(m).values()
     if isinstance(kind, type) and issubclass(kind, m.Message) and kind is not m.Message
 }
 _LAYOUTS = {name: _layout(kind) for name, kind in KINDS.items()}

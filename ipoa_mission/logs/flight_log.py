@@ -14,9 +14,8 @@ from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.autopilot.version import Version
 from ipoa_mission.errors import BadInput, MissionError, WrongSuffix
 from ipoa_mission.geodesy import Geodetic
+from ipoa_mission.link import messages as m
 from ipoa_mission.link.logbook import Logbook
-from ipoa_mission.link.messages import Current, Heartbeat, Message, ParamValue, Reached
-from ipoa_mission.link.telemetry import HomePosition, Position, SystemTime
 from ipoa_mission.logs.logged import Begun, Held, Log, Measured, log_format, messages_of
 from ipoa_mission.logs.telemetry_log import read_telemetry_log
 from ipoa_mission.mission.flight_record import FlightRecord
@@ -39,7 +38,7 @@ class LoggedFlight:
     mission: Mission | None
     parameters: Mapping[str, float]
     in_mission: bool
-    messages: tuple[Message, ...] = field(repr=False)
+    messages: tuple[m.Message, ...] = field(repr=False)
     measured: Measured = field(default_factory=Measured, repr=False)
 
     @property
@@ -56,19 +55,19 @@ class LoggedFlight:
 
     @property
     def tells_items(self) -> bool:
-        return any(isinstance(message, Current | Reached) for message in self.messages)
+        return any(isinstance(message, m.Current | m.Reached) for message in self.messages)
 
     @property
-    def places(self) -> Iterator[Position]:
-        return (message for message in self.messages if isinstance(message, Position))
+    def places(self) -> Iterator[m.Position]:
+        return (message for message in self.messages if isinstance(message, m.Position))
 
     def flown_in_mission(self) -> list[tuple[float, float, float]]:
         """Return latitude, longitude, height above home."""
         places, is_flying = list[tuple[float, float, float]](), False
         for message in self.messages:
-            if isinstance(message, Heartbeat):
+            if isinstance(message, m.Heartbeat):
                 is_flying = message.armed and message.custom_mode == self.autopilot.modes.mission
-            elif isinstance(message, Position) and is_flying:
+            elif isinstance(message, m.Position) and is_flying:
                 places.append((message.latitude_deg, message.longitude_deg, message.height))
         return places
 
@@ -163,7 +162,7 @@ def read_flights(path: str | Path, system: int | None = None) -> FlightLog:
 def _gaps(log: Log, is_on_board: bool) -> Iterator[str]:
     """Report positions that are missing while armed, and wrong ones."""
     fixes, times = log.fixes, log.fixes.times
-    beats = sorted((time, event.armed) for time, event in log.events if isinstance(event, Heartbeat))
+    beats = sorted((time, event.armed) for time, event in log.events if isinstance(event, m.Heartbeat))
     if times.size and beats:
         times = np.concatenate([[min(beats[0][0], times[0])], times])  # an arming may open the log
         since = np.array([*(time for time, _ in beats), max(beats[-1][0], times[-1])])
@@ -196,13 +195,13 @@ class _Known:
     home: Geodetic | None = None
     parameters: dict[str, float] = field(default_factory=dict)
 
-    def note(self, message: Message) -> None:
+    def note(self, message: m.Message) -> None:
         match message:
             case Held(items):
                 self.items = items
-            case HomePosition(latitude, longitude, altitude):
+            case m.HomePosition(latitude, longitude, altitude):
                 self.home = Geodetic(latitude, longitude, altitude)
-            case ParamValue(name, value):
+            case m.ParamValue(name, value):
                 self.parameters[name] = value
 
 
@@ -213,28 +212,28 @@ class _Stretch:
     is_whole: bool
     armed_s: float
     at_arming: _Known
-    messages: list[Message]
+    messages: list[m.Message]
     later: _Known = field(default_factory=_Known)
     begun: dict[int, Begun] = field(default_factory=dict)
     ends_s: float = 0.0
     is_open: bool = True  # no disarming
 
-    def note(self, message: Message, now: float) -> None:
+    def note(self, message: m.Message, now: float) -> None:
         self.messages.append(message)
         self.ends_s = now
         set_by_arming = self.later.home is None and now - self.armed_s < 2.0  # [s]
-        if set_by_arming or not isinstance(message, HomePosition):
+        if set_by_arming or not isinstance(message, m.HomePosition):
             self.later.note(message)
         if isinstance(message, Begun):
             self.begun[message.seq] = message
 
     def flew_in(self, mode: int) -> bool:
-        beats = (message for message in self.messages if isinstance(message, Heartbeat))
+        beats = (message for message in self.messages if isinstance(message, m.Heartbeat))
         return any(beat.armed and beat.custom_mode == mode for beat in beats)
 
     @property
     def rose(self) -> bool:
-        heights = [message.height for message in self.messages if isinstance(message, Position)]
+        heights = [message.height for message in self.messages if isinstance(message, m.Position)]
         return bool(heights) and max(heights) - heights[0] > AIRBORNE_HEIGHT
 
     def flight(self, log: Log) -> LoggedFlight:
@@ -246,7 +245,7 @@ class _Stretch:
     def _mission(self, autopilot: Autopilot) -> Mission | None:
         """Return the logged mission, else the flown items: PX4 logs no list, ArduPilot none uploaded as a file."""
         home, first = self.later.home or self.at_arming.home, autopilot.counts_home
-        place = next((message for message in self.messages if isinstance(message, Position)), None)
+        place = next((message for message in self.messages if isinstance(message, m.Position)), None)
         if home is None and place is not None:
             home = Geodetic(place.latitude_deg, place.longitude_deg, place.altitude - place.height)
         items = self.at_arming.items or self.later.items
@@ -264,18 +263,18 @@ def _stretches(log: Log) -> Iterator[_Stretch]:
     known = _Known()
     seen = False
     now = 0.0
-    current: Current | None = None
+    current: m.Current | None = None
     stretch: _Stretch | None = None
-    clock: Message | None = None
+    clock: m.Message | None = None
     for message in messages_of(log):
-        if isinstance(message, Position | SystemTime):
+        if isinstance(message, m.Position | m.SystemTime):
             clock = message
-            now = message.time_s if isinstance(message, Position) else message.boot_s
+            now = message.time_s if isinstance(message, m.Position) else message.boot_s
         if stretch is not None:
             stretch.note(message, now)
-        elif isinstance(message, Current):
+        elif isinstance(message, m.Current):
             current = message
-        if isinstance(message, Heartbeat):
+        if isinstance(message, m.Heartbeat):
             if message.armed and stretch is None:
                 at_arming = _Known(known.items, known.home, dict(known.parameters))
                 before = [heard for heard in (current, clock, message) if heard is not None]

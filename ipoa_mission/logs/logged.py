@@ -12,8 +12,7 @@ from ipoa_mission.autopilot.vehicle_kind import QUADROTOR
 from ipoa_mission.autopilot.version import Version
 from ipoa_mission.errors import LogUseless
 from ipoa_mission.geometry import Points, Vector
-from ipoa_mission.link.messages import ARMED_FLAG, CUSTOM_MODE_FLAG, Current, Heartbeat, Message
-from ipoa_mission.link.telemetry import Position, SystemTime
+from ipoa_mission.link.messages import ARMED_FLAG, CUSTOM_MODE_FLAG, Current, Heartbeat, Message, Position, SystemTime
 from ipoa_mission.mission.items import Item
 
 Battery = tuple[float, float, float]  # [s, V, A]; NaN or negative: not measured

@@ -21,16 +21,6 @@ from ipoa_mission.link.codec import Codec
 from ipoa_mission.link.mavftp import MISSION_FILE, Opcode, unpack
 from ipoa_mission.link.mission_upload_file import unpack_mission
 from ipoa_mission.link.orders import parameter_value
-from ipoa_mission.link.telemetry import (
-    Attitude,
-    AutopilotVersion,
-    BatteryStatus,
-    HomePosition,
-    LocalPosition,
-    Position,
-    SystemStatus,
-    SystemTime,
-)
 from ipoa_mission.link.tlog import LostFrames, read_tlog
 from ipoa_mission.logs.logged import Battery, Fixes, Held, Log, Measured, item_begun, presence, version_name
 from ipoa_mission.mission.items import Item
@@ -106,9 +96,9 @@ class Transfers:
 def vehicle_time(message: m.Message) -> float | None:
     """Return the time since boot [s], if any."""
     match message:
-        case Position() | Attitude() | LocalPosition():
+        case m.Position() | m.Attitude() | m.LocalPosition():
             return message.time_s
-        case SystemTime():
+        case m.SystemTime():
             return message.boot_s
         case m.TimeSync(0, nanoseconds) if 0 < nanoseconds < 1e17:  # a greater one is no boot time
             return nanoseconds / 1e9
@@ -232,7 +222,7 @@ class _Reader:
     changes: list[tuple[int, bool]] = field(default_factory=list)  # of arming, since the last heartbeat
     unconfirmed: bool = False  # heartbeat still in the old state
     version: str = ""
-    measured: list[tuple[int, Attitude | BatteryStatus | SystemStatus]] = field(default_factory=list)
+    measured: list[tuple[int, m.Attitude | m.BatteryStatus | m.SystemStatus]] = field(default_factory=list)
 
     def note_station(self, number: int, message: m.Message) -> None:
         match message:
@@ -257,13 +247,13 @@ class _Reader:
                     self._note_arming(number, text.startswith(ARMING_TEXTS))
                 if self.autopilot.protocol_profile.tells_items and (begun := item_begun(text)):
                     self.messages.append((number, begun))
-            case AutopilotVersion(_, version):
+            case m.AutopilotVersion(_, version):
                 self.version = version_name(version)
-            case Attitude() | BatteryStatus() | SystemStatus():
+            case m.Attitude() | m.BatteryStatus() | m.SystemStatus():
                 self.measured.append((number, message))
             case m.ParamValue():
                 message = replace(message, param_value=parameter_value(message, self.autopilot))
-        if isinstance(message, Position | m.Reached | m.Current | HomePosition | m.ParamValue | m.Text):
+        if isinstance(message, m.Position | m.Reached | m.Current | m.HomePosition | m.ParamValue | m.Text):
             self.messages.append((number, message))
         self._note_transfer(number, message, by_vehicle=True)
 
@@ -301,24 +291,24 @@ class _Reader:
         clock = unwrapped(known_at, np.array([time for _, time in self.times]))
         times = vehicle_times(stamps, known_at, clock).tolist()
         dated = [(times[n], message) for n, message in self.messages]
-        places = [(time, message) for time, message in dated if isinstance(message, Position)]
+        places = [(time, message) for time, message in dated if isinstance(message, m.Position)]
         rows = [(time, p.latitude_deg, p.longitude_deg, p.altitude, p.height, *p.velocity) for time, p in places]
-        events = tuple((time, message) for time, message in dated if not isinstance(message, Position))
+        events = tuple((time, message) for time, message in dated if not isinstance(message, m.Position))
         measured = _measured([(times[n], message) for n, message in self.measured])
         remarks = () if len(clock) else (NO_CLOCK,)
         return Log(self.autopilot, Fixes.of(np.array(rows).reshape(-1, 8)), events, self.version, remarks, measured)
 
 
-def _measured(dated: list[tuple[float, Attitude | BatteryStatus | SystemStatus]]) -> Measured:
+def _measured(dated: list[tuple[float, m.Attitude | m.BatteryStatus | m.SystemStatus]]) -> Measured:
     """SYS_STATUS counts where no battery has a status of its own."""
     batteries: dict[int, list[Battery]] = {}
     general: list[Battery] = []
     attitude = []
     for time, message in dated:
         match message:
-            case Attitude(_, roll, pitch, yaw):
+            case m.Attitude(_, roll, pitch, yaw):
                 attitude.append((time, roll, pitch, yaw))
-            case BatteryStatus(battery, voltage, current):
+            case m.BatteryStatus(battery, voltage, current):
                 batteries.setdefault(battery, []).append((time, voltage, current))
             case _:
                 general.append((time, message.voltage, message.current))

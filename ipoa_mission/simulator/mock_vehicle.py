@@ -9,7 +9,6 @@ from ipoa_mission.autopilot.commands import LAST_NAV, WAYPOINTS, Command
 from ipoa_mission.autopilot.parameters import Parameters
 from ipoa_mission.autopilot.vehicle_kind import QUADROTOR
 from ipoa_mission.link import messages as m
-from ipoa_mission.link import telemetry
 from ipoa_mission.link.codec import EVERYONE, Target
 from ipoa_mission.link.events import mission_event
 from ipoa_mission.link.messages import CRITICAL, INFO, Message, MissionType
@@ -167,46 +166,46 @@ class MockVehicle:
             case "HEARTBEAT":
                 return self._heartbeat()
             case "AUTOPILOT_VERSION":
-                return telemetry.AutopilotVersion(profile.capabilities, profile.version.number, uid=1)
+                return m.AutopilotVersion(profile.capabilities, profile.version.number, uid=1)
             case "PROTOCOL_VERSION" if profile.protocol is not None:
-                return telemetry.ProtocolVersion(*profile.protocol)
+                return m.ProtocolVersion(*profile.protocol)
             case "SYS_STATUS":  # a passed pre-arm check is healthy, on PX4 without being present
                 sensors, passed = sum(Sensor), self._passed_checks()
                 bits = sensors | (PREARM_CHECK if profile.reports_prearm else 0)
-                return telemetry.SystemStatus(bits, bits, sensors | (PREARM_CHECK if passed else 0))
+                return m.SystemStatus(bits, bits, sensors | (PREARM_CHECK if passed else 0))
             case "MISSION_CURRENT":
                 self._repeat_reached()
                 return self.current()
             case "TIMESYNC":
                 return m.TimeSync(0, round(now * 1e9))
             case "GLOBAL_POSITION_INT" if not is_placed:
-                return telemetry.Position(now, 0.0, 0.0, 0.0, 0.0) if profile.reports_prearm else None
+                return m.Position(now, 0.0, 0.0, 0.0, 0.0) if profile.reports_prearm else None
             case "GLOBAL_POSITION_INT":
                 height, velocity = at.altitude - flight.home.altitude, (north, east, -up)
-                return telemetry.Position(now, at.latitude_deg, at.longitude_deg, at.altitude, height, velocity, yaw)
+                return m.Position(now, at.latitude_deg, at.longitude_deg, at.altitude, height, velocity, yaw)
             case "HOME_POSITION" | "GPS_GLOBAL_ORIGIN" if not is_placed:
                 return None
             case "HOME_POSITION":
-                return telemetry.HomePosition(*astuple(flight.home))
+                return m.HomePosition(*astuple(flight.home))
             case "GPS_GLOBAL_ORIGIN":
-                return telemetry.GlobalOrigin(*astuple(flight.home))
+                return m.GlobalOrigin(*astuple(flight.home))
             case "LOCAL_POSITION_NED":
                 x, y, z = map(float, flight.local)
-                return telemetry.LocalPosition(now, (y, x, -z), (north, east, -up))
+                return m.LocalPosition(now, (y, x, -z), (north, east, -up))
             case "GPS_RAW_INT":
-                return telemetry.Gps(now, at.latitude_deg, at.longitude_deg, at.altitude, math.hypot(east, north))
+                return m.Gps(now, at.latitude_deg, at.longitude_deg, at.altitude, math.hypot(east, north))
             case "BATTERY_STATUS":
-                return telemetry.BatteryStatus(0, 12.6, -0.01, 100)
+                return m.BatteryStatus(0, 12.6, -0.01, 100)
             case "ATTITUDE":
                 half_turn = math.remainder(yaw, 2 * math.pi) if math.isfinite(yaw) else 0.0
-                return telemetry.Attitude(now, roll, pitch, half_turn)
+                return m.Attitude(now, roll, pitch, half_turn)
             case "VFR_HUD":
                 speed, heading = math.hypot(east, north), saturated(math.degrees(yaw)) % 360
-                return telemetry.Hud(speed, speed, heading, 50 if flight.armed else 0, at.altitude, up)
+                return m.Hud(speed, speed, heading, 50 if flight.armed else 0, at.altitude, up)
             case "EXTENDED_SYS_STATE":
-                return telemetry.ExtendedState(1 if flight.on_ground else 2)
+                return m.ExtendedState(1 if flight.on_ground else 2)
             case "SYSTEM_TIME":
-                return telemetry.SystemTime(0.0, now)
+                return m.SystemTime(0.0, now)
         return None
 
     def _passed_checks(self) -> bool:

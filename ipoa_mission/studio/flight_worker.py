@@ -21,8 +21,7 @@ from ipoa_mission.geometry import Vector
 from ipoa_mission.link.channel import serial_ports
 from ipoa_mission.link.connect import connect, open_line
 from ipoa_mission.link.discovery import scan
-from ipoa_mission.link.messages import Message, Text
-from ipoa_mission.link.telemetry import Gps, Position, WindEstimate, WindVelocity
+from ipoa_mission.link.messages import Gps, Message, Position, Text, WindEstimate, WindVelocity
 from ipoa_mission.progress import Progress
 from ipoa_mission.simulator.fly import board, conditions_for
 from ipoa_mission.studio.flight_answers import Heard, HeardLink, Landed, Loaded, OrderThen, Reserve, Seen, State

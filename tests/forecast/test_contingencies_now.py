@@ -14,7 +14,7 @@ from ipoa_mission.flight.preflight import expect_charge
 from ipoa_mission.forecast.contingency.contingencies import Contingencies
 from ipoa_mission.forecast.contingency.contingencies_now import ContingenciesNow
 from ipoa_mission.forecast.contingency.energy_budget import ReserveNow, budget_of
-from ipoa_mission.link.telemetry import BatteryStatus, Position, SystemStatus
+from ipoa_mission.link.messages import BatteryStatus, Position, SystemStatus
 from ipoa_mission.link.vehicle_state import VehicleState
 from tests.examples import some
 from tests.refused import refuses

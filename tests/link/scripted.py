@@ -11,12 +11,14 @@ from ipoa_mission.link.messages import (
     CommandAck,
     CommandLong,
     Current,
+    ExtendedState,
     Heartbeat,
     Message,
+    Position,
     SetCurrent,
+    SystemStatus,
     Text,
 )
-from ipoa_mission.link.telemetry import ExtendedState, Position, SystemStatus
 from ipoa_mission.link.vehicle_state import ON_GROUND, PREARM_CHECK, VehicleState
 
 PX4, ARDUPILOT = Autopilot.PX4, Autopilot.ARDUPILOT

@@ -12,7 +12,7 @@ from pymavlink.dialects.v20 import ardupilotmega as dialect
 from pymavlink.generator.mavcrc import x25crc
 
 from ipoa_mission.autopilot.autopilot import Autopilot
-from ipoa_mission.link import codec, telemetry, wire
+from ipoa_mission.link import codec, wire
 from ipoa_mission.link import messages as m
 from ipoa_mission.link.codec import EVERYONE, Codec, Framer, Target, frames
 from ipoa_mission.link.definitions import definition_of, message_name, message_number
@@ -24,7 +24,7 @@ from tests.refused import refuses
 
 NOW = 1_767_225_600.0
 FIRST_GUESS = {int: 1, float: 1.5, str: "WORDS", bytes: b"\x01\x02"}
-UNKNOWN_THERE = {m.Event, telemetry.ProtocolVersion}
+UNKNOWN_THERE = {m.Event, m.ProtocolVersion}
 KINDS = sorted(wire.KINDS.values(), key=lambda kind: kind.__name__)
 
 
@@ -34,11 +34,11 @@ def example(kind: type[m.Message]) -> m.Message:
         m.ItemAt: m.ItemAt(7, Item(16, 3, (1.0, 2.0, 3.0, 4.0), 39.1234567, 121.7654321, 12.5), 1, 1),
         m.CommandLong: m.CommandLong(400, (1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0), 2),
         m.CommandInt: m.CommandInt(192, 6, (1.0, 2.0, 3.0, 4.0), 391234567, -10, 50.0),
-        telemetry.Position: telemetry.Position(12.345, 39.1, -121.5, 400.25, 30.5, (1.25, -2.5, 0.5), math.pi / 2),
-        telemetry.WindVelocity: telemetry.WindVelocity((1.5, -2.0, 0.25)),
-        telemetry.LocalPosition: telemetry.LocalPosition(1.0, (1.0, 2.0, -3.0), (0.5, 0.25, -0.125)),
+        m.Position: m.Position(12.345, 39.1, -121.5, 400.25, 30.5, (1.25, -2.5, 0.5), math.pi / 2),
+        m.WindVelocity: m.WindVelocity((1.5, -2.0, 0.25)),
+        m.LocalPosition: m.LocalPosition(1.0, (1.0, 2.0, -3.0), (0.5, 0.25, -0.125)),
         m.FileTransfer: m.FileTransfer(bytes(range(251))),
-        telemetry.SystemTime: telemetry.SystemTime(NOW, 5.0),
+        m.SystemTime: m.SystemTime(NOW, 5.0),
         m.Ack: m.Ack(1, 1),  # without the ids that pymavlink does not know
         m.Current: m.Current(1, 1, 1, 1),
     }

@@ -13,9 +13,8 @@ from ipoa_mission.link.codec import Codec, Target
 from ipoa_mission.link.connect import meet
 from ipoa_mission.link.line import Line
 from ipoa_mission.link.loopback import Loopback
-from ipoa_mission.link.messages import CommandLong, Message
+from ipoa_mission.link.messages import CommandLong, Message, Position
 from ipoa_mission.link.on_deviation import OnDeviation
-from ipoa_mission.link.telemetry import Position
 from ipoa_mission.link.vehicle import Vehicle
 from ipoa_mission.mission.flight_record import Deviation, DeviationKind
 from ipoa_mission.mission.items import Mission, land, takeoff

@@ -9,8 +9,8 @@ from ipoa_mission.link.codec import numbered
 from ipoa_mission.link.connect import _drop_unanswered, connect
 from ipoa_mission.link.dialogue import NoAnswer, TimeUp
 from ipoa_mission.link.flight_order import Conformance, FlightOrder
+from ipoa_mission.link.messages import Position
 from ipoa_mission.link.reconnect import LinkLoss
-from ipoa_mission.link.telemetry import Position
 from ipoa_mission.logs.flight_log import LoggedFlight
 from ipoa_mission.simulator.mock_profile import asks_every
 from ipoa_mission.world.obstacles.kinds import RoundZone

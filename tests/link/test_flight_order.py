@@ -10,8 +10,7 @@ from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.autopilot.commands import Command, VehicleCommand
 from ipoa_mission.link.dialogue import SPECIFIED, Exchange
 from ipoa_mission.link.flight_order import SHOWN_S, return_to_launch
-from ipoa_mission.link.messages import CommandAck, CommandResult, Message
-from ipoa_mission.link.telemetry import Position
+from ipoa_mission.link.messages import CommandAck, CommandResult, Message, Position
 from ipoa_mission.link.vehicle import Vehicle
 from ipoa_mission.link.vehicle_state import NotReady, VehicleState
 from ipoa_mission.mission.items import Mission

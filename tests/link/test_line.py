@@ -14,9 +14,16 @@ from ipoa_mission.link.dialogue import SPECIFIED, NoAnswer
 from ipoa_mission.link.discovery import VERSIONS_S, scan, versions_of
 from ipoa_mission.link.line import Carrier, Line
 from ipoa_mission.link.loopback import Loopback
-from ipoa_mission.link.messages import CommandLong, CommandResult, Heartbeat, Message, MissionType, Text
+from ipoa_mission.link.messages import (
+    AutopilotVersion,
+    CommandLong,
+    CommandResult,
+    Heartbeat,
+    Message,
+    MissionType,
+    Text,
+)
 from ipoa_mission.link.routes import CLAIM_S, MAX_PEERS, Routes
-from ipoa_mission.link.telemetry import AutopilotVersion
 from ipoa_mission.link.tlog import TlogWriter, read_tlog
 from ipoa_mission.link.vehicle import ConnectionOptions
 from ipoa_mission.mission.items import Mission, return_to_launch, takeoff, waypoint

@@ -4,8 +4,7 @@ from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.link.dialogue import SPECIFIED, Exchange
 from ipoa_mission.link.logbook import Logbook, watch
-from ipoa_mission.link.messages import ARMED_FLAG, CommandAck, Current, Heartbeat, Message, Reached, Text
-from ipoa_mission.link.telemetry import Position
+from ipoa_mission.link.messages import ARMED_FLAG, CommandAck, Current, Heartbeat, Message, Position, Reached, Text
 from ipoa_mission.mission.items import Item, change_speed, land, return_to_launch, takeoff, waypoint
 
 PX4, ARDUPILOT = Autopilot.PX4, Autopilot.ARDUPILOT

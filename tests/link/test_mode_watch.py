@@ -11,8 +11,16 @@ from ipoa_mission.link.connect import meet
 from ipoa_mission.link.flight_order import ORDER_REPEATS, FlightOrder
 from ipoa_mission.link.line import Line
 from ipoa_mission.link.loopback import Loopback
-from ipoa_mission.link.messages import CommandAck, CommandLong, CommandResult, Heartbeat, Message, Text
-from ipoa_mission.link.telemetry import ExtendedState, Position
+from ipoa_mission.link.messages import (
+    CommandAck,
+    CommandLong,
+    CommandResult,
+    ExtendedState,
+    Heartbeat,
+    Message,
+    Position,
+    Text,
+)
 from ipoa_mission.link.vehicle import Vehicle
 from ipoa_mission.link.vehicle_state import ON_GROUND, SETTLED_S, ModeWatch, VehicleState
 from ipoa_mission.mission.items import Mission, land, takeoff

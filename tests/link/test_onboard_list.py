@@ -12,9 +12,18 @@ from ipoa_mission.link.connect import meet
 from ipoa_mission.link.dialogue import Dialogue, NoAnswer
 from ipoa_mission.link.line import Line
 from ipoa_mission.link.loopback import Loopback
-from ipoa_mission.link.messages import NO_MISSION, CommandLong, Count, Current, ItemAt, Message, MissionType
+from ipoa_mission.link.messages import (
+    NO_MISSION,
+    AutopilotVersion,
+    CommandLong,
+    Count,
+    Current,
+    ItemAt,
+    Message,
+    MissionType,
+    Position,
+)
 from ipoa_mission.link.onboard_list import CHECK_INTERVAL_S, OnboardList, ReplacedSince, expect_unchanged
-from ipoa_mission.link.telemetry import AutopilotVersion, Position
 from ipoa_mission.link.upload import Replaced, Upload
 from ipoa_mission.link.vehicle import Vehicle
 from ipoa_mission.link.vehicle_state import NotReady

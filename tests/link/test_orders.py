@@ -14,10 +14,12 @@ from ipoa_mission.link.dialogue import SPECIFIED, Dialogue, Exchange, NoAnswer, 
 from ipoa_mission.link.line import Line
 from ipoa_mission.link.loopback import Loopback
 from ipoa_mission.link.messages import (
+    AutopilotVersion,
     CommandAck,
     CommandLong,
     Current,
     Heartbeat,
+    HomePosition,
     Message,
     ParamRequestRead,
     ParamSet,
@@ -25,7 +27,6 @@ from ipoa_mission.link.messages import (
     SetCurrent,
     Text,
 )
-from ipoa_mission.link.telemetry import AutopilotVersion, HomePosition
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as Mock
 from ipoa_mission.simulator.faults import BadPipe, Faults
 from ipoa_mission.simulator.station import Station

@@ -21,10 +21,9 @@ from ipoa_mission.link.connect import connect, meet
 from ipoa_mission.link.dialogue import Dialogue, NoAnswer, Pause, SendOnce, Step, TimeUp
 from ipoa_mission.link.line import Line
 from ipoa_mission.link.loopback import Loopback
-from ipoa_mission.link.messages import Message, MissionType, ParamSet, ParamValue, Request
+from ipoa_mission.link.messages import AutopilotVersion, Message, MissionType, ParamSet, ParamValue, Request
 from ipoa_mission.link.orders import CommandRefused
 from ipoa_mission.link.signing import MAX_SIGNERS, persistent_signer
-from ipoa_mission.link.telemetry import AutopilotVersion
 from ipoa_mission.link.tlog import TlogWriter
 from ipoa_mission.link.upload import Unflyable
 from ipoa_mission.link.vehicle import Vehicle

@@ -18,10 +18,10 @@ from ipoa_mission.link.messages import (
     Heartbeat,
     MavAutopilot,
     Message,
+    Position,
     Reached,
     Text,
 )
-from ipoa_mission.link.telemetry import Position
 from ipoa_mission.link.tlog import TlogWriter
 
 ZERO = 100.0  # the autopilot's clock when the flight begins [s]

@@ -21,10 +21,11 @@ from ipoa_mission.link.messages import (
     MavAutopilot,
     Message,
     ParamValue,
+    Position,
     Reached,
+    SystemTime,
     Text,
 )
-from ipoa_mission.link.telemetry import Position, SystemTime
 from ipoa_mission.link.tlog import TlogWriter
 from ipoa_mission.logs.flight_log import read_flights
 from ipoa_mission.logs.logged import Fixes, Log, messages_of

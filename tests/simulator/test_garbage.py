@@ -22,7 +22,6 @@ from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.errors import MissionError
 from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.link import messages as m
-from ipoa_mission.link import telemetry
 from ipoa_mission.link.codec import EVERYONE, Codec, Framer, Target, frames
 from ipoa_mission.link.conversations import clear, download
 from ipoa_mission.link.departure import Departure, depart, prepare
@@ -156,7 +155,7 @@ def random_message(chance: random.Random) -> m.Message:
             m.FileTransfer(chance.randbytes(251)),
             FileMessage(chance.randrange(12), Opcode.ACK, 0, chance.randrange(12), 0, b"\x3d" * 200).pack(),
             m.Heartbeat(2, 12),
-            telemetry.AutopilotVersion(chance.getrandbits(60)),
+            m.AutopilotVersion(chance.getrandbits(60)),
         ]
     )  # fmt: skip
 

@@ -8,29 +8,27 @@ from ipoa_mission.autopilot.guidance_profile import mode_number
 from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.link.definitions import message_number
 from ipoa_mission.link.messages import (
+    Attitude,
+    BatteryStatus,
     ClearAll,
     CommandAck,
     CommandInt,
     CommandLong,
     CommandResult,
+    Gps,
     Heartbeat,
+    Hud,
+    LocalPosition,
     ParamRequestList,
     ParamValue,
+    Position,
+    ProtocolVersion,
     RequestDataStream,
+    SystemStatus,
     Text,
     TimeSync,
 )
 from ipoa_mission.link.orders import parameter_value
-from ipoa_mission.link.telemetry import (
-    Attitude,
-    BatteryStatus,
-    Gps,
-    Hud,
-    LocalPosition,
-    Position,
-    ProtocolVersion,
-    SystemStatus,
-)
 from ipoa_mission.link.wire import INT32_MAX
 from ipoa_mission.mission.items import waypoint
 from tests.link_pair import HOME

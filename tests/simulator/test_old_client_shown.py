@@ -19,6 +19,7 @@ from ipoa_mission.link.messages import (
     ParamRequestRead,
     ParamSet,
     ParamValue,
+    Position,
     Reached,
     Request,
     RequestList,
@@ -26,7 +27,6 @@ from ipoa_mission.link.messages import (
     SetCurrent,
     Text,
 )
-from ipoa_mission.link.telemetry import Position
 from ipoa_mission.mission.items import Item, land, takeoff, waypoint
 from ipoa_mission.mission.stored_mission import home_item
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as BuiltIn

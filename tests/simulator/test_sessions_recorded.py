@@ -30,13 +30,13 @@ from ipoa_mission.link.messages import (
     ItemAt,
     Message,
     ParamValue,
+    Position,
     Reached,
     Request,
     RequestList,
     SetCurrent,
     Text,
 )
-from ipoa_mission.link.telemetry import Position
 from ipoa_mission.link.tlog import read_tlog
 from ipoa_mission.mission.mission_io import read_mission_file
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as BuiltIn

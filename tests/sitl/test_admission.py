@@ -9,7 +9,7 @@ import pytest
 
 from ipoa_mission import Forecast, read_mission, read_scenario
 from ipoa_mission.autopilot.autopilot import Autopilot
-from ipoa_mission.link.telemetry import Position
+from ipoa_mission.link.messages import Position
 from tools.fly import admit
 from tools.fly.admission_flight import COMPLETED, FLEW_AWAY, NOT_COMPLETED, NOT_FLOWN, REFUSED, Broken, Row, Watch
 from tools.fly.admission_scenes import FAST, KINDS, SLOW, scene, scene_name, shipped, written

@@ -8,8 +8,7 @@ import pytest
 pytest.importorskip("pydantic")
 
 from ipoa_mission import Forecast, read_mission
-from ipoa_mission.link.messages import Message, Text
-from ipoa_mission.link.telemetry import Gps, Position, WindEstimate, WindVelocity
+from ipoa_mission.link.messages import Gps, Message, Position, Text, WindEstimate, WindVelocity
 from ipoa_mission.studio.flight_answers import Seen
 from ipoa_mission.studio.flight_worker import Watch
 

@@ -22,8 +22,7 @@ from ipoa_mission.flight.procedure import ProcedureOptions, begin_mission
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.geodesy import Geodetic, LocalFrame
 from ipoa_mission.geometry import Points
-from ipoa_mission.link.messages import Message
-from ipoa_mission.link.telemetry import Position
+from ipoa_mission.link.messages import Message, Position
 from ipoa_mission.link.vehicle import Vehicle
 from ipoa_mission.mission.flight_record import FlightRecord
 from ipoa_mission.mission.items import Mission

@@ -20,8 +20,7 @@ from ipoa_mission.autopilot.parameters import REAL32
 from ipoa_mission.errors import BadInput, Unreadable, WrongFormat
 from ipoa_mission.geodesy import Geodetic, LocalFrame
 from ipoa_mission.geometry import Points, Vector
-from ipoa_mission.link.messages import INFO, Current, Message, ParamValue, Text
-from ipoa_mission.link.telemetry import HomePosition
+from ipoa_mission.link.messages import INFO, Current, HomePosition, Message, ParamValue, Text
 from ipoa_mission.logs.logged import Battery, Begun, Fixes, Held, Log, LogFormat, Measured, item_begun, presence
 from ipoa_mission.mission.items import Item
 from ipoa_mission.vehicles.arducopter.vehicle import ARDUCOPTER

@@ -22,8 +22,7 @@ from ipoa_mission.files import read_bytes
 from ipoa_mission.geodesy import SphericalPlane
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.link.logbook import COMPLETE
-from ipoa_mission.link.messages import INFO, Current, Message, ParamValue, Reached, Text
-from ipoa_mission.link.telemetry import HomePosition
+from ipoa_mission.link.messages import INFO, Current, HomePosition, Message, ParamValue, Reached, Text
 from ipoa_mission.logs.logged import Battery, Begun, Fixes, Log, LogFormat, Measured, presence, version_name
 from ipoa_mission.mission.items import Item
 from ipoa_mission.vehicles.px4_multicopter.vehicle import PX4_MULTICOPTER
