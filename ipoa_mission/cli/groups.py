@@ -8,7 +8,7 @@ import typer
 
 import ipoa_mission.options as options
 from ipoa_mission.errors import OptionConflict
-from ipoa_mission.link.on_deviation import OnDeviation
+from ipoa_mission.mission.flight_record import OnDeviation
 from ipoa_mission.terminal import expect_free
 
 

@@ -13,13 +13,12 @@ from ipoa_mission.link.conversations import VehicleTexts, listen_for_words
 from ipoa_mission.link.dialogue import Dialogue, Pause, SendOnce, until
 from ipoa_mission.link.logbook import Logbook
 from ipoa_mission.link.messages import CommandAck, CommandLong, CommandResult, Message, Position
-from ipoa_mission.link.on_deviation import OnDeviation
 from ipoa_mission.link.orders import CommandRefused, command, mode_order, order, send_command
 from ipoa_mission.link.vehicle_state import NotFlown, NotReady, VehicleState
+from ipoa_mission.mission.flight_record import Deviation, OnDeviation
 
 if TYPE_CHECKING:
     from ipoa_mission.geometry import Vector
-    from ipoa_mission.mission.flight_record import Deviation
 
 log = logging.getLogger(__name__)
 ORDER_REPEATS = 6  # one a second
@@ -201,7 +200,7 @@ def _expect_flying(state: VehicleState) -> Dialogue[None]:
 class Monitor(Protocol):
     def local(self, at: Geodetic, height: float) -> "Vector": ...
     def interrupt(self) -> None: ...
-    def see(self, time: float, place: "Vector", item: int | None) -> "Deviation | None": ...
+    def see(self, time: float, place: "Vector", item: int | None) -> Deviation | None: ...
 
 
 class Conformance:
@@ -275,7 +274,7 @@ class Conformance:
             return self._logbook.total - 1
         return None if current is None else current.seq - home
 
-    def _deviates(self, deviation: "Deviation") -> None:
+    def _deviates(self, deviation: Deviation) -> None:
         armed_s = 0.0 if self._logbook is None else self._logbook.armed_s
         deviation = replace(deviation, time_s=deviation.time_s - armed_s)
         self.deviations.append(deviation)

@@ -14,6 +14,14 @@ class DeviationKind(StrEnum):
     LATE = "late"
 
 
+class OnDeviation(StrEnum):
+    """The reaction to a deviation."""
+
+    HOLD = "hold"
+    RTL = "rtl"
+    REPORT = "report"
+
+
 @dataclass(frozen=True)
 class Deviation:
     """On the way to `item`: `measured` and `allowed` in meters, for LATE in seconds."""

@@ -17,10 +17,9 @@ from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.geodesy import Geodetic, LocalFrame
 from ipoa_mission.link.flight_order import Conformance, FlightOrder
 from ipoa_mission.link.logbook import Logbook
-from ipoa_mission.link.on_deviation import OnDeviation
 from ipoa_mission.link.vehicle_state import VehicleState
 from ipoa_mission.logs.flight_log import read_flights as read_log
-from ipoa_mission.mission.flight_record import Deviation, DeviationKind
+from ipoa_mission.mission.flight_record import Deviation, DeviationKind, OnDeviation
 from ipoa_mission.mission.items import Item, Mission, land, takeoff, waypoint
 from tests.forecast.test_items_flown import FOLDERS as ITEMS_FLOWN
 from tests.forecast.test_items_flown import read as read_items

@@ -14,9 +14,8 @@ from ipoa_mission.link.connect import meet
 from ipoa_mission.link.line import Line
 from ipoa_mission.link.loopback import Loopback
 from ipoa_mission.link.messages import CommandLong, Message, Position
-from ipoa_mission.link.on_deviation import OnDeviation
 from ipoa_mission.link.vehicle import Vehicle
-from ipoa_mission.mission.flight_record import Deviation, DeviationKind
+from ipoa_mission.mission.flight_record import Deviation, DeviationKind, OnDeviation
 from ipoa_mission.mission.items import Mission, land, takeoff
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as Mock
 from ipoa_mission.simulator.station import Station
