@@ -96,7 +96,7 @@ def mock(worse: FaultOptions, how: MockOptions, as_json: options.JsonOption = Fa
         return False
 
     with suppress(KeyboardInterrupt), closing(open_channel(how.link)) as channel:
-        station = Station(autopilot, system, signer, channel.datagrams)
+        station = Station(autopilot, system, signer)
         Server(channel, station, how.speedup, worse.faults(), how.seed).run(print_address)
 
 

@@ -70,9 +70,6 @@ class LinkDown(MissionError):
 
 
 class Channel(Protocol):
-    #: bytes come in datagrams of whole frames
-    datagrams: bool
-
     def now(self) -> float: ...
 
     def unix_s(self) -> float: ...
@@ -125,8 +122,6 @@ def _family(host: str) -> socket.AddressFamily:
 
 class UdpChannel(RealTime):
     """`udpin` waits at its port; `udpout` sends first."""
-
-    datagrams = True
 
     def __init__(self, address: Address) -> None:
         super().__init__()
@@ -181,7 +176,6 @@ class UdpChannel(RealTime):
 
 
 class TcpChannel(RealTime):
-    datagrams = False
     MAX_CONNECTIONS = 16
 
     def __init__(self, address: Address) -> None:
@@ -281,7 +275,6 @@ def _closed() -> LinkDown:
 
 
 class SerialChannel(RealTime):
-    datagrams = False
     MAX_UNSENT = 2048  # bytes: 0.3 s at 57600 baud
 
     def __init__(self, address: Address) -> None:

@@ -88,7 +88,14 @@ class Framer:
         self.buffer = b""
 
     def feed(self, data: bytes) -> Iterator[bytes]:
-        """Yield completed good frames; buffer one at most."""
+        """Yield completed good frames; buffer one at most.
+
+        Some links split a frame over two datagrams. A whole frame at the beginning of `data` ends the wait for the rest
+        of the buffered one.
+        """
+        if self.buffer and frame_at(data, 0):
+            yield from frames(self.buffer)
+            self.buffer = b""
         self.buffer += data
         at = 0
         while (start := next_magic(self.buffer, at)) >= 0:
@@ -100,17 +107,6 @@ class Framer:
             if frame:
                 yield frame
         self.buffer = b""
-
-    def datagram(self, data: bytes) -> Iterator[bytes]:
-        """Yield completed frames: some links split one over two datagrams."""
-        first = frame_at(data, 0)
-        if first is None:
-            yield from self.feed(data)
-            return
-        kept, self.buffer = self.buffer, b""
-        yield from frames(kept)
-        yield first
-        yield from self.feed(data[len(first) :])
 
 
 def frames(data: bytes) -> Iterator[bytes]:

@@ -116,8 +116,6 @@ class Line(Carrier):
         self._signing: set[Target] = set()
         self._understands: set[Target] = set()
         self._next_heartbeat = channel.now()
-        self.overhearing: Callable[[bytes], None] | None = None
-        """Called with every whole frame of known peers."""
 
     def now(self) -> float:
         return self.channel.now()
@@ -138,17 +136,23 @@ class Line(Carrier):
 
     def receive(self, until: float) -> list[Heard]:
         """Return messages to us or to everyone; send our heartbeat when due."""
+        return [heard for heard in self.overhear(until) if self.is_for_us(heard)]
+
+    def is_for_us(self, heard: Heard) -> bool:
+        return heard.message is not None and heard.is_for(self.codec.system, self.codec.component)
+
+    def overhear(self, until: float) -> list[Heard]:
+        """Return frames of known peers to anybody; send our heartbeat when due."""
         now = self.now()
         if now >= self._next_heartbeat:  # each second, as type MAV_TYPE_GCS
             self._next_heartbeat = now + 1.0
             self.send(Heartbeat(6, MavAutopilot.INVALID))
-        got = self.channel.receive(min(until, self._next_heartbeat))
-        return [heard for data, peer in got for heard in self._hear(data, peer)]
+        return self._hear(self.channel.receive(min(until, self._next_heartbeat)))
 
     def carry_on(self, exchange: Exchange[T], target: Target, until: float, is_over: Callable[[], bool]) -> list[Heard]:
         run, holder = exchange.run(), self._routes.holder(target)
         now, limit = self.now(), min(until, self._next_heartbeat)
-        if run is None or holder is None or now >= limit or self.overhearing or self._routes.is_torn(holder):
+        if run is None or holder is None or now >= limit or self._routes.is_torn(holder):
             return super().carry_on(exchange, target, until, is_over)
         run.join(self.codec, target)
         begun_at, peers, got = run.at, self._routes.to(target), list[tuple[bytes, Peer]]()
@@ -166,21 +170,18 @@ class Line(Carrier):
             self._routes.claim(target, holder, run.sent_s)
             self._routes.learn(target, holder, run.sent_s)
             exchange.ran(run)
-        return [heard for data, peer in got for heard in self._hear(data, peer)]
+        return [heard for heard in self._hear(got) if self.is_for_us(heard)]
 
-    def _hear(self, data: bytes, peer: Peer) -> list[Heard]:
-        heard: list[Heard] = []
+    def _hear(self, received: list[tuple[bytes, Peer]]) -> list[Heard]:
+        heard = list[Heard]()
         now = self.channel.now()
-        for frame in self._routes.frames(data, peer, self.channel.datagrams):
-            decoded = self.codec.decode(frame)
-            if decoded is None or not self._is_known(decoded, peer, now):
-                continue
-            if self._log:
-                self._log.write(frame, self.channel.unix_s())
-            if self.overhearing:
-                self.overhearing(frame)
-            if decoded.message is not None and decoded.is_for(self.codec.system, self.codec.component):
-                heard.append(decoded)
+        for data, peer in received:
+            for frame in self._routes.frames(data, peer):
+                decoded = self.codec.decode(frame)
+                if decoded is not None and self._is_known(decoded, peer, now):
+                    heard.append(decoded)
+                    if self._log:
+                        self._log.write(frame, self.channel.unix_s())
         return heard
 
     def contested(self, system: int) -> bool:

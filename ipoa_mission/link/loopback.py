@@ -39,7 +39,6 @@ class Pipe:
 
 
 class Loopback:
-    datagrams = True
     PEER = "loopback"
 
     def __init__(self, far: FarEnd, there: Pipe | None = None, back: Pipe | None = None) -> None:

@@ -24,7 +24,6 @@ class MavutilChannel(RealTime):
                 place="connect",
             )
         self._connection = connection
-        self.datagrams = type(connection).__name__ in ("mavudp", "mavmcast")
 
     def receive(self, until: float) -> list[tuple[bytes, Peer]]:
         try:
@@ -68,14 +67,12 @@ def messages_from(
     line: Line, system: int, seconds: float, names: Collection[str], note: Callable[[Message], object]
 ) -> list[Any]:
     """Return those in `names` (empty: all); `note` all."""
-    frames, until = list[bytes](), line.now() + seconds
-    line.overhearing = frames.append
-    try:
-        while line.now() < until:
-            for heard in line.receive(until):
-                if heard.system == system and heard.message is not None:
+    messages = []
+    until = line.now() + seconds
+    while line.now() < until:
+        for heard in line.overhear(until):
+            if heard.system == system:
+                messages.append(as_pymavlink(heard.raw))
+                if heard.message is not None and line.is_for_us(heard):
                     note(heard.message)
-    finally:
-        line.overhearing = None
-    messages = [message for frame in frames if (message := as_pymavlink(frame)).get_srcSystem() == system]
     return [message for message in messages if not names or message.get_type() in names]

@@ -23,12 +23,12 @@ class Routes:
         self._spoken_to: set[Target] = set()
         self._framers: dict[Peer, Framer] = {}
 
-    def frames(self, data: bytes, peer: Peer, datagrams: bool) -> Iterator[bytes]:
+    def frames(self, data: bytes, peer: Peer) -> Iterator[bytes]:
         framer = self._framers.pop(peer, None) or Framer()
         self._framers[peer] = framer
         while len(self._framers) > MAX_PEERS:
             del self._framers[next(iter(self._framers))]
-        return framer.datagram(data) if datagrams else framer.feed(data)
+        return framer.feed(data)
 
     def is_torn(self, peer: Peer) -> bool:
         """Return whether a peer's frame has come in part."""

@@ -14,19 +14,16 @@ class Station:
     ignored.
     """
 
-    def __init__(
-        self, autopilot: BuiltInAutopilot, system: int = 1, signer: Signer | None = None, datagrams: bool = True
-    ) -> None:
+    def __init__(self, autopilot: BuiltInAutopilot, system: int = 1, signer: Signer | None = None) -> None:
         self.autopilot = autopilot
         self._codec = Codec(system, AUTOPILOT_COMPONENT, signer)
         self._routes = Routes()
-        self._datagrams = datagrams
         self._now = 0.0
 
     def receive(self, data: bytes, peer: Peer, now: float) -> None:
         """Ignore bytes that are no frame, are not signed with our key, or are for others."""
         self._now = now
-        for frame in self._routes.frames(data, peer, self._datagrams):
+        for frame in self._routes.frames(data, peer):
             heard = self._codec.decode(frame)
             if heard is None:
                 continue

@@ -106,7 +106,7 @@ def autopilot() -> Serve:
         channel = open_channel("udpin:127.0.0.1:0")
         assert isinstance(channel, UdpChannel)
         signer = Signer(key_of(passphrase)) if passphrase else None
-        server = Server(channel, Station(BuiltInAutopilot(family, home), 1, signer, channel.datagrams), speedup)
+        server = Server(channel, Station(BuiltInAutopilot(family, home), 1, signer), speedup)
         enough = threading.Event()
         thread = threading.Thread(target=server.run, args=(enough.is_set,))
         thread.start()

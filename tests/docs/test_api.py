@@ -41,7 +41,7 @@ def vehicle_at() -> Iterator[str]:
         free.bind(("127.0.0.1", 0))
         port = free.getsockname()[1]
     channel = open_channel(f"udpout:127.0.0.1:{port}")
-    station = Station(BuiltInAutopilot(Autopilot.PX4, Geodetic(47.397742, 8.545594, 488.0)), 1, None, channel.datagrams)
+    station = Station(BuiltInAutopilot(Autopilot.PX4, Geodetic(47.397742, 8.545594, 488.0)), 1)
     enough = threading.Event()
     thread = threading.Thread(target=Server(channel, station, speedup=100.0).run, args=(enough.is_set,))
     thread.start()

@@ -30,7 +30,7 @@ def running(
 ) -> Iterator[Running]:
     channel = (UdpChannel if transport == "udpin" else TcpChannel)(parse_address(f"{transport}:127.0.0.1:0"))
     mock = Mock(family, home)
-    server = Server(channel, Station(mock, system, datagrams=channel.datagrams), speedup)
+    server = Server(channel, Station(mock, system), speedup)
     stop = threading.Event()
     thread = threading.Thread(target=server.run, args=(stop.is_set,))
     thread.start()

@@ -346,12 +346,12 @@ def test_a_log_of_noise_is_read(tmp_path: Path) -> None:
 def test_frames_are_put_together_from_cut_datagrams_however_they_are_cut(sizes: list[int], before: bytes) -> None:
     _, sent = stream(6)
     framer = Framer()
-    got = [*framer.datagram(before)]
+    got = [*framer.feed(before)]
     for frame in sent:
         at = 0
         while at < len(frame):
             for size in sizes:
-                got += framer.datagram(frame[at : at + size]) if at < len(frame) else ()
+                got += framer.feed(frame[at : at + size]) if at < len(frame) else ()
                 at += size
     assert [frame for frame in got if frame in sent][-1] == sent[-1]
     if not any(byte in before for byte in b"\xfd\xfe"):
@@ -361,8 +361,8 @@ def test_frames_are_put_together_from_cut_datagrams_however_they_are_cut(sizes: 
 def test_a_whole_datagram_is_heard_at_once_behind_half_a_frame() -> None:
     _, sent = stream(2)
     framer = Framer()
-    assert list(framer.datagram(b"\xfd\xff\x00" + sent[0][:10])) == []
-    assert list(framer.datagram(sent[1])) == [sent[1]]
+    assert list(framer.feed(b"\xfd\xff\x00" + sent[0][:10])) == []
+    assert list(framer.feed(sent[1])) == [sent[1]]
 
 
 @pytest.mark.parametrize(("frame", "unit"), [(3, 1e-7), (2, 1.0)])

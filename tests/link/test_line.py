@@ -258,7 +258,7 @@ def test_a_flood_of_peers_does_not_grow_without_bound() -> None:
     routes = Routes()
     for n in range(1000):
         routes.learn(Target(n % 256, n // 256), f"peer {n}", float(n))
-        routes.frames(b"", f"peer {n}", datagrams=True)
+        routes.frames(b"", f"peer {n}")
     assert len(routes.to(EVERYONE)) == MAX_PEERS
     assert len(routes._framers) == MAX_PEERS
 

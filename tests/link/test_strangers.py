@@ -34,8 +34,6 @@ US, VEHICLE = Target(245, 190), Target(1, 1)
 class Net:
     """A channel to several ends with addresses; a frame takes 10 ms."""
 
-    datagrams = True
-
     def __init__(self, **ends: Station) -> None:
         self.ends = ends
         self.strangers: list[Callable[[float], list[tuple[bytes, Peer]]]] = []
@@ -265,7 +263,6 @@ def test_frames_that_are_cut_at_sixteen_bytes_are_heard(family: Autopilot) -> No
 class Drip(Net):
     """Reads sixteen bytes at a time."""
 
-    datagrams = False
     _kept = b""
 
     def receive(self, until: float) -> list[tuple[bytes, Peer]]:

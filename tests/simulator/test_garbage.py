@@ -119,7 +119,7 @@ def storm_an_autopilot(chance: random.Random) -> None:
     signed = chance.random() < 0.3
     family = chance.choice(list(registered()))
     mock = Mock(family, HOME)
-    station = Station(mock, signer=Signer(bytes(32)) if signed else None, datagrams=chance.random() < 0.5)
+    station = Station(mock, signer=Signer(bytes(32)) if signed else None)
     voice, now = dialect.MAVLink(None, 245, 190), 0.0
     for _ in range(chance.randrange(1, 300)):
         now += chance.choice([0.0, 0.0, 0.01, 0.3, 2.0])

@@ -30,7 +30,7 @@ class Slow(Station):
 def test_the_clock_of_a_busy_machine_is_slowed_and_said(caplog: pytest.LogCaptureFixture) -> None:
     channel = open_channel("udpin:127.0.0.1:0")
     try:
-        station = Slow(BuiltInAutopilot(Autopilot.PX4, HOME), 1, None, channel.datagrams)
+        station = Slow(BuiltInAutopilot(Autopilot.PX4, HOME), 1)
         station.times = []
         server = Server(channel, station, speedup=1000.0)
         with caplog.at_level(logging.WARNING, "ipoa_mission"):
@@ -50,8 +50,6 @@ STATION, VEHICLE = Target(255, 190), Target(1, 1)
 
 class Beside:
     """A channel to one station on a clock that each look moves by a microsecond at least."""
-
-    datagrams = True
 
     def __init__(self) -> None:
         self.sent = 0
