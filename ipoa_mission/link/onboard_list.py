@@ -3,7 +3,7 @@
 import logging
 import math
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from ipoa_mission.errors import MissionError
 from ipoa_mission.link.conversations import KeepsChanging, MissionRefused, list_name, open_list, read_consistent
@@ -25,6 +25,8 @@ class OnboardList:
     list_id: int = 0
     changed: str = ""
     is_reported: bool = False
+    _asked: set[int] = field(default_factory=set)
+    _due_s: float = -math.inf
 
     def note(self, message: Message, is_flying: bool = False) -> None:
         """Another id or number of items is a replacement; warn once in flight."""
@@ -33,6 +35,25 @@ class OnboardList:
         if self.changed and is_flying and not self.is_reported:
             self.is_reported = True
             log.warning("%s", ReplacedSince(self))
+
+    def observe(self, heard: Message, now_s: float) -> Dialogue[None]:
+        """Ask for the checksum at intervals; after another one read the list again, because arming moves home."""
+        numbers = self.job.numbers
+        if self.changed or numbers is None:
+            return
+        answer = checksum_answer(heard, self._asked)
+        if answer is not None and answer.checksum is not None:
+            self._asked.clear()
+            if answer.checksum != self.list_id:
+                try:
+                    self.list_id = (yield from _read_again(self.job)) or self.list_id
+                except Replaced as replaced:
+                    self.changed = str(replaced.difference)
+                except NotReady:  # another station may be uploading
+                    return
+        elif now_s >= self._due_s:
+            self._due_s = now_s + CHECK_INTERVAL_S
+            yield SendOnce(checksum_question(self.job.kind, numbers, self._asked))
 
     def is_confirmed_by(self, current: Current | None) -> bool:
         """Check for a report of our id, and of nothing else."""
@@ -62,7 +83,9 @@ def prove(onboard_lists: Iterable[OnboardList], state: VehicleState) -> Dialogue
     for onboard in onboard_lists:
         if not (onboard.list_id and (yield from _is_named(onboard, state))):
             onboard.list_id = (yield from _read_again(onboard.job)) or onboard.list_id
-        onboard.changed, onboard.is_reported = "", False
+        onboard.changed = ""
+        onboard.is_reported = False
+        onboard._due_s = -math.inf
 
 
 def _is_named(onboard: OnboardList, state: VehicleState) -> Dialogue[bool]:
@@ -86,33 +109,6 @@ def read_again(onboard: OnboardList, state: VehicleState) -> Dialogue[None]:
         yield from prove([onboard], state)
     except Replaced as replaced:
         onboard.changed = f"when it was read after the flight, {replaced.difference}"
-
-
-class ListWatcher:
-    """Check at intervals; arming moves home, so another checksum only means to read again."""
-
-    def __init__(self, onboard: OnboardList) -> None:
-        self._onboard = onboard
-        self._due_s = -math.inf
-        self._asked: set[int] = set()
-
-    def observe(self, heard: Message, now_s: float) -> Dialogue[None]:
-        onboard, numbers = self._onboard, self._onboard.job.numbers
-        if onboard.changed or numbers is None:
-            return
-        answer = checksum_answer(heard, self._asked)
-        if answer is not None and answer.checksum is not None:
-            self._asked.clear()
-            if answer.checksum != onboard.list_id:
-                try:
-                    onboard.list_id = (yield from _read_again(onboard.job)) or onboard.list_id
-                except Replaced as replaced:
-                    onboard.changed = str(replaced.difference)
-                except NotReady:  # another station may be uploading
-                    return
-        elif now_s >= self._due_s:
-            self._due_s = now_s + CHECK_INTERVAL_S
-            yield SendOnce(checksum_question(onboard.job.kind, numbers, self._asked))
 
 
 def expect_unchanged(onboard_lists: Iterable[OnboardList]) -> None:

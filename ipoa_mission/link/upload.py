@@ -35,7 +35,6 @@ REVISION_S = 0.4
 
 class ReadBackDiffers(MissionError):
     def __init__(self, kind: int, difference: Difference) -> None:
-        self.kind, self.difference = kind, difference
         super().__init__(f"the {list_name(kind)} on the vehicle is not what was sent: {difference}")
 
 
@@ -43,7 +42,7 @@ class Replaced(MissionError):
     """The vehicle now holds another list."""
 
     def __init__(self, kind: int, difference: Difference) -> None:
-        self.kind, self.difference = kind, difference
+        self.difference = difference
         super().__init__(
             f"the {list_name(kind)} on the vehicle is no longer what was sent: {difference}",
             hint="somebody else has replaced or cleared it",

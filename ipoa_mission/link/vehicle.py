@@ -24,7 +24,7 @@ from ipoa_mission.link.logbook import Logbook, Observer, watch
 from ipoa_mission.link.mavftp import FileRefused
 from ipoa_mission.link.messages import Heartbeat, Message, MissionType
 from ipoa_mission.link.mission_upload_file import upload_by_file
-from ipoa_mission.link.onboard_list import ListWatcher, OnboardList, ReplacedSince, read_again
+from ipoa_mission.link.onboard_list import OnboardList, ReplacedSince, read_again
 from ipoa_mission.link.reconnect import RETRY_S, SILENT_S, KnownVehicle, LinkLoss
 from ipoa_mission.link.remote_vehicle import RemoteVehicle
 from ipoa_mission.link.upload import ReadBackDiffers, Unflyable, Unplaced, Upload, upload
@@ -268,10 +268,11 @@ class Vehicle(RemoteVehicle):
         is_back = False
         record = None
         compared = self.conformance.of(self._logbook)
+        observers: list[Observer] = [self.order, compared]
+        if onboard is not None:
+            observers.append(onboard)
         with self.state.in_errors(), self._in_flight_time(), self._mode_watch.watched(self._logbook.modes):
             while record is None:
-                watchers = () if onboard is None else (ListWatcher(onboard),)
-                observers: tuple[Observer, ...] = (self.order, compared, *watchers)
                 try:
                     if is_back:
                         self._subscribe_again()
