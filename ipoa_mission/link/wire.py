@@ -87,10 +87,10 @@ def coordinate(degrees: float, frame: int) -> int:
     return value
 
 
-def item_payload(seq: int, item: Item, kind: int, target: tuple[int, int] = (0, 0)) -> bytes:
+def item_payload(seq: int, item: Item, kind: int, target: tuple[int, int] = (0, 0), current: int = 0) -> bytes:
     """Return MISSION_ITEM_INT with all zeros; raise BadInput if a number does not fit its field."""
     place = coordinate(item.latitude_deg, item.frame), coordinate(item.longitude_deg, item.frame)
-    whole = seq, item.command, *target, item.frame, 0, item.autocontinue, kind
+    whole = seq, item.command, *target, item.frame, current, item.autocontinue, kind
     try:
         return ITEM.layout.pack(*item.params, *place, item.altitude, *whole)
     except (struct.error, OverflowError):
@@ -140,19 +140,8 @@ def _item(raw: Any, latitude: float, longitude: float) -> Item:
 
 
 def _write_item(message: m.ItemAt) -> Fields:
-    item = message.item
-    return {
-        "seq": message.seq,
-        "frame": item.frame,
-        "command": item.command,
-        "current": message.current,
-        "autocontinue": int(item.autocontinue),
-        **{f"param{i}": value for i, value in enumerate(item.params, start=1)},
-        "x": coordinate(item.latitude_deg, item.frame),
-        "y": coordinate(item.longitude_deg, item.frame),
-        "z": item.altitude,
-        "mission_type": message.kind,
-    }
+    payload = item_payload(message.seq, message.item, message.kind, current=message.current)
+    return {name: value for name, value in vars(ITEM.unpack(payload)).items() if not name.startswith("target_")}
 
 
 def _clean(text: str | bytes) -> str:
