@@ -148,7 +148,9 @@ class Tempo:
         self.loses = False  # a repeat was too late for an echo
         self.doubts = 0  # answers to repeated questions since the last round trip
         self._mean: float | None = None
-        self._shortest, self._spread, self._backoff = 0.0, 0.0, 1.0
+        self._shortest = 0.0
+        self._spread = 0.0
+        self._backoff = 1.0
 
     def wait_s(self, item: bool) -> float:
         wait = self.patience.item_s if item else self.patience.answer_s
@@ -160,7 +162,8 @@ class Tempo:
 
     def sample(self, seconds: float) -> None:
         """Count the round trip of an unrepeated question."""
-        self._backoff, self.doubts = 1.0, 0
+        self._backoff = 1.0
+        self.doubts = 0
         if self._mean is None:
             self._mean = seconds
             self._spread = seconds / 4
@@ -229,7 +232,8 @@ class Exchange(Generic[T]):
         if self.finished or self._repeats or isinstance(self._awaited, Pause) or self._awaited.run is None:
             return None
         run = self._awaited.run
-        run.sent_s, run.wait_s = self._sent, self.deadline - self._sent
+        run.sent_s = self._sent
+        run.wait_s = self.deadline - self._sent
         return None if run.is_at_last_item else run
 
     def ran(self, run: ItemsSent | ItemsRead) -> None:
@@ -302,7 +306,8 @@ class Exchange(Generic[T]):
         try:
             return move()
         except StopIteration as stop:
-            self.finished, self._result = True, stop.value
+            self.finished = True
+            self._result = stop.value
             return None
 
     def _follow(self, step: Step, now: float) -> None:

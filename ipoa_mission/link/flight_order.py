@@ -51,15 +51,17 @@ def return_to_launch(state: VehicleState) -> Dialogue[None]:
     yield from _enter(state, state.autopilot.modes.returning)
 
 
-@dataclass(frozen=True)
+@dataclass
 class _Step:
-    """Without a `mode`, repeat until the command is accepted; `otherwise`: after a refusal."""
+    """A command, repeated until its `mode` is shown, or without one until it is accepted; `otherwise`: if refused."""
 
     name: str
     message: CommandLong
     mode: int | None = None
     pauses: bool = False
     otherwise: "_Step | None" = None
+    times_sent: int = 0
+    due_s: float = -math.inf
 
 
 class FlightOrder:
@@ -69,26 +71,31 @@ class FlightOrder:
     """
 
     def __init__(self, state: VehicleState, now: Callable[[], float]) -> None:
-        self.words, self.is_paused, self._is_cut = "", False, False
-        self._state, self._now = state, now
+        self.words = ""
+        self.is_paused = False
+        self._state = state
+        self._now = now
+        self._is_cut = False
         self._steps: list[_Step] = []
-        self._repeats, self._due_s = 0, -math.inf
 
     def give(self, mode: int) -> None:
         self._take(self._change(mode))
 
     def hold(self) -> None:
-        state, brake = self._state, self._change(self._state.autopilot.modes.hold)
         if self.is_paused or any(step.pauses for step in self._steps):
             return  # a second pause would be refused
-        if state.autopilot.protocol_profile.pauses_in_mission and state.custom_mode == state.autopilot.modes.mission:
+        autopilot = self._state.autopilot
+        brake = self._change(autopilot.modes.hold)
+        if autopilot.protocol_profile.pauses_in_mission and self._state.custom_mode == autopilot.modes.mission:
             self._take(_Step("pause", order(Command.DO_PAUSE_CONTINUE, 0.0), pauses=True, otherwise=brake))
         else:
             self._take(brake)
 
     def go_on(self) -> None:
-        mission = self._change(self._state.autopilot.modes.mission)
-        self._take(mission, *([_Step("go on", order(Command.DO_PAUSE_CONTINUE, 1.0))] if self.is_paused else []))
+        steps = [self._change(self._state.autopilot.modes.mission)]
+        if self.is_paused:
+            steps.append(_Step("go on", order(Command.DO_PAUSE_CONTINUE, 1.0)))
+        self._take(*steps)
 
     @property
     def is_held(self) -> bool:
@@ -114,13 +121,15 @@ class FlightOrder:
             if not self._steps:
                 return
             state.expect_flown()
-            if self._now() >= self._due_s:
-                if self._repeats == ORDER_REPEATS:
+            if self._now() >= self._steps[0].due_s:
+                if self._steps[0].times_sent == ORDER_REPEATS:
                     name = self._steps[0].name
                     words = f"{name} was ordered {ORDER_REPEATS} times, and the vehicle does not show it"
                     self._refused(NotReady(words, code="mode-not-shown"))
-                self._repeats, self._due_s = self._repeats + 1, self._now() + 1.0
-                yield SendOnce(self._steps[0].message)
+                step = self._steps[0]
+                step.times_sent += 1
+                step.due_s = self._now() + 1.0
+                yield SendOnce(step.message)
         except (NotFlown, NotReady, CommandRefused) as reason:
             self.words = str(reason)
             self._steps.clear()
@@ -131,27 +140,29 @@ class FlightOrder:
         return _Step(autopilot.modes.name(mode), mode_order(mode, autopilot), mode)
 
     def _take(self, *steps: _Step) -> None:
-        self.words, self._steps = "", [*steps]
+        self.words = ""
+        self._steps = [*steps]
         if self._is_cut and steps:
-            self.words = f"{self._steps[0].name} was not ordered: the link is lost"
+            self.words = f"{steps[0].name} was not ordered: the link is lost"
             self._steps.clear()
-        self._repeats, self._due_s = 0, -math.inf
 
     def _hear(self, heard: Message) -> None:
-        while self._steps and (step := self._steps[0]).mode is not None and self._state.custom_mode == step.mode:
+        while self._steps and self._steps[0].mode is not None and self._steps[0].mode == self._state.custom_mode:
             self._take(*self._steps[1:])
-        if not self._steps or not self._repeats:
-            return
+        if not self._steps or not self._steps[0].times_sent:
+            return  # an answer to somebody else's order
         step = self._steps[0]
         match heard:
             case CommandAck(step.message.command, CommandResult.ACCEPTED) if step.mode is None:
                 self.is_paused = step.pauses
                 self._take(*self._steps[1:])
             case CommandAck(step.message.command, result) if result not in PENDING_RESULTS:
-                self._refused(CommandRefused(f"change to {step.name}" if step.mode is not None else step.name, result))
+                action = step.name if step.mode is None else f"change to {step.name}"
+                self._refused(CommandRefused(action, result))
 
     def _refused(self, why: MissionError) -> None:
-        if (otherwise := self._steps[0].otherwise) is None:
+        otherwise = self._steps[0].otherwise
+        if otherwise is None:
             raise why
         self._take(otherwise)
 
@@ -211,14 +222,17 @@ class Conformance:
         self.report: Callable[[Deviation], None] = lambda deviation: None
         self.ends_held = True  # watching ends when a deviation holds the vehicle
         self.deviations: list[Deviation] = []
-        self._state, self._order = state, order
+        self._state = state
+        self._order = order
         self._monitor: Monitor | None = None
         self._logbook: Logbook | None = None
         self._seen_s = -math.inf
         self._is_ordered = False
 
     def compare(self, monitor: "Monitor | None") -> None:
-        self._monitor, self._seen_s, self._is_ordered = monitor, -math.inf, False
+        self._monitor = monitor
+        self._seen_s = -math.inf
+        self._is_ordered = False
         self.deviations.clear()
 
     def of(self, logbook: Logbook) -> "Conformance":
@@ -257,24 +271,25 @@ class Conformance:
         if in_mission:
             self._is_ordered = False  # refused, or the mission was resumed
         place = self._monitor.local(Geodetic(heard.latitude_deg, heard.longitude_deg, heard.altitude), heard.height)
-        if (deviation := self._monitor.see(heard.time_s, place, self._item)) is not None:
-            self._deviates(deviation)
+        deviation = self._monitor.see(heard.time_s, place, self._item)
+        if deviation is not None:
+            self._react(deviation)
 
     @property
     def _returns_at_its_end(self) -> bool:
-        logbook, mode = self._logbook, self._state.custom_mode
-        if logbook is None or mode not in logbook.modes & self._state.autopilot.modes.returns:
+        logbook = self._logbook
+        if logbook is None or self._state.custom_mode not in logbook.modes & self._state.autopilot.modes.returns:
             return False
         return logbook.is_flown or logbook.done >= logbook.total - 1
 
     @property
     def _item(self) -> int | None:
-        current, home = self._state.current, self._state.autopilot.counts_home
         if self._logbook is not None and self._returns_at_its_end:
             return self._logbook.total - 1
-        return None if current is None else current.seq - home
+        current = self._state.current
+        return None if current is None else current.seq - self._state.autopilot.counts_home
 
-    def _deviates(self, deviation: Deviation) -> None:
+    def _react(self, deviation: Deviation) -> None:
         armed_s = 0.0 if self._logbook is None else self._logbook.armed_s
         deviation = replace(deviation, time_s=deviation.time_s - armed_s)
         self.deviations.append(deviation)

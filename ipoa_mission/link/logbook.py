@@ -123,11 +123,19 @@ class Logbook:
             reached.pop(self._final, None)
             if not why_not and flight.disarmed_s is not None:
                 reached[self._final] = flight.disarmed_s
-        since = self.clock_s - flight.zero if flight.disarmed_s is None else flight.disarmed_s
-        end = since if self.lands else reached.get(self._final, since)
+        last_s = self.clock_s - flight.zero if flight.disarmed_s is None else flight.disarmed_s
+        end = last_s if self.lands else reached.get(self._final, last_s)
         in_air = self.armed and bool(flight.path) and flight.path[-1].height > IN_AIR_HEIGHT
-        path, texts = tuple(flight.path), tuple(self._texts)
-        return FlightRecord(reached, end, path, texts, not why_not, why_not, self.armed, in_air)
+        return FlightRecord(
+            item_reached_s=reached,
+            total_s=end,
+            path=tuple(flight.path),
+            messages=tuple(self._texts),
+            completed=not why_not,
+            why_not=why_not,
+            armed=self.armed,
+            in_air=in_air,
+        )
 
     def _begin(self) -> None:
         self.armed = True
@@ -142,14 +150,18 @@ class Logbook:
             return
         since = self.clock_s - flight.zero
         if heartbeat.armed:
-            flight.confirmed, flight.mode, self._was_away = True, heartbeat.custom_mode, False
+            flight.confirmed = True
+            flight.mode = heartbeat.custom_mode
+            self._was_away = False
         elif flight.confirmed:
-            self.armed, flight.landed_in_link_loss = False, self._was_away
+            self.armed = False
+            flight.landed_in_link_loss = self._was_away
             if self._was_away and heartbeat.custom_mode in self._autopilot.modes.returns | self._autopilot.modes.lands:
                 flight.mode = heartbeat.custom_mode
             flight.disarmed_s = flight.disarming_s if since - flight.disarming_s < 2.0 else since
         elif since > 3.0:  # no heartbeat confirms the acknowledged arming
-            self.armed, self._flight = False, None
+            self.armed = False
+            self._flight = None
 
     def _turn_to(self, flight: _Recording, seq: int) -> None:
         if flight.current < seq < self._first + len(self._items):

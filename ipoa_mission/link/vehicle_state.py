@@ -150,7 +150,9 @@ class ModeWatch:
 
     @contextmanager
     def watched(self, modes: frozenset[int]) -> Iterator[None]:
-        self.words, self._mode, self._modes = "", None, modes
+        self.words = ""
+        self._mode = None
+        self._modes = modes
         self._warnings.clear()
         try:
             yield
@@ -164,14 +166,19 @@ class ModeWatch:
         if not self._modes or mode is None or not self.state.armed or not self.state.in_air:
             return
         if mode != self._mode:
-            self._mode, self._since_s, self._is_reported = mode, now_s, False
+            self._mode = mode
+            self._since_s = now_s
+            self._is_reported = False
         if mode in self._modes:
             if self.words:
                 log.warning("the vehicle continues its mission")
-            self.words, self.was_away = "", False
+            self.words = ""
+            self.was_away = False
         elif now_s - self._since_s >= SETTLED_S and not self._is_reported:
-            self._is_reported, self.words = True, self._left()
-            modes, hint = self.state.autopilot.modes, "a pilot or a ground station can take it over"
+            self._is_reported = True
+            self.words = self._left()
+            modes = self.state.autopilot.modes
+            hint = "a pilot or a ground station can take it over"
             if mode not in modes.returns | modes.lands:
                 hint += "; or stop watching by Ctrl-C, then `resume` or `rtl` orders it on"
             log.warning("%s (%s)", self.words, hint)
