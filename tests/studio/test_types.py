@@ -8,7 +8,7 @@ import pytest
 from ipoa_mission.studio.answers import ANSWERS, Trouble
 from ipoa_mission.studio.flight_answers import State
 from ipoa_mission.studio.requests import REQUESTS
-from ipoa_mission.studio.schema import schema
+from tools.generate.page_messages import schema
 
 WEB = Path(__file__).parents[2] / "ipoa_mission" / "studio" / "web"
 

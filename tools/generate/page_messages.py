@@ -1,4 +1,7 @@
-"""Print the JSON schema of all messages; the page's TypeScript types are generated from it."""
+"""Print the JSON schema of all messages between studio and page, from which `npm run types` makes TypeScript types.
+
+python -m tools.generate.page_messages
+"""
 
 import json
 from typing import Any
@@ -10,6 +13,7 @@ from ipoa_mission.scenario import Scenario
 from ipoa_mission.studio.answers import Answer
 from ipoa_mission.studio.requests import Request
 from ipoa_mission.survey.survey_section import SurveySection
+from tools import command_line
 
 
 def schema() -> dict[str, Any]:
@@ -45,4 +49,5 @@ def _members(union: Any) -> tuple[type[BaseModel], ...]:
 
 
 if __name__ == "__main__":
+    command_line(__doc__).parse_args()
     print(json.dumps(schema(), indent=1))
