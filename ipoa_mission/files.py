@@ -1,4 +1,4 @@
-"""Read user files; write files atomically."""
+"""Read user files; write files atomically; list plug-ins."""
 
 import errno
 import os
@@ -6,12 +6,15 @@ import sys
 import tempfile
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
+from functools import cache
+from importlib.metadata import EntryPoints, entry_points
 from pathlib import Path
 
 from ipoa_mission.errors import Unreadable, Unwritable, WrongFormat
 
 MISSIONS = (".plan", ".waypoints")
 _records: list[list[Path]] = []  # of `recorded_writes`
+_entry_points = cache(entry_points)  # it reads the metadata of all installed packages
 
 
 def write_atomically(path: Path, content: str | bytes) -> None:
@@ -130,6 +133,11 @@ def packed(mission: str) -> Path:
     package = Path(__file__).parent
     inside = package / "missions" / mission
     return inside if inside.is_file() else package.parent / "missions" / mission
+
+
+def plug_ins(group: str) -> EntryPoints:
+    """Return the entry points of the group `ipoa_mission.GROUP`."""
+    return _entry_points().select(group=f"ipoa_mission.{group}")
 
 
 def copies(part: str) -> Iterator[Path]:

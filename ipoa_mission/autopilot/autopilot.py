@@ -4,7 +4,6 @@ import re
 from abc import ABCMeta, abstractmethod
 from collections.abc import Mapping
 from functools import cache
-from importlib.metadata import entry_points
 from pkgutil import resolve_name
 from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
 
@@ -23,6 +22,7 @@ from ipoa_mission.autopilot.returning import IN_PLACE, Contingency, OverTerrain,
 from ipoa_mission.autopilot.slow_landing import SlowedBy, SlowStretch
 from ipoa_mission.autopilot.version import Version
 from ipoa_mission.errors import BadInput, NotModeled
+from ipoa_mission.files import plug_ins
 
 if TYPE_CHECKING:
     from ipoa_mission.geometry import Points, Vector
@@ -260,7 +260,7 @@ class Autopilot(metaclass=_ByName):
 def _registered() -> dict[str, Autopilot]:
     """Load the vehicle plug-ins. Raise BadInput for one that is no `Autopilot`, or has another one's name."""
     vehicles = dict[str, Autopilot]()
-    for entry in entry_points(group="ipoa_mission.vehicles"):
+    for entry in plug_ins("vehicles"):
         try:
             vehicle = entry.load()
         except (ImportError, AttributeError) as error:
@@ -276,7 +276,7 @@ def _registered() -> dict[str, Autopilot]:
 
 def autopilot_names() -> tuple[str, ...]:
     """Return the names of vehicle plug-ins without loading them."""
-    return tuple(sorted({entry.name for entry in entry_points(group="ipoa_mission.vehicles")}))
+    return tuple(sorted({entry.name for entry in plug_ins("vehicles")}))
 
 
 def registered() -> tuple[Autopilot, ...]:

@@ -6,7 +6,6 @@ import os
 import sys
 from collections.abc import Callable
 from contextlib import suppress
-from importlib.metadata import entry_points
 from itertools import pairwise
 from typing import Annotated, Any
 
@@ -16,6 +15,7 @@ from ipoa_mission.cli import checking, comparing, flying, linking, mocking, plan
 from ipoa_mission.cli.interrupting import interruptible
 from ipoa_mission.cli.planners import grouped
 from ipoa_mission.errors import MissionError
+from ipoa_mission.files import plug_ins
 from ipoa_mission.terminal import discard_output, print_error, print_lines, replace_unencodable, shown
 
 LEVELS = (logging.WARNING, logging.INFO, logging.DEBUG)
@@ -95,16 +95,16 @@ HEADINGS: dict[str, tuple[str | Callable[..., None], ...]] = {
 
 def _verbs() -> dict[str, tuple[Callable[..., None], ...]]:
     """Return the verbs by heading; those of other packages are the last."""
-    plug_ins = {entry.name: entry for entry in entry_points(group="ipoa_mission.verbs")}
+    plugged_in = {entry.name: entry for entry in plug_ins("verbs")}
     verbs = {
         heading: tuple(
-            plug_ins.pop(verb).load() if isinstance(verb, str) else verb
+            plugged_in.pop(verb).load() if isinstance(verb, str) else verb
             for verb in listed
-            if not isinstance(verb, str) or verb in plug_ins
+            if not isinstance(verb, str) or verb in plugged_in
         )
         for heading, listed in HEADINGS.items()
     }
-    return verbs | {"More": (*verbs["More"], *(plug_ins[name].load() for name in sorted(plug_ins)))}
+    return verbs | {"More": (*verbs["More"], *(plugged_in[name].load() for name in sorted(plugged_in)))}
 
 
 VERBS = _verbs()

@@ -4,14 +4,13 @@ import inspect
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field, fields, is_dataclass
 from functools import cache, wraps
-from importlib.metadata import entry_points
 from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, Protocol, TypeAlias
 
 from ipoa_mission.cli.groups import FileOutput, FlightOptions, FlownByOptions, LinkOptions, SearchOptions
 from ipoa_mission.cli.interrupting import ChangesMade
-from ipoa_mission.files import unused
+from ipoa_mission.files import plug_ins, unused
 from ipoa_mission.options import IgnoreOption
 
 if TYPE_CHECKING:
@@ -58,7 +57,7 @@ Planners: TypeAlias = list[Planner]
 
 @cache
 def planners() -> tuple[type[Any], ...]:
-    return tuple(entry.load() for entry in entry_points(group="ipoa_mission.planners"))
+    return tuple(entry.load() for entry in plug_ins("planners"))
 
 
 def planner_of(scenario: "Scenario", among: Iterable[Planner]) -> Planner | None:

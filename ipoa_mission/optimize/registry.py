@@ -3,13 +3,12 @@
 from collections.abc import Mapping
 from dataclasses import fields
 from difflib import get_close_matches
-from functools import cache
-from importlib.metadata import EntryPoint, entry_points
 from typing import Any, get_type_hints
 
 from pydantic import ConfigDict, TypeAdapter, ValidationError
 
 from ipoa_mission.errors import BadInput, UnknownName
+from ipoa_mission.files import plug_ins
 from ipoa_mission.optimize.adaptive_pelican import AdaptivePelican
 from ipoa_mission.optimize.ipoa import IPOA
 from ipoa_mission.optimize.poa import POA
@@ -19,12 +18,12 @@ BUILT_IN: dict[str, type[Optimizer]] = {"ipoa": IPOA, "poa": POA, "adaptive-peli
 
 
 def optimizer_names() -> list[str]:
-    return [*BUILT_IN, *sorted({entry.name for entry in _registered()} - BUILT_IN.keys())]
+    return [*BUILT_IN, *sorted({entry.name for entry in plug_ins("optimizers")} - BUILT_IN.keys())]
 
 
 def optimizer_class(name: str) -> type[Optimizer]:
     """Raise BadInput if not exactly one optimizer has this name, or it cannot be imported."""
-    same = {entry.value: entry for entry in _registered() if entry.name == name}
+    same = {entry.value: entry for entry in plug_ins("optimizers") if entry.name == name}
     if len(same) + (name in BUILT_IN) > 1:
         sources = [*same, *(["the built-in one"] if name in BUILT_IN else [])]
         raise BadInput(f"expected one optimizer {name}, not {' and '.join(sources)}", place="optimizer.name")
@@ -64,11 +63,6 @@ def _checked(place: str, kind: Any, value: object) -> Any:
     except ValidationError as error:
         words = error.errors()[0]["msg"].replace("Input should be", "expected")
         raise BadInput(f"{words}, not {value!r}", place=place) from error
-
-
-@cache
-def _registered() -> tuple[EntryPoint, ...]:
-    return tuple(entry_points(group="ipoa_mission.optimizers"))
 
 
 def _did_you_mean(word: str, candidates: list[str]) -> str:

@@ -4,7 +4,6 @@ from abc import abstractmethod
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from functools import cache, cached_property
-from importlib.metadata import entry_points
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal, Self
 
@@ -14,6 +13,7 @@ from pydantic_core import PydanticKnownError
 
 from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.errors import BadInput, TooFar, renamed
+from ipoa_mission.files import plug_ins
 from ipoa_mission.geodesy import EARTH_RADIUS, REACH, Geodetic, LocalFrame, apart, swap_hint
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.ground import LEVEL, Ground
@@ -364,7 +364,7 @@ class AddedSection(Section):
 
 @cache
 def added_sections() -> dict[str, type[AddedSection]]:
-    return {entry.name: entry.load() for entry in entry_points(group="ipoa_mission.scenario_sections")}
+    return {entry.name: entry.load() for entry in plug_ins("scenario_sections")}
 
 
 def _with_added(table: dict[str, Any], context: Any) -> dict[str, Any]:

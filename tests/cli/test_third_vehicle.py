@@ -313,7 +313,7 @@ def test_two_vehicles_of_one_name_are_refused(monkeypatch: pytest.MonkeyPatch) -
         EntryPoint("px4", "ipoa_mission.vehicles.px4_multicopter.vehicle:PX4_MULTICOPTER", "x"),
         EntryPoint("px4", "ipoa_mission.vehicles.px4_multicopter.vehicle:PX4_MULTICOPTER", "x"),
     ]
-    monkeypatch.setattr(register, "entry_points", lambda group: entries)
+    monkeypatch.setattr(register, "plug_ins", lambda group: entries)
     assert list(register._registered.__wrapped__()) == ["px4"]
     namesake = type(Autopilot.PX4)()
     monkeypatch.setattr("ipoa_mission.vehicles.arducopter.vehicle.ARDUCOPTER", namesake)

@@ -67,7 +67,7 @@ def test_an_optimizer_of_another_package_is_found_by_its_entry_point(monkeypatch
 
 def register(monkeypatch: pytest.MonkeyPatch, *others: tuple[str, str]) -> None:
     entries = tuple(EntryPoint(name, value, "ipoa_mission.optimizers") for name, value in others)
-    monkeypatch.setattr(registry, "_registered", lambda: entries)
+    monkeypatch.setattr(registry, "plug_ins", lambda group: entries)
 
 
 @pytest.mark.parametrize(

@@ -48,7 +48,7 @@ def test_a_row_holds_what_the_run_gave() -> None:
 
 def test_a_rival_that_is_also_registered_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     entry = EntryPoint("de", "other.de:DE", "ipoa_mission.optimizers")
-    monkeypatch.setattr(registry, "_registered", lambda: (entry,))
+    monkeypatch.setattr(registry, "plug_ins", lambda group: (entry,))
     with refuses("bad-input", "", "one optimizer de"):
         run_trial(replace(TRIALS[0], algorithm="de"))
 
