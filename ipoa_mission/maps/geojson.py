@@ -20,7 +20,7 @@ from pyproj.exceptions import CRSError
 from ipoa_mission.errors import BadInput, NoCoordinateSystem, TooLarge, WrongFormat
 from ipoa_mission.files import read_bytes, read_text, why_no_json
 from ipoa_mission.maps.feature import BATCH, Feature, read_all
-from ipoa_mission.maps.geozones import ed269_features, is_ed269, layer_tags, layers_apart, zone_tags
+from ipoa_mission.maps.geozones import ed269_features, is_ed269, layers_apart, limit_tags, zone_tags
 from ipoa_mission.maps.json_shapes import SHAPES, ToDegrees, degrees_of, polygons_together, shape_of, unchanged
 from ipoa_mission.maps.osm import is_overpass, overpass_features
 from ipoa_mission.maps.properties import blank_keys, tags_of, truncated
@@ -115,7 +115,7 @@ def _feature(place: str, feature: Any, to_degrees: ToDegrees, drawn: Any) -> Fea
     if drawn is None and geometry is not None:
         shape = shape_of(geometry, f"{place}.geometry", to_degrees)
     if isinstance(geometry, dict) and isinstance(geometry.get("layer"), dict):
-        tags |= dict(layer_tags(geometry["layer"]))
+        tags |= dict(limit_tags(geometry["layer"]))
     return Feature(place, shape, tags, frozenset(blank_keys(properties)), truncated(properties, shape))
 
 

@@ -36,7 +36,7 @@ LIMIT_KEYS = {
     "lowerMeters": ("lowerMeters",),
     "upperMeters": ("upperMeters",),
 }
-_UNDERSTOOD_KEYS = {key.lower() for keys in LIMIT_KEYS.values() for key in keys}
+_LIMIT_OF_KEY = {key: limit for limit, keys in LIMIT_KEYS.items() for key in keys}
 _MAY_LIMIT = re.compile(
     r"(lower|upper|floor|ceiling|bottom|base|top|min|max)([-_: ]?(limit|alt|hei|lev|agl|a?msl|ft|m)\w*)?|[lu]\w*limit"
 )
@@ -70,16 +70,11 @@ def _volume(zone: Mapping[str, Any], volume: Any, place: str) -> Feature:
     else:
         raise BadInput(f"expected a Polygon or a Circle, not {kind!r}", place=place_of_shape)
     tags = {key: zone[key] for key in ("identifier", "name", "type", "restriction") if isinstance(zone.get(key), str)}
-    tags |= dict(_limit_tags(volume)) | dict(_time_tags(zone.get("applicability")))
-    if kind == "Circle" and tags.get("uom", "M").upper() != "M":
-        tags[RADIUS_UNIT] = f"{projection['radius']} {tags['uom']}"
+    tags |= dict(limit_tags(volume)) | dict(_time_tags(zone.get("applicability")))
+    unit = tags.get("uom", "M")
+    if kind == "Circle" and unit.upper() != "M":
+        tags[RADIUS_UNIT] = f"{projection['radius']} {unit}"
     return Feature(place, shape, tags)
-
-
-def layer_tags(layer: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
-    for key in ("lower", "lowerReference", "upper", "upperReference", "uom"):
-        if layer.get(key) is not None:
-            yield key, str(layer[key])
 
 
 def layers_apart(feature: Any) -> list[Any]:
@@ -102,14 +97,14 @@ def zone_tags(properties: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
             yield "name", chosen[0]["text"]
     yield from _time_tags(properties.get("applicability"))
     if isinstance(volume := properties.get("geometry"), dict):  # Estonia: an ED-269 volume
-        yield from _limit_tags(volume)
+        yield from limit_tags(volume)
 
 
-def _limit_tags(volume: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
-    names = {"uom": "uomDimensions", "lower": "lowerLimit", "upper": "upperLimit"}
-    names |= {"lowerReference": "lowerVerticalReference", "upperReference": "upperVerticalReference"}
-    names = {key: key for key in volume if _MAY_LIMIT.fullmatch(key.lower()) and key not in names.values()} | names
-    yield from ((key, str(volume[name])) for key, name in names.items() if volume.get(name) is not None)
+def limit_tags(volume: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
+    """Yield the vertical limits of an ED-269 volume or an ED-318 layer, and keys that may be one."""
+    for key, value in volume.items():
+        if value is not None and (key in _LIMIT_OF_KEY or _MAY_LIMIT.fullmatch(key.lower())):
+            yield _LIMIT_OF_KEY.get(key, key), str(value)
 
 
 def _time_tags(times: Any) -> Iterator[tuple[str, str]]:
@@ -145,7 +140,7 @@ def limits_of(tags: Mapping[str, str]) -> ZoneLimits:
     odd = [
         NotUnderstood(f'tag "{key}", which may be a limit', value)
         for key, value in tags.items()
-        if _MAY_LIMIT.fullmatch(key.lower()) and key.lower() not in _UNDERSTOOD_KEYS
+        if _MAY_LIMIT.fullmatch(key.lower()) and key not in _LIMIT_OF_KEY
     ]
     lower, upper = (_limit(values, side, odd) for side in ("lower", "upper"))
     numbers = [values[side] for side in ("lower", "upper") if _is_number(values[side]) and values[f"{side}Reference"]]

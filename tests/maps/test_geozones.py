@@ -279,6 +279,15 @@ def test_times_and_radii_of_ed269_are_understood_or_named(tmp_path: Path) -> Non
     assert (thing.what, thing.example) == ('tag "uperLimit", which may be a limit', "40")
 
 
+@pytest.mark.parametrize("key", ["uperLimit", "UPPER"])
+def test_a_misspelled_limit_of_an_ed318_layer_is_named(tmp_path: Path, key: str) -> None:
+    document = ed318((0, "AGL"), (40, "AGL"), "M", "PROHIBITED")
+    layer = document["features"][0]["geometry"]["layer"]
+    layer[key] = layer.pop("upper")
+    (thing,) = read(tmp_path, document).unread
+    assert (thing.what, thing.example) == (f'tag "{key}", which may be a limit', "40")
+
+
 def test_interuss_zones_are_read(samples: Path) -> None:
     path = samples / "interuss+monitoring" / "geo-awareness-che-1.json"
     zones = find_zones(read_features(path), LocalFrame(Geodetic(46.5, 7.2, 700.0)), path)
