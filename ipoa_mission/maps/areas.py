@@ -1,8 +1,8 @@
 """Find no-fly zones and flight areas in a map."""
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal, TypeAlias
 
@@ -16,13 +16,14 @@ from ipoa_mission.maps.geoid import undulation
 from ipoa_mission.maps.geozones import RADIUS_UNIT, VerticalLimit, ZoneLimits, limits_of, may_be_active, periods_of
 from ipoa_mission.maps.kinds import Reason
 from ipoa_mission.maps.map_window import MapWindow
-from ipoa_mission.maps.passed import FAR_FROM_HOME, PassedOver, not_read, passed_over
+from ipoa_mission.maps.passed import FAR_FROM_HOME, MapNotes, PassedOver
 from ipoa_mission.maps.planar import closed_as_polygon, flat, polygons_of, to_plane
 from ipoa_mission.maps.tag_heights import radius_of
 from ipoa_mission.unread import Unread, gathered
 
 Restriction: TypeAlias = Literal["PROHIBITED", "REQ_AUTHORISATION", "REQ_AUTHORIZATION", "CONDITIONAL", "USPACE"]
 RESTRICTIONS: tuple[Restriction, ...] = ("PROHIBITED", "REQ_AUTHORISATION", "CONDITIONAL", "USPACE")
+INACTIVE = Reason("not active in the hour of the flight", False)
 
 
 @dataclass(frozen=True)
@@ -54,51 +55,49 @@ def find_zones(
 
     A zone that names a restriction needs one of `restrictions`, and must be active in the hour after `time` [s].
     """
-    about = MapWindow.of(frame)
-    shapes, near = to_plane([feature.shape for feature in features], frame, about)
-    about.expect_near(path)
+    window = MapWindow.of(frame)
+    shapes, near = to_plane([feature.shape for feature in features], frame, window)
+    window.expect_near(path)
     mistakes = Mistakes()
+    notes = MapNotes(frame, path)
     zones = list[MapArea]()
-    remarks = list[str]()
-    passed, unread = list[PassedOver](), list[Unread]()
-    wanted = {_respelled(restriction) for restriction in restrictions}
+    chosen = {_respelled(restriction) for restriction in restrictions}
+    is_excluded = False
     for feature, shape, is_near in zip(features, shapes, near, strict=True):
-        named = _restrictions(feature.tags)
-        if is_near and named and not named & wanted:
-            words = f"its restriction is {' and '.join(sorted(named))}"
-            passed.append(passed_over(feature, shape, Reason(words, False), path))
-            continue
-        missed = not_read(feature, frame, path)
-        if isinstance(missed, Unread):
-            unread.append(missed)
-        elif missed is not None:
-            passed.append(missed)
-        at_times = "limitedApplicability" in feature.tags
-        if is_near and at_times and time is not None and not may_be_active(feature.tags, time):
-            passed.append(passed_over(feature, shape, Reason("not active in the hour of the flight", False), path))
+        why = _why_excluded(feature.tags, chosen, time) if is_near else None
+        is_missing = (why is None or why is INACTIVE) and notes.add_missing(feature)
+        if why is not None:
+            notes.pass_over(feature, shape, why)
+            is_excluded = True
             continue
         limits = limits_of(feature.tags)
         if is_near:
-            unread += _not_understood(feature, limits, bool(named), path)
-            limits, unknown = _above_sea(limits, feature.name, frame, path, remarks)
-            unread += unknown
+            _note_not_understood(feature, limits, notes)
+            limits = ZoneLimits(
+                _above_sea("lower", limits.lower, feature, notes), _above_sea("upper", limits.upper, feature, notes)
+            )
         parts = [_outline(part, feature.tags) for part in flat(shape)]
-        rest = [part for part in parts if part.geom_type != "Polygon"]
-        if rest or not (parts or missed):
-            why = _why_no_zone(rest) if is_near else FAR_FROM_HOME
-            passed.append(passed_over(feature, shapely.GeometryCollection(rest), why, path))
-        for outline in (part for part in parts if part.geom_type == "Polygon"):
-            if (mended := mistakes.attempt(polygons_of, outline, feature.place)) is None:
+        open_parts = [part for part in parts if part.geom_type != "Polygon"]
+        if open_parts or not (parts or is_missing):
+            why = _why_no_zone(open_parts) if is_near else FAR_FROM_HOME
+            notes.pass_over(feature, shapely.GeometryCollection(open_parts), why)
+        at_times = "limitedApplicability" in feature.tags
+        for outline in parts:
+            if outline.geom_type != "Polygon":
                 continue
-            zones += [MapArea(feature.name, polygon, limits.lower, limits.upper) for polygon in mended[0]]
+            mended = mistakes.attempt(polygons_of, outline, feature.place)
+            if mended is None:
+                continue
+            polygons, defect = mended
+            zones += [MapArea(feature.name, polygon, limits.lower, limits.upper) for polygon in polygons]
             if at_times and (time is None or periods_of(feature.tags) is None):
-                remarks.append(f"{feature.name}: active at times only, kept at all times")
-            if mended[1]:
-                remarks.append(f"{feature.name}: mended ({mended[1]})")
+                notes.remarks.append(f"{feature.name}: active at times only, kept at all times")
+            if defect:
+                notes.remarks.append(f"{feature.name}: mended ({defect})")
     mistakes.raise_all()
-    if not zones and not any("restriction" in thing.reason or "active" in thing.reason for thing in passed):
+    if not zones and not is_excluded:
         raise NothingThere(f"expected a polygon, but there is none among {len(features)} features", place=path)
-    return Zones(tuple(zones), tuple(passed), tuple(remarks), gathered(unread))
+    return Zones(tuple(zones), tuple(notes.passed_over), tuple(notes.remarks), gathered(notes.unread))
 
 
 def _respelled(restriction: str) -> str:
@@ -111,35 +110,41 @@ def _restrictions(tags: Mapping[str, str]) -> set[str]:
     return values & {*RESTRICTIONS, "NO_RESTRICTION"}
 
 
-def _not_understood(feature: Feature, limits: ZoneLimits, is_named: bool, path: Path) -> Iterator[Unread]:
-    tags, place = feature.tags, feature.name.removeprefix(f"{path}: ")
-    yield from (Unread(path.name, subject, place, value) for subject, value in limits.not_understood)
-    if "restriction" in tags and not is_named:
-        yield Unread(path.name, "restriction, taken as one that keeps a flight out", place, tags["restriction"])
-    if (kind := tags.get("type", tags.get("Type", ""))).lower() in ("inclusive", "inclusion"):
-        yield Unread(path.name, "area to stay inside, taken as one that keeps a flight out", place, kind)
+def _why_excluded(tags: Mapping[str, str], chosen: set[str], time: float | None) -> Reason | None:
+    restrictions = _restrictions(tags)
+    if restrictions and not restrictions & chosen:
+        return Reason(f"its restriction is {' and '.join(sorted(restrictions))}", False)
+    is_inactive = "limitedApplicability" in tags and time is not None and not may_be_active(tags, time)
+    return INACTIVE if is_inactive else None
+
+
+def _note_not_understood(feature: Feature, limits: ZoneLimits, notes: MapNotes) -> None:
+    tags = feature.tags
+    for subject, value in limits.not_understood:
+        notes.note(feature, subject, value)
+    if "restriction" in tags and not _restrictions(tags):
+        notes.note(feature, "restriction, taken as one that keeps a flight out", tags["restriction"])
+    kind = tags.get("type", tags.get("Type", ""))
+    if kind.lower() in ("inclusive", "inclusion"):
+        notes.note(feature, "area to stay inside, taken as one that keeps a flight out", kind)
     if RADIUS_UNIT in tags:
-        yield Unread(path.name, "unit of a radius, taken as m", place, tags[RADIUS_UNIT])
+        notes.note(feature, "unit of a radius, taken as m", tags[RADIUS_UNIT])
 
 
-def _above_sea(
-    limits: ZoneLimits, name: str, frame: LocalFrame, path: Path, remarks: list[str]
-) -> tuple[ZoneLimits, list[Unread]]:
-    """Convert ellipsoidal limits to mean sea level, safely if the geoid is unknown."""
-    ends, unknown = {"lower": limits.lower, "upper": limits.upper}, list[Unread]()
-    for side, limit in ends.items():
-        if limit is None or limit.reference != "WGS84":
-            continue
-        stated = f"{limit.height:g} m WGS84"
-        try:
-            geoid, how = undulation(frame.home.latitude_deg, frame.home.longitude_deg, None, path)
-            remarks.append(f"{name}: {side} limit {stated} taken less {geoid:.2f} m of geoid ({how})")
-        except BadInput:
-            geoid = -107.0 if side == "upper" else 86.0  # extremes of EGM96 and EGM2008
-            subject = f"geoid under the {side} limit, taken as {geoid:g} m above the ellipsoid, the worst"
-            unknown.append(Unread(path.name, subject, name.removeprefix(f"{path}: "), stated))
-        ends[side] = VerticalLimit(limit.height - geoid, "AMSL")
-    return replace(limits, lower=ends["lower"], upper=ends["upper"]), unknown
+def _above_sea(side: str, limit: VerticalLimit | None, feature: Feature, notes: MapNotes) -> VerticalLimit | None:
+    """Convert an ellipsoidal limit to mean sea level, safely if the geoid is unknown."""
+    if limit is None or limit.reference != "WGS84":
+        return limit
+    home = notes.frame.home
+    stated = f"{limit.height:g} m WGS84"
+    try:
+        geoid, source = undulation(home.latitude_deg, home.longitude_deg, None, notes.path)
+        notes.remarks.append(f"{feature.name}: {side} limit {stated} taken less {geoid:.2f} m of geoid ({source})")
+    except BadInput:
+        geoid = -107.0 if side == "upper" else 86.0  # extremes of EGM96 and EGM2008
+        subject = f"geoid under the {side} limit, taken as {geoid:g} m above the ellipsoid, the worst"
+        notes.note(feature, subject, stated)
+    return VerticalLimit(limit.height - geoid, "AMSL")
 
 
 def join_zones(zones: Sequence[MapArea]) -> tuple[Any, tuple[Any, ...]]:

@@ -32,7 +32,7 @@ from ipoa_mission.maps.lengths import length_of, meters
 from ipoa_mission.maps.map_obstacles import MapObstacle
 from ipoa_mission.maps.map_reader import read_features
 from ipoa_mission.maps.map_window import Box, MapWindow
-from ipoa_mission.maps.passed import FAR_FROM_HOME, MOST_NAMED, NOT_READ, PassedOver, not_read, passed_over
+from ipoa_mission.maps.passed import FAR_FROM_HOME, MOST_NAMED, NOT_READ, MapNotes, PassedOver
 from ipoa_mission.maps.planar import closed_as_polygon, flat, polygons_of, to_plane
 from ipoa_mission.maps.tag_heights import foot_of, height_of, is_by_storeys, unread_heights, width_of
 from ipoa_mission.maps.wires import Wire, spans, wire_of
@@ -108,12 +108,14 @@ def search_buildings(path: Path, rules: BuildingRules, frame: LocalFrame, within
 
 class _Finder:
     def __init__(self, rules: BuildingRules, frame: LocalFrame, path: Path, all_buildings: bool) -> None:
-        self._rules, self._frame, self._path, self._all_buildings = rules, frame, path, all_buildings
-        self._mistakes, self._counts = Mistakes(), Counter[str]()
-        self._odd, self._odd_first = 0, list[str]()
+        self._rules = rules
+        self._frame = frame
+        self._all_buildings = all_buildings
+        self._notes = MapNotes(frame, path)
+        self._mistakes = Mistakes()
+        self._counts = Counter[str]()  # by remark
+        self._odd_tags = list[str]()
         self._obstacles = list[MapObstacle]()
-        self._passed = list[PassedOver]()
-        self._unread = list[Unread]()
 
     def add(self, features: Sequence[Feature], around: MapWindow) -> None:
         shapes, near = to_plane([feature.shape for feature in features], self._frame, around)
@@ -123,7 +125,7 @@ class _Finder:
             if self._misses(feature, extent) and extent == "none":
                 continue
             if why is not None:
-                self._passed.append(passed_over(feature, shape, why, self._path))
+                self._notes.pass_over(feature, shape, why)
                 continue
             parts = self._mistakes.attempt(self._stand, feature, shape) or ()
             self._obstacles += [part._replace(called=called(feature, shape)) for part in parts]
@@ -131,24 +133,21 @@ class _Finder:
     def buildings(self, features: int, elsewhere: int) -> Buildings:
         self._mistakes.raise_all()
         remarks = [f"{n} {words.replace('(s)', '' if n == 1 else 's')}" for words, n in self._counts.items()]
-        if self._odd:
-            tags = f"{self._odd} tag{'s' if self._odd > 1 else ''} that cannot be read, ignored"
-            remarks.append(f"{tags}: {', '.join(self._odd_first)}{', ...' if self._odd > MOST_NAMED else ''}")
+        if self._odd_tags:
+            count = len(self._odd_tags)
+            tags = f"{count} tag{'s' if count > 1 else ''} that cannot be read, ignored"
+            remarks.append(f"{tags}: {', '.join(self._odd_tags[:MOST_NAMED])}{', ...' if count > MOST_NAMED else ''}")
         if elsewhere:
             remarks.append(f"{elsewhere} thing{'s' if elsewhere > 1 else ''} far from the flight, not examined")
-        found = tuple(self._obstacles), tuple(self._passed), tuple(remarks)
-        return Buildings(*found, features, elsewhere, tuple(self._unread))
+        passed_over = tuple(self._notes.passed_over)
+        unread = tuple(self._notes.unread)
+        return Buildings(tuple(self._obstacles), passed_over, tuple(remarks), features, elsewhere, unread)
 
     def _misses(self, feature: Feature, extent: Extent) -> bool:
         if feature.missing is None and extent != "none":
             return False
         why = _why_passed_over(feature, "area", self._rules, self._all_buildings)
-        thing = not_read(feature, self._frame, self._path) if why is None or why.may_be_obstacle else None
-        if isinstance(thing, Unread):
-            self._unread.append(thing)
-        elif thing is not None:
-            self._passed.append(thing)
-        return thing is not None
+        return (why is None or why.may_be_obstacle) and self._notes.add_missing(feature)
 
     def _stand(self, feature: Feature, shape: Any) -> list[MapObstacle]:
         """Return an obstacle for each part."""
@@ -157,9 +156,7 @@ class _Finder:
         doubts = list[str]()
 
         def odd(key: str, value: str) -> None:
-            self._odd += 1
-            if self._odd <= MOST_NAMED:
-                self._odd_first.append(f"{feature.name} ({key} {value[:20]!r})")
+            self._odd_tags.append(f"{feature.name} ({key} {value[:20]!r})")
             if meaning(key) in HEIGHTENING and length_of(value)[0]:
                 doubts.append(key)
 
@@ -217,8 +214,7 @@ class _Finder:
         for key in dict.fromkeys((*keys, *unread_heights(feature.tags, top, self._rules.storey_height))):
             words = f"a height that was not understood ({key} {feature.tags[key][:20]!r}), {top:g} m was taken"
             remedy = "write the height in meters, or name the property that holds it under [[maps]]: height_key"
-            doubt = passed_over(feature, shape, Reason(words, True, remedy), self._path)
-            self._passed.append(replace(doubt, code=NOT_READ))
+            self._notes.pass_over(feature, shape, Reason(words, True, remedy), NOT_READ)
 
 
 def _why_passed_over(feature: Feature, extent: Extent, rules: BuildingRules, every: bool) -> Reason | None:

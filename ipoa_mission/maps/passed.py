@@ -53,27 +53,47 @@ class PassedCount:
         return f"{self.file}: {self.count} {how}, {self.reason}: {', '.join(self.names)}{dots}"
 
 
-def passed_over(feature: Feature, shape: Any, why: Reason, path: Path) -> PassedOver:
-    name = feature.name.removeprefix(f"{path}: ")
-    return PassedOver(path.name, name, why.words, shape, why.may_be_obstacle, why.remedy, heights=why.heights)
+class MapNotes:
+    """The features of one map that are passed over, the parts that cannot be read, and remarks."""
 
+    def __init__(self, frame: LocalFrame, path: Path) -> None:
+        self.passed_over = list[PassedOver]()
+        self.unread = list[Unread]()
+        self.remarks = list[str]()
+        self.frame = frame
+        self.path = path
 
-def not_read(feature: Feature, frame: LocalFrame, path: Path) -> PassedOver | Unread | None:
-    """Return the unread part of a feature, as `Unread` if it may be anywhere."""
-    if feature.missing is None and not shapely.is_empty(feature.shape):
-        return None
-    missing = feature.missing or Missing(
-        "without a geometry", feature.shape, "give it a geometry in the map, or take it out"
-    )
-    if missing.elsewhere:
-        return None
-    name = feature.name.removeprefix(f"{path}: ")
-    if shapely.is_empty(missing.shape):
-        place = feature.place.removeprefix(f"{path}: ")
-        example = "" if name == place else name
-        return Unread(path.name, missing.words, place, example, may_limit=True, remedy=missing.remedy)
-    (shape,), (near,) = to_plane([missing.shape], frame)
-    return PassedOver(path.name, name, missing.words, shape, True, missing.remedy, NOT_READ) if near else None
+    def pass_over(self, feature: Feature, shape: Any, why: Reason, code: str = NOT_UNDERSTOOD) -> None:
+        file = self.path.name
+        name = self._within_file(feature.name)
+        thing = PassedOver(file, name, why.words, shape, why.may_be_obstacle, why.remedy, code, why.heights)
+        self.passed_over.append(thing)
+
+    def note(self, feature: Feature, subject: str, example: str) -> None:
+        self.unread.append(Unread(self.path.name, subject, self._within_file(feature.name), example))
+
+    def add_missing(self, feature: Feature) -> bool:
+        """Add the part of a feature that cannot be read, if it may be near; return whether there is one."""
+        if feature.missing is None and not shapely.is_empty(feature.shape):
+            return False
+        remedy = "give it a geometry in the map, or take it out"
+        missing = feature.missing or Missing("without a geometry", feature.shape, remedy)
+        if missing.elsewhere:
+            return False
+        if shapely.is_empty(missing.shape):
+            name = self._within_file(feature.name)
+            place = self._within_file(feature.place)
+            example = "" if name == place else name
+            unread = Unread(self.path.name, missing.words, place, example, may_limit=True, remedy=missing.remedy)
+            self.unread.append(unread)
+            return True
+        (shape,), (is_near,) = to_plane([missing.shape], self.frame)
+        if is_near:
+            self.pass_over(feature, shape, Reason(missing.words, True, missing.remedy), NOT_READ)
+        return bool(is_near)
+
+    def _within_file(self, place: str) -> str:
+        return place.removeprefix(f"{self.path}: ")
 
 
 def count_passed_over(things: Iterable[PassedOver]) -> Iterator[PassedCount]:
