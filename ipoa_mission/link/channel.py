@@ -183,7 +183,8 @@ class TcpChannel(RealTime):
         self._listener: socket.socket | None = None
         self._connections: list[socket.socket] = []
         if address.transport is Transport.TCP_IN:
-            place, family = (address.host, address.port), _family(address.host)
+            family = _family(address.host)
+            place = (address.host, address.port)
             self._listener = socket.create_server(place, family=family, backlog=self.MAX_CONNECTIONS)
             self._listener.setblocking(False)
         else:

@@ -61,7 +61,8 @@ class Codec:
 
     def frame(self, definition: Definition, payload: bytes, unix_s: float) -> bytes:
         """`payload` has no trailing zeros."""
-        flags, number = SIGNED if self.signer else 0, definition.number
+        flags = SIGNED if self.signer else 0
+        number = definition.number
         sender = (self._sequence, self.system, self.component)
         body = struct.pack("<6BHB", len(payload), flags, 0, *sender, number & 0xFFFF, number >> 16) + payload
         self._sequence = (self._sequence + 1) % 256

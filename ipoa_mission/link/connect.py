@@ -1,5 +1,6 @@
 """Find the vehicle on a link by its heartbeat."""
 
+from collections.abc import Mapping
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -97,39 +98,57 @@ def open_line(link: Any, log: str | Path | None = None, signer: Signer | None = 
 def meet(line: Line, system: int | None = None, options: ConnectionOptions | None = None) -> Vehicle:
     """Raise as `connect` does; pings meanwhile fit the first timers to the round trip."""
     options = options or ConnectionOptions()
-    autopilots: dict[int, FoundVehicle] = {}
-    trips: dict[int, float] = {}
-    until = line.now() + min(PRESENCE_S, options.patience.total_s)
-    is_met = is_doubted = False
-    while line.now() < until:
-        heard = line.receive(until)
-        if not is_doubted and _rejected(line, system):
-            is_doubted = True
-            until = min(until, line.now() + 3.0)
-        autopilots |= autopilots_in(heard)
-        trips |= round_trips_in(heard, line.now())
-        if not is_met and (system in autopilots if system is not None else autopilots):
-            is_met = True
-            until = line.now() + OTHER_HEARTBEATS_S
-            if options.reading or all(vehicle.kind.is_flown for vehicle in autopilots.values()):
-                line.send(Ping(round(line.now() * 1e6), 0))
-    if (disbelieved := _rejected(line, system)) and not (autopilots if system is None else system in autopilots):
-        raise disbelieved
-    if system is not None and system not in autopilots:
-        heard_systems = f"; heard: {', '.join(map(str, sorted(autopilots)))}" if autopilots else ""
-        raise NoAnswer(f"no autopilot with system id {system} is heard{heard_systems}", code="not-heard")
-    if not autopilots:
-        raise NoAnswer("no autopilot is heard", code="not-heard")
-    if system is None and len(autopilots) > 1:
-        names = ", ".join(f"{number} ({vehicle.kind})" for number, vehicle in sorted(autopilots.items()))
-        words = f"several vehicles are heard: {names}"
-        raise MissionError(words, hint="choose one by its system id", code="several-vehicles")
-    vehicle = autopilots[system] if system is not None else autopilots.popitem()[1]
+    autopilots, trips_s = _listen(line, system, options)
+    vehicle = _choose(autopilots, system, _rejected(line, system))
     if not (options.reading or vehicle.kind.is_flown):
         raise NotFlown(vehicle.kind, f"vehicle {vehicle.system}")
     if not options.anyway:
         line.expect_alone(vehicle.system)
-    return Vehicle(line, vehicle, options, trips.get(vehicle.system))
+    return Vehicle(line, vehicle, options, trips_s.get(vehicle.system))
+
+
+def _listen(
+    line: Line, system: int | None, options: ConnectionOptions
+) -> tuple[dict[int, FoundVehicle], dict[int, float]]:
+    """Return the autopilots that are heard, and the round trips to them [s], by system id."""
+    autopilots: dict[int, FoundVehicle] = {}
+    trips_s: dict[int, float] = {}
+    until = line.now() + min(PRESENCE_S, options.patience.total_s)
+    is_met = False
+    is_rejected = False
+    while line.now() < until:
+        heard = line.receive(until)
+        if not is_rejected and _rejected(line, system):
+            is_rejected = True
+            until = min(until, line.now() + 3.0)
+        autopilots |= autopilots_in(heard)
+        trips_s |= round_trips_in(heard, line.now())
+        if not is_met and (autopilots if system is None else system in autopilots):
+            is_met = True
+            until = line.now() + OTHER_HEARTBEATS_S
+            if options.reading or all(vehicle.kind.is_flown for vehicle in autopilots.values()):
+                line.send(Ping(round(line.now() * 1e6), 0))
+    return autopilots, trips_s
+
+
+def _choose(
+    autopilots: Mapping[int, FoundVehicle], system: int | None, rejected: SignsOtherwise | None
+) -> FoundVehicle:
+    """Return the only vehicle, or that with the system id; raise `rejected` if none was believed."""
+    if system is not None and system in autopilots:
+        return autopilots[system]
+    if rejected is not None and (system is not None or not autopilots):
+        raise rejected
+    if system is not None:
+        heard = f"; heard: {', '.join(map(str, sorted(autopilots)))}" if autopilots else ""
+        raise NoAnswer(f"no autopilot with system id {system} is heard{heard}", code="not-heard")
+    if not autopilots:
+        raise NoAnswer("no autopilot is heard", code="not-heard")
+    if len(autopilots) > 1:
+        names = ", ".join(f"{number} ({vehicle.kind})" for number, vehicle in sorted(autopilots.items()))
+        words = f"several vehicles are heard: {names}"
+        raise MissionError(words, hint="choose one by its system id", code="several-vehicles")
+    return next(iter(autopilots.values()))
 
 
 def _rejected(line: Line, system: int | None) -> SignsOtherwise | None:

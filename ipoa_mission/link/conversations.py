@@ -27,7 +27,9 @@ REASON_TIMEOUT_S = 0.3
 
 class MissionRefused(MissionError):
     def __init__(self, result: int, kind: int, seq: int | None = None, words: str = "", first: int = 1) -> None:
-        self.result, self.kind, self.seq, self.words = result, kind, seq, words
+        self.result = result
+        self.seq = seq
+        self.words = words
         name = m.Result(result).name if result in set(m.Result) else str(result)
         where = "" if seq is None else f" at item {seq + first}"
         where += f" with {name}" + (f": {words}" if words else "")
@@ -97,7 +99,8 @@ def offer(
     the count.
     """
     in_order = opening is Ask
-    run, last = run or ItemsSent(kind, len(items), at=-1), len(items) - 1
+    run = run or ItemsSent(kind, len(items), at=-1)
+    last = len(items) - 1
     texts = VehicleTexts()
     step: Step = opening(m.Count(len(items), kind))
     while True:
@@ -146,7 +149,8 @@ class RequestStyle:
 def fetch(run: ItemsRead, style: RequestStyle | None = None) -> Dialogue[int]:
     """Take items from `run.at` on; return the first refusal. The caller sends the closing Ack."""
     doubt: int | None = None
-    style, kind = style or RequestStyle(), run.kind
+    style = style or RequestStyle()
+    kind = run.kind
     while run.at < run.count:
         step: Step = Ask(m.Request(run.at, kind, style.legacy), item=True, run=run)
         while True:

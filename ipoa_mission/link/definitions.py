@@ -45,7 +45,8 @@ class Definition:
         values = self.layout.unpack(payload[:size].ljust(size, b"\0"))
         if len(values) == len(self.names):
             return SimpleNamespace(**dict(zip(self.names, values, strict=True)))
-        fields, at = {}, 0
+        fields = {}
+        at = 0
         for name, length in zip(self.names, self.lengths, strict=True):
             fields[name] = values[at] if length == 1 else values[at : at + length]
             at += length

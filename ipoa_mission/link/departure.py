@@ -60,7 +60,8 @@ class Departure:
 
 
 def subscribe(state: VehicleState) -> Dialogue[None]:
-    unheard, refused = list(STREAMS_S), set[str]()
+    unheard = list(STREAMS_S)
+    refused = set[str]()
     state.heard -= set(NEEDED_STREAMS.values())
     for _ in range(LIMITS.stream_requests):
         for name in unheard:
@@ -99,8 +100,10 @@ def prepare(departure: Departure, ready_s: float = LIMITS.ready_s) -> Dialogue[N
 
 
 def _await_ready(departure: Departure, ready_s: float) -> Dialogue[None]:
-    state, mode = departure.state, departure.state.autopilot.modes.arming
-    waited_s, reason = 0.0, ""
+    state = departure.state
+    mode = state.autopilot.modes.arming
+    waited_s = 0.0
+    reason = ""
     try:
         while True:
             state.warnings.clear()
@@ -111,7 +114,8 @@ def _await_ready(departure: Departure, ready_s: float) -> Dialogue[None]:
                 yield from command(VehicleCommand.RUN_PREARM_CHECKS)
                 yield from wait(LIMITS.retry_s)
                 reason = _not_ready_reason(state)
-                if lasting := departure.state.autopilot.protocol_profile.arming_words.lasting(reason):
+                lasting = state.autopilot.protocol_profile.arming_words.lasting(reason)
+                if lasting:
                     words = f"the vehicle cannot be armed: {'; '.join(lasting)}"
                     raise NotReady(words, hint=str(state), code="arming-refused")
             else:
@@ -145,8 +149,10 @@ def depart_when_ready(departure: Departure, left_s: Callable[[], float]) -> Dial
 
 def depart(departure: Departure) -> Dialogue[None]:
     """Arm a prepared vehicle that provably holds our lists; start its mission. Raise as `Vehicle.start`, or NotYet."""
-    state, reasons = departure.state, departure.state.autopilot.protocol_profile.arming_words
-    may_be_armed, attempt = False, 0
+    state = departure.state
+    reasons = state.autopilot.protocol_profile.arming_words
+    may_be_armed = False
+    attempt = 0
     try:
         while True:
             attempt += 1
@@ -175,7 +181,7 @@ def depart(departure: Departure) -> Dialogue[None]:
 
 def _begin(departure: Departure) -> Dialogue[None]:
     state = departure.state
-    if departure.state.autopilot.protocol_profile.starts_by_command:
+    if state.autopilot.protocol_profile.starts_by_command:
         if departure.climb > 0.0:
             yield from _order("take off", Command.NAV_TAKEOFF, *(0.0,) * 6, departure.climb)
             least = departure.climb - LIMITS.climbed_below
@@ -184,13 +190,15 @@ def _begin(departure: Departure) -> Dialogue[None]:
         yield from until(lambda: state.current is not None, LIMITS.retry_s)
         expect_unchanged(departure.onboard_lists)
         yield from _order("start the mission", VehicleCommand.MISSION_START)
-    mode = departure.state.autopilot.modes.mission
+    mode = state.autopilot.modes.mission
     if not (yield from until(lambda: state.armed is True and state.custom_mode == mode, SHOWN_S)):
         raise NotReady(f"the vehicle did not begin its mission: {state}", code="mission-not-begun")
 
 
 def _set_first(departure: Departure) -> Dialogue[None]:
-    state, first, home = departure.state, departure.first, departure.state.autopilot.counts_home
+    state = departure.state
+    first = departure.first
+    home = state.autopilot.counts_home
     begins = range(first, departure.moving + 1)
     state.current = None
     yield from set_current(first, home, restart=True)
@@ -201,8 +209,8 @@ def _set_first(departure: Departure) -> Dialogue[None]:
 
 
 def _has_position(state: VehicleState) -> bool:
-    at = state.position
-    return at is not None and (at.latitude_deg, at.longitude_deg) != (0.0, 0.0)
+    position = state.position
+    return position is not None and (position.latitude_deg, position.longitude_deg) != (0.0, 0.0)
 
 
 def _order(action: str, number: int, *params: float) -> Dialogue[None]:

@@ -32,7 +32,8 @@ def scan(line: Line, seconds: float = 3.0) -> tuple[FoundVehicle, ...]:
 
 
 def versions_of(line: Line, systems: Iterable[int], seconds: float = VERSIONS_S) -> dict[int, Version]:
-    silent, versions = set(systems), dict[int, Version]()
+    silent = set(systems)
+    versions = dict[int, Version]()
     until = line.now() + seconds
     # today's request and its predecessor
     turns = cycle((message_request("AUTOPILOT_VERSION"), order(VehicleCommand.REQUEST_AUTOPILOT_CAPABILITIES, 1.0)))
@@ -46,7 +47,8 @@ def versions_of(line: Line, systems: Iterable[int], seconds: float = VERSIONS_S)
                 if isinstance(heard.message, AutopilotVersion) and heard.system in silent:
                     silent.discard(heard.system)
                     version = Version.of_flight_sw(heard.message.flight_sw_version)
-                    versions |= {} if version is None else {heard.system: version}
+                    if version is not None:
+                        versions[heard.system] = version
     return versions
 
 

@@ -13,7 +13,8 @@ from ipoa_mission.link.signing import SIGNED
 from ipoa_mission.link.wire import ITEM
 from ipoa_mission.mission.items import Item
 
-REQUEST, OLD_REQUEST = definition_of("MISSION_REQUEST_INT"), definition_of("MISSION_REQUEST")
+REQUEST = definition_of("MISSION_REQUEST_INT")
+OLD_REQUEST = definition_of("MISSION_REQUEST")
 
 
 @dataclass
@@ -36,14 +37,17 @@ class ItemRun(ABC):
 
     def join(self, codec: Codec, target: Target) -> None:
         """Set both ends."""
-        self._codec, self._target, self._theirs = codec, target, bytes(target)
+        self._codec = codec
+        self._target = target
+        self._theirs = bytes(target)
         self._to_us = bytes((codec.system, codec.component, self.kind))
         self._to_them = bytes((*target, self.kind))
         self._flags, self._tail = (SIGNED, 2 + SIGNATURE_BYTES) if codec.signer else (0, 2)
 
     def answer(self, frame: bytes, unix_s: float) -> bytes | None:
         """Return the next frame to send, or None if `frame` is not the expected one."""
-        number, codec = int.from_bytes(frame[7:HEADER_BYTES], "little"), self._codec
+        codec = self._codec
+        number = int.from_bytes(frame[7:HEADER_BYTES], "little")
         expected = self.EXPECTED.get(number)
         if expected is None or frame[5:7] != self._theirs or frame[0] != MAGIC_2 or frame[2] != self._flags:
             return None
@@ -67,7 +71,8 @@ class ItemRun(ABC):
 class ItemsSent(ItemRun):
     """`payloads`: for any target."""
 
-    EXPECTED, REPLY = {REQUEST.number: REQUEST, OLD_REQUEST.number: OLD_REQUEST}, ITEM
+    EXPECTED: ClassVar = {REQUEST.number: REQUEST, OLD_REQUEST.number: OLD_REQUEST}
+    REPLY = ITEM
 
     payloads: Sequence[bytes] = ()
     asked: Callable[[int], None] = lambda seq: None
@@ -75,7 +80,8 @@ class ItemsSent(ItemRun):
     is_legacy: bool = False  # by MISSION_REQUEST
 
     def asked_for(self, seq: int) -> None:
-        self.at, self.doubt = seq, None
+        self.at = seq
+        self.doubt = None
         self.asked(seq)
 
     def expects(self, payload: bytes) -> bool:
@@ -90,7 +96,8 @@ class ItemsSent(ItemRun):
 
 @dataclass
 class ItemsRead(ItemRun):
-    EXPECTED, REPLY = {ITEM.number: ITEM}, REQUEST
+    EXPECTED: ClassVar = {ITEM.number: ITEM}
+    REPLY = REQUEST
 
     take: Callable[[int, Item | bytes], int]
 

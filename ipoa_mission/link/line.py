@@ -106,7 +106,8 @@ class Line(Carrier):
         self, channel: Channel, codec: Codec, log: str | Path | None = None, again: Callable[[], Channel] | None = None
     ) -> None:
         self.channel = channel
-        self._again, self.reopens = again, again is not None
+        self.reopens = again is not None
+        self._again = again
         self.codec = codec
         self._log = TlogWriter(log) if log else None
         self._routes = Routes()
@@ -150,21 +151,27 @@ class Line(Carrier):
         return self._hear(self.channel.receive(min(until, self._next_heartbeat)))
 
     def carry_on(self, exchange: Exchange[T], target: Target, until: float, is_over: Callable[[], bool]) -> list[Heard]:
-        run, holder = exchange.run(), self._routes.holder(target)
-        now, limit = self.now(), min(until, self._next_heartbeat)
+        run = exchange.run()
+        holder = self._routes.holder(target)
+        now = self.now()
+        limit = min(until, self._next_heartbeat)
         if run is None or holder is None or now >= limit or self._routes.is_torn(holder):
             return super().carry_on(exchange, target, until, is_over)
         run.join(self.codec, target)
-        begun_at, peers, got = run.at, self._routes.to(target), list[tuple[bytes, Peer]]()
+        begun_at = run.at
+        peers = self._routes.to(target)
+        got = list[tuple[bytes, Peer]]()
         while not (got or run.is_at_last_item or is_over() or now >= limit):
             got = self.channel.receive(min(limit, run.sent_s + run.wait_s))
-            now, unix_s = self.now(), self.channel.unix_s()
+            now = self.now()
+            unix_s = self.channel.unix_s()
             if not got or got[0][1] != holder or not (reply := run.answer(got[0][0], unix_s)):
                 break
             if self._log:
                 self._log.write(got[0][0], unix_s)
             self._send(reply, peers)
-            run.round_trip_s, run.sent_s = now - run.sent_s, now
+            run.round_trip_s = now - run.sent_s
+            run.sent_s = now
             del got[0]
         if run.at != begun_at:
             self._routes.claim(target, holder, run.sent_s)
@@ -216,7 +223,8 @@ class Line(Carrier):
         assert self._again is not None, "asked of `reopens` first"
         self.channel.close()
         self.channel = self._again()
-        self._routes, self._rivals = Routes(), {}
+        self._routes = Routes()
+        self._rivals = {}
 
     def close(self) -> None:
         self.channel.close()
@@ -308,7 +316,9 @@ def converse(
     SignsOtherwise if the target never answers.
     """
     listening = listening or Listening()
-    now, until, quiet_s = line.now, listening.until, listening.quiet_s
+    now = line.now
+    until = listening.until
+    quiet_s = listening.quiet_s
     with noted_interrupts() as interrupt:
         exchange = Exchange(dialogue, now(), tempo.patience, tempo)
         try:

@@ -37,7 +37,7 @@ class _Recording:
 class Logbook:
     """Hear every message; a flight begins whenever the vehicle is armed."""
 
-    def __init__(self, items: Sequence[Item], autopilot: Autopilot) -> None:
+    def __init__(self, items: Sequence[Item], autopilot: Autopilot, armed: bool = False) -> None:
         self._items = tuple(items)
         self._autopilot = autopilot
         self._first = autopilot.counts_home
@@ -48,7 +48,7 @@ class Logbook:
         self._current = self._first
         self._flight: _Recording | None = None
         self._was_away = False
-        self.armed = False
+        self.armed = armed
 
     @property
     def lands(self) -> bool:

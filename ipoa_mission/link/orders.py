@@ -24,7 +24,8 @@ ABSENCE_CHANCE = 2e-4  # of an existing parameter, by an estimated loss
 
 class CommandRefused(MissionError):
     def __init__(self, action: str, result: int, words: str = "") -> None:
-        self.action, self.result, self.words = action, result, words
+        self.result = result
+        self.words = words
         name = m.CommandResult(result).name if result in set(m.CommandResult) else str(result)
         super().__init__(f"{action}: the vehicle answered {name}" + (f": {words}" if words else ""))
 
@@ -108,8 +109,8 @@ def _request(name: str, kind: type[M], pause_s: float, requests: int = 5) -> Dia
 
 
 def request_home() -> Dialogue[Geodetic | None]:
-    at = yield from _request("HOME_POSITION", m.HomePosition, 2.0)
-    return None if at is None else Geodetic(at.latitude_deg, at.longitude_deg, at.altitude)
+    home = yield from _request("HOME_POSITION", m.HomePosition, 2.0)
+    return None if home is None else Geodetic(home.latitude_deg, home.longitude_deg, home.altitude)
 
 
 def request_clock() -> Dialogue[m.SystemTime | None]:
@@ -129,7 +130,8 @@ def request_parameters(wanted: Sequence[Sequence[str]], autopilot: Autopilot) ->
     An unknown parameter is met with silence. Each round also asks for one that exists: its answers give the loss of the
     link. Unanswered ones count as absent when hardly an existing one would not have answered by then.
     """
-    table, rounds_s = autopilot.parameter_table, [PARAMETER_ROUND_S] * 6 + [2.0] * 14
+    table = autopilot.parameter_table
+    rounds_s = [PARAMETER_ROUND_S] * 6 + [2.0] * 14
     values: dict[str, m.ParamValue] = {}
     proofs = 0
 

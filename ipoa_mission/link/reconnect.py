@@ -44,15 +44,19 @@ class KnownVehicle:
 
 
 class LinkLoss:
-    """`seconds`: its duration [s], or None. `meanwhile`: what the vehicle does alone."""
+    """The loss of the link to a watched vehicle.
+
+    `seconds`: its duration so far [s], None without a loss. `meanwhile`: what the vehicle does alone.
+    """
 
     def __init__(self, line: Carrier) -> None:
         self.seconds: float | None = None
-        self.words, self.meanwhile = "", ""
-        self._line, self._why = line, ""
-        self._since_s = self._reported_s = self._open_s = 0.0
-        self._until_s = math.inf
+        self.words = ""
+        self.meanwhile = ""
+        self._line = line
         self._is_open = True
+        self._since_s = self._ends_s = self._reported_s = self._reopens_s = 0.0
+        self._why = ""
         self._others = ""
 
     def end(
@@ -67,14 +71,15 @@ class LinkLoss:
 
         Raise LinkDown (no link), NotTheSameVehicle, OtherKind, NoAnswer (after `GIVE_UP_S`) or TimeUp (at `until_s`).
         """
-        now, self._until_s = self._line.now(), until_s
         self._is_open = not isinstance(lost, LinkDown)
         if not (self._is_open or self._line.reopens):
             raise lost
-        self._since_s = now - SILENT_S * self._is_open
+        self._reopens_s = self._line.now()
+        self._since_s = self._reopens_s - SILENT_S * self._is_open
+        self._ends_s = min(self._since_s + GIVE_UP_S, until_s)
         self._reported_s = -RETRY_S
-        self._open_s = now
-        self._why, self._others = ("" if self._is_open else str(lost)), ""
+        self._why = "" if self._is_open else str(lost)
+        self._others = ""
         self._report_loss(report)
         log.warning("%s; listening for %g s", self.words, GIVE_UP_S)
         try:
@@ -89,11 +94,13 @@ class LinkLoss:
             log.warning("the link is back after %.0f s: %s", self._line.now() - self._since_s, words)
             return messages
         finally:
-            self.seconds, self.words = None, ""
+            self.seconds = None
+            self.words = ""
 
     def _identified(
         self, known: KnownVehicle, patience: Patience, interrupt: Interrupt, report: Callable[[str], None]
     ) -> list[Message] | None:
+        """Return the messages of the identified vehicle, or None."""
         candidate = VehicleState(known.state.autopilot, known.state.kind)
         messages = list[Message]()
 
@@ -104,7 +111,9 @@ class LinkLoss:
 
         target = Target(known.system, AUTOPILOT_COMPONENT)
         try:
-            while Heartbeat not in candidate.heard and not self._is_over:
+            while Heartbeat not in candidate.heard:
+                if self._is_over:
+                    return None
                 self._report_loss(report)
                 if interrupt.take():
                     raise Cancelled("cancelled")
@@ -113,15 +122,12 @@ class LinkLoss:
                         note(heard.message)
                     elif autopilots_in([heard]):
                         self._others = f"vehicle {heard.system} is heard; nothing is sent to it"
-            if Heartbeat not in candidate.heard:
-                return None
             dialogue = observed(recognize(candidate, known), lambda heard: candidate.expect_flown())
-            end_s = min(self._since_s + GIVE_UP_S, self._until_s)
-            converse(self._line, target, dialogue, Tempo(patience), Listening(note, end_s, SILENT_S))
+            converse(self._line, target, dialogue, Tempo(patience), Listening(note, self._ends_s, SILENT_S))
             return messages
         except LinkDown as down:
             self._is_open = False
-            self._open_s = self._line.now() + RETRY_S
+            self._reopens_s = self._line.now() + RETRY_S
             self._why = str(down)
         except (NoAnswer, NotReady, Silence) as unknown:
             self._why = f"it was heard, but {unknown}"
@@ -134,7 +140,7 @@ class LinkLoss:
     def _receive(self) -> list[Heard]:
         now = self._line.now()
         if not self._is_open:
-            if now < self._open_s:
+            if now < self._reopens_s:
                 time.sleep(NOTICE_S)
                 return []
             self._line.reopen()
@@ -143,15 +149,16 @@ class LinkLoss:
 
     @property
     def _is_over(self) -> bool:
-        return self._line.now() >= min(self._since_s + GIVE_UP_S, self._until_s)
+        return self._line.now() >= self._ends_s
 
     def _report_loss(self, report: Callable[[str], None]) -> None:
         now = self._line.now()
         self.seconds = now - self._since_s
         if now - self._reported_s >= RETRY_S:
             self._reported_s = now
-            self.words = _with("the link is lost: ", self._why, self._others, self.meanwhile)
-            report(_with(f"link lost for {self.seconds:.0f} s; ", self._why, self._others, self.meanwhile))
+            details = (self._why, self._others, self.meanwhile)
+            self.words = _with("the link is lost: ", *details)
+            report(_with(f"link lost for {self.seconds:.0f} s; ", *details))
 
 
 def recognize(candidate: VehicleState, known: KnownVehicle) -> Dialogue[None]:
@@ -160,7 +167,8 @@ def recognize(candidate: VehicleState, known: KnownVehicle) -> Dialogue[None]:
     clock = yield from orders.request_clock()
     if clock is not None and clock.boot_s < known.clock_s - 1.0:
         raise IdentityChanged(f"it was restarted {clock.boot_s:.0f} s ago; {candidate}")
-    before, about = known.about, (yield from orders.request_version())
+    about = yield from orders.request_version()
+    before = known.about
     if before and about and (before.uid, before.flight_sw_version) != (about.uid, about.flight_sw_version):
         raise IdentityChanged("its AUTOPILOT_VERSION is another one")
     if known.onboard is not None:

@@ -72,7 +72,8 @@ class LostFrames:
 
 def read_tlog(path: str | Path, missing: LostFrames | None = None) -> Iterator[Record]:
     """Skip torn records and wrong checksums, counted in `missing`; raise BadInput."""
-    data, at = read_bytes(Path(path)), 0
+    data = read_bytes(Path(path))
+    at = 0
     missing = LostFrames() if missing is None else missing
     last: dict[tuple[int, int], int] = {}
     while at < len(data):

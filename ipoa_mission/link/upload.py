@@ -130,7 +130,9 @@ class MissionReports(VehicleTexts):
 
     def reset_at_offer(self) -> None:
         """Forget earlier reports, which concern other missions."""
-        self.stored_as, self.is_disputed, self.is_read = 0, False, False
+        self.stored_as = 0
+        self.is_disputed = False
+        self.is_read = False
 
     def reset_at_reading(self) -> None:
         self.ids = frozenset()
@@ -264,7 +266,8 @@ def _store(job: Upload, course: UploadState, progress: Progress) -> Dialogue[Non
 
     while True:
         course.attempt += 1
-        course.before, course.furthest = course.furthest, -1
+        course.before = course.furthest
+        course.furthest = -1
         try:
             course.reports.reset_at_offer()
             run = ItemsSent(job.kind, len(job.items), -1, job.payloads, note)
@@ -313,7 +316,8 @@ def _refuse_requests(kind: int) -> Dialogue[None]:
 
 def _verdict(reports: MissionReports) -> Dialogue[int]:
     """Return PX4's last state (0: none); its reasons may come late. If our list has an id, wait until PX4 names it."""
-    state, is_over = 0, reports.stored_as == 0
+    state = 0
+    is_over = reports.stored_as == 0
     heard = yield Pause(VERDICT_S)
     while True:
         if heard is None:

@@ -140,9 +140,9 @@ class Vehicle(RemoteVehicle):
             if self._options.fast and job.numbers is not None and kind == MissionType.MISSION:
                 with suppress(FileRefused, NoAnswer, ReadBackDiffers):  # the ordinary transfer finds the cause
                     list_id = self._tell(upload_by_file(job, progress))
-            self._onboard_lists[kind] = OnboardList(
-                job, self._tell(upload(job, progress)) if list_id is None else list_id
-            )
+            if list_id is None:
+                list_id = self._tell(upload(job, progress))
+            self._onboard_lists[kind] = OnboardList(job, list_id)
 
     def download(self, progress: Progress = silent) -> Mission:
         """Return the mission, with fence and rally points.
@@ -152,9 +152,9 @@ class Vehicle(RemoteVehicle):
         """
         with self._in_time():
             lists = {kind: self.download_items(kind, progress if kind == 0 else silent) for kind in LISTS}
-            items, fenced, rallied = (lists[kind] for kind in LISTS)
-            fence, rally = fence_from_wire(fenced), rally_from_wire(rallied)
-            mission = from_wire(items, self.autopilot, self.home())
+            fence = fence_from_wire(lists[MissionType.FENCE])
+            rally = rally_from_wire(lists[MissionType.RALLY])
+            mission = from_wire(lists[MissionType.MISSION], self.autopilot, self.home())
         jobs = {kind: Upload(lists[kind], self.autopilot, kind, self._checksum_numbers()) for kind in LISTS}
         self._onboard_lists = {kind: OnboardList(job) for kind, job in jobs.items()}
         self._set_mission(mission)
@@ -219,15 +219,17 @@ class Vehicle(RemoteVehicle):
         climb = 0.0 if mission is None or first == 0 else begun_at(mission, first).items[first - 1].altitude
         items = () if mission is None else mission.items
         moving = next((n for n, item in enumerate(items) if n >= first and item.command < LAST_NAV), first)
-        onboard_lists, home = tuple(self._onboard_lists.values()), self.autopilot.counts_home
+        onboard_lists = tuple(self._onboard_lists.values())
+        home = self.autopilot.counts_home
         prepared = departure.Departure(self.state, first + home, moving + home, climb, onboard_lists, progress)
         if not self._options.anyway:
             self.line.expect_alone(self.system)
         with self._in_time():
             self._tell(departure.prepare(prepared, self.ready_s))
         permit = permit or (None if mission is None else partial(check_start, mission, None, first))
-        if permit is not None and (at := self.state.position) is not None:
-            permit(Geodetic(at.latitude_deg, at.longitude_deg, at.altitude))
+        position = self.state.position
+        if permit is not None and position is not None:
+            permit(Geodetic(position.latitude_deg, position.longitude_deg, position.altitude))
         self._departure = prepared
 
     def start(self, progress: Progress = silent) -> None:
@@ -244,7 +246,8 @@ class Vehicle(RemoteVehicle):
         """
         if self._departure is None:
             raise NotReady("the vehicle was not prepared", hint="call `prepare` first")
-        until_s, limit_s = min(self._until, self.line.now() + self.ready_s), self._until
+        limit_s = self._until
+        until_s = min(limit_s, self.line.now() + self.ready_s)
         prepared = replace(self._departure, progress=progress)
         self._until = math.inf  # complete a begun departure first
         try:
@@ -297,15 +300,16 @@ class Vehicle(RemoteVehicle):
             raise TimeUp("; ".join(filter(None, words))) from None
 
     def _reconnect(self, lost: MissionError, progress: Progress) -> None:
-        logbook, onboard = self._logbook, self._onboard_lists.get(MissionType.MISSION)
+        logbook = self._logbook
+        onboard = self._onboard_lists.get(MissionType.MISSION)
         proved = None if onboard is None or onboard.changed else onboard
         known = KnownVehicle(self.system, self.state, logbook.clock_s, self._about, proved)
         self.order.cut(True)
         report = partial(count, progress, logbook.done, logbook.total, "item ")
-        kept = self.link_loss.end(lost, known, self._patience, report, self._until)
+        messages = self.link_loss.end(lost, known, self._patience, report, self._until)
         self.order.cut(False)
         logbook.note_return()
-        for message in sorted(kept, key=lambda message: isinstance(message, Heartbeat)):
+        for message in sorted(messages, key=lambda message: isinstance(message, Heartbeat)):
             self._overhear(message)
         self._mode_watch.was_away = True
         if logbook.disarmed_s is not None:
@@ -323,8 +327,8 @@ class Vehicle(RemoteVehicle):
 
     def record(self) -> FlightRecord:
         """Return the flight, incomplete after a deviation or replaced mission."""
-        record, why_not = self._logbook.record(), self.changed or self.conformance.why_not
-        record = replace(record, deviations=tuple(self.conformance.deviations))
+        record = replace(self._logbook.record(), deviations=tuple(self.conformance.deviations))
+        why_not = self.changed or self.conformance.why_not
         return replace(record, completed=False, why_not=why_not) if why_not else record
 
     @property
@@ -377,16 +381,13 @@ class Vehicle(RemoteVehicle):
         self._mode_watch.note(message, self.line.now())
 
     def _checksum_numbers(self) -> Iterator[int] | None:
-        has = (
-            self.autopilot.protocol_profile.takes_mission_file
-            and self._read_version().capabilities & orders.FILE_TRANSFER
-        )
-        return self._numbers if has else None
+        if not self.autopilot.protocol_profile.takes_mission_file:
+            return None
+        return self._numbers if self._read_version().capabilities & orders.FILE_TRANSFER else None
 
     def _set_mission(self, mission: Mission) -> None:
-        self._mission, armed = mission, self._logbook.armed
-        self._logbook = Logbook(mission.items, self.autopilot)
-        self._logbook.armed = armed
+        self._mission = mission
+        self._logbook = Logbook(mission.items, self.autopilot, self._logbook.armed)
 
     def _await_ready(self) -> None:
         """Wait until an ArduPilot has booted: before, it answers NO_SPACE."""

@@ -33,7 +33,8 @@ def other_values(vehicle: HasParameters, wanted: Parameters) -> tuple[tuple[Othe
     """Return differing values, and parameters that the vehicle lacks. ArduCopter 4.7 has renamed and rescaled some."""
     spelled = vehicle.autopilot.parameter_table.spellings
     values = vehicle.parameters([name for name, _ in spelled(parameter)] for parameter in wanted) if wanted else {}
-    differing, missing = [], []
+    differing = []
+    missing = []
     for parameter, value in wanted.items():
         for name, unit in spelled(parameter):
             if name in values:
