@@ -15,7 +15,7 @@ from ipoa_mission.geometry import Vector, polyline_length
 from ipoa_mission.optimize.registry import build_optimizer, optimizer_class
 from ipoa_mission.optimize.search import SHORT_EVALUATIONS, Optimizer, minimize
 from ipoa_mission.planning.lattice import USUAL_LATTICE, LatticeStrategy, guesses
-from ipoa_mission.planning.obstruction import blockage, not_found, refuse_closed, refuse_places
+from ipoa_mission.planning.obstruction import not_found, refuse_closed, refuse_places
 from ipoa_mission.planning.path_problem import PathTask
 from ipoa_mission.planning.polish import FINE_DESCENT, FIRM_DESCENT, ROUGH_DESCENT, polish, polish_until_proved
 from ipoa_mission.planning.problem import (
@@ -201,7 +201,7 @@ def plan_path(
     safe = [proved for proved in curves if proved[1].is_proved]
     if not safe:
         nearest = max((proof for _, proof, _ in curves), key=lambda proof: proof.worst.slack)
-        raise (blockage(problem) if as_printed else None) or not_found(nearest)
+        raise not_found(nearest)
     candidate, proof, cost = min(safe, key=lambda proved: proved[2].total)
     name = task.optimizer.name if optimizer is None else type(optimizer).__name__
     return Plan(candidate.curve, cost, proof, name, seed, *searcher.history(), candidate.via_at)
@@ -238,8 +238,6 @@ def _search_passages(searcher: Searcher, progress: Progress) -> list[PolishedCur
             if len(best.curve.control) < strategy.few_control_points:
                 proved.append(_polish_and_prove(refine(best), searcher, enough=1e-8))
             break
-        if coarsest == 0 and (why := blockage(problem)) is not None:
-            raise why
     return proved
 
 
