@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ipoa_mission.geometry import Points, Vector
-from ipoa_mission.world.obstacles.obstacle import PRISM, GridRow, Part
+from ipoa_mission.world.obstacles.obstacle import NO_EDGES, PRISM, GridRow
 from ipoa_mission.world.terrain import Flat, Grid, Terrain
 
 if TYPE_CHECKING:  # kernels need only numpy, shapely and pyproj
@@ -138,24 +138,38 @@ class Soft(NamedTuple):
 
 
 def obstacle_grid_of(airspace: "Airspace", limits: "Limits", reach: float) -> ObstacleGrid:
-    lower, upper = np.asarray(airspace.bounds.lower, float), np.asarray(airspace.bounds.upper, float)
+    """Return the grid; its lists hold the parts within `reach` [m] of each cell, and a fence in every cell."""
+    lower = np.asarray(airspace.bounds.lower, float)
+    upper = np.asarray(airspace.bounds.upper, float)
     size = upper[:2] - lower[:2]
     cell = float(size.max()) / np.clip(4 * np.sqrt(len(airspace.obstacles)), 64, 512)
     columns, rows = np.ceil(size / cell).astype(int)
-    ground = _heights(airspace.terrain, lower, upper)
-    parts = [part for obstacle in airspace.obstacles for part in obstacle.parts]
-    fenced = airspace.bounds.footprint is not None
-    kind, shape, edges = _shapes(airspace, parts)
     cells = Raster(float(lower[0]), float(lower[1]), 1 / cell, int(rows), int(columns))
-    first, listed = _lists(parts, fenced, cells, cell, reach)
+
+    parts = [part for obstacle in airspace.obstacles for part in obstacle.parts]
+    bodies = [part.grid_row() for part in parts]
+    boxes = [part.bounds for part in parts]
+    radii = [part.plan_radius for part in parts]
+    area = airspace.bounds.footprint
+    if area is not None:
+        bodies.append(GridRow(FENCE, (0.0, 0.0, 0.0, -ENDLESS, ENDLESS), np.hstack([area.starts, area.ends])))
+        boxes.append(np.array([[-ENDLESS] * 3, [ENDLESS] * 3]))
+        radii.append(np.inf)
+    bounds = np.array(boxes).reshape(-1, 2, 3)
+    middle = bounds[:, :, :2].mean(axis=1)
+    reached = np.array(radii, float) + reach
+    first, listed = _lists(bounds, reached, cells, cell, reach)
+    shape, edges = _shapes(bodies)
+
+    ground = _heights(airspace.terrain, lower, upper)
     concern = np.inf if np.isfinite(limits.ceiling_above_ground) else limits.height_above_ground + reach
     return ObstacleGrid(
         cells=cells,
         first=first,
         listed=listed,
         top=_highest(ground, lower, cell, int(rows), int(columns)).ravel() + concern,
-        around=_around(parts, fenced, reach),
-        kind=kind,
+        around=np.column_stack([middle, reached**2, bounds[:, :, 2] + np.array([-reach, reach])]),
+        kind=np.array([body.kind for body in bodies], np.int8),
         shape=shape,
         edges=edges,
         ground=Raster(float(ground.east), float(ground.north), 1 / ground.spacing, *ground.heights.shape),
@@ -190,61 +204,40 @@ def _highest(ground: Grid, lower: Vector, cell: float, rows: int, columns: int) 
     return heights
 
 
-def _shapes(
-    airspace: "Airspace", parts: Sequence[Part]
-) -> tuple[NDArray[np.int8], NDArray[np.float64], NDArray[np.float64]]:
-    rows = [part.grid_row() for part in parts]
-    if (area := airspace.bounds.footprint) is not None:
-        rows.append(GridRow(FENCE, (0.0, 0.0, 0.0, -ENDLESS, ENDLESS), np.hstack([area.starts, area.ends])))
-    shape, edges = [], [np.zeros((0, 4))]
-    for row in rows:
-        numbers = row.numbers
-        if len(row.edges):
+def _shapes(bodies: Sequence[GridRow]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return the rows of `shape` (k, 5) and `edges` (m, 4)."""
+    shape = []
+    edges = [NO_EDGES]
+    for body in bodies:
+        numbers = body.numbers
+        if len(body.edges):
             start = sum(map(len, edges))
-            edges.append(row.edges)
-            numbers = (start, start + len(row.edges), *numbers[2:])
+            edges.append(body.edges)
+            numbers = (start, start + len(body.edges), *numbers[2:])
         shape.append(numbers)
-    return np.array([row.kind for row in rows], np.int8), np.array(shape, float).reshape(-1, 5), np.vstack(edges)
+    return np.array(shape, float).reshape(-1, 5), np.vstack(edges)
 
 
 def _lists(
-    parts: Sequence[Part], fenced: bool, cells: Raster, cell: float, reach: float
+    bounds: NDArray[np.float64], reached: Vector, cells: Raster, cell: float, reach: float
 ) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
-    """Return the parts within `reach` of each cell: list begins (cells + 1,) and indices."""
-    corner, rows, columns = np.array([cells.east, cells.north]), cells.rows, cells.columns
-    boxes = np.array([_box(part, reach) for part in parts]).reshape(-1, 2, 2)
-    if fenced:
-        boxes = np.concatenate([boxes, [[corner, corner + cell * np.array([columns, rows])]]])
-    low = np.clip(np.floor((boxes[:, 0] - corner) / cell), 0, (columns - 1, rows - 1)).astype(int)
-    high = np.clip(np.floor((boxes[:, 1] - corner) / cell), 0, (columns - 1, rows - 1)).astype(int)
+    """Return the begin of each cell's list (cells + 1,), and the lists of bodies.
+
+    `bounds` (k, 2, 3) and plan radii `reached` (k,) [m], which include `reach`, are of the bodies; `cell` is a size [m].
+    """
+    corner = np.array([cells.east, cells.north])
+    last = (cells.columns - 1, cells.rows - 1)
+    low = np.clip(np.floor((bounds[:, 0, :2] - reach - corner) / cell), 0, last).astype(int)
+    high = np.clip(np.floor((bounds[:, 1, :2] + reach - corner) / cell), 0, last).astype(int)
     extent = high - low + 1
     count = extent.prod(axis=1)
-    body = np.repeat(np.arange(len(boxes)), count)
+    body = np.repeat(np.arange(len(bounds)), count)
     within = np.arange(len(body)) - np.repeat(np.cumsum(count) - count, count)
-    column, row = low[body, 0] + within % extent[body, 0], low[body, 1] + within // extent[body, 0]
-    near = _plan_radii(parts, fenced)[body] + reach + 0.71 * cell
-    middle = boxes.mean(axis=1)[body] - corner - cell * (np.column_stack([column, row]) + 0.5)
-    keep = (middle**2).sum(axis=1) <= near**2
-    number, body = (row * columns + column)[keep], body[keep]
+    column = low[body, 0] + within % extent[body, 0]
+    row = low[body, 1] + within // extent[body, 0]
+    away = bounds[:, :, :2].mean(axis=1)[body] - corner - cell * (np.column_stack([column, row]) + 0.5)
+    near = (away**2).sum(axis=1) <= (reached[body] + 0.71 * cell) ** 2
+    number = (row * cells.columns + column)[near]
     order = np.argsort(number, kind="stable")
-    first = np.concatenate([[0], np.cumsum(np.bincount(number, minlength=rows * columns))])
-    return first.astype(np.int32), body[order].astype(np.int32)
-
-
-def _plan_radii(parts: Sequence[Part], fenced: bool) -> Vector:
-    """Return the radius around each outline, infinite for a fence, (k,)."""
-    return np.array([part.plan_radius for part in parts] + [np.inf] * fenced)
-
-
-def _around(parts: Sequence[Part], fenced: bool, reach: float) -> NDArray[np.float64]:
-    boxes = np.array([part.bounds for part in parts]).reshape(-1, 2, 3)
-    if fenced:
-        boxes = np.concatenate([boxes, [[[0.0, 0.0, -ENDLESS], [0.0, 0.0, ENDLESS]]]])
-    middle = boxes[:, :, :2].mean(axis=1)
-    heights = boxes[:, :, 2] + np.array([-reach, reach])
-    return np.column_stack([middle, (_plan_radii(parts, fenced) + reach) ** 2, heights])
-
-
-def _box(part: Part, reach: float) -> NDArray[np.float64]:
-    (west, south, _), (east, north, _) = part.bounds
-    return np.array([[west - reach, south - reach], [east + reach, north + reach]])
+    first = np.concatenate([[0], np.cumsum(np.bincount(number, minlength=cells.rows * cells.columns))])
+    return first.astype(np.int32), body[near][order].astype(np.int32)
