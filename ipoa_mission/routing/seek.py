@@ -48,7 +48,8 @@ def expect_wide(scenario: Scenario) -> None:
     for places, (a, b) in zip(pairwise(names), pairwise(scenario.places), strict=True):
         gap = closure(problem, a, b)
         if gap is not None and gap.needed - 2 * more < gap.width < gap.needed - DISTANCE_TOLERANCE:
-            between, (east, north) = " and ".join(gap.names), gap.place
+            between = " and ".join(gap.names)
+            east, north = gap.place
             sizes = f"{floor_cm(gap.width):.2f} m wide, and it needs {ceil_cm(gap.needed):.2f} m at least"
             leg = f", on the leg from {places[0]} to {places[1]}" if len(names) > 2 else ""
             raise TooNarrow(f"the gap between {between} is {sizes}, at east {east:.1f}, north {north:.1f} m{leg}")
@@ -118,9 +119,10 @@ def _plan(scenario: Scenario, seed: int, progress: Progress) -> Attempt:
     try:
         return seek(scenario, seed, progress)
     except TooNear as error:
-        if (slowed := slowed_where_needed(error.nearest, trials)) is not None:
-            return slowed
-        raise refusal(error.nearest, trials) from None
+        slowed = slowed_where_needed(error.nearest, trials)
+        if slowed is None:
+            raise refusal(error.nearest, trials) from None
+        return slowed
     except TooNarrow as error:
         raise too_few_flights(str(error), ", or move the places of this leg", trials) from None
 
@@ -146,11 +148,12 @@ def seek(scenario: Scenario, seed: int, progress: Progress, plans: int = EFFORT.
     nearest: Attempt | None = None
     slow: Attempt | None = None
     planned = set[bytes]()
-    tries = _Tries(scenario, seed)
-    for number, margins in islice(tries, plans):
+    closed = set[int]()
+    for number, margins in islice(_margins_in_turn(scenario, seed, closed), plans):
         try:
             plan = plan_path(margins.world, seed=number, progress=progress)
-            if (curve := plan.curve.control.tobytes()) in planned:
+            curve = plan.curve.control.tobytes()
+            if curve in planned:
                 continue
             planned.add(curve)
             progress(0.9, "choosing waypoints, proving returns")
@@ -160,7 +163,7 @@ def seek(scenario: Scenario, seed: int, progress: Progress, plans: int = EFFORT.
                 return slow
             if not isinstance(error, NoPath):
                 raise
-            tries.is_closed = True
+            closed.add(number)
             if margins.world is scenario and not isinstance(error, NotFound):
                 raise
             no_path = error
@@ -188,43 +191,29 @@ class _Margins:
     growth: ObstacleGrowth
 
 
-class _Tries:
-    """Seeds and margins to search with, in turn: of each seed different margins for the deviation bound, then none.
+def _margins_in_turn(scenario: Scenario, seed: int, closed: set[int]) -> Iterator[tuple[int, _Margins]]:
+    """Yield of each seed different margins for the deviation bound, then none.
 
-    After a search without a path, set `is_closed`: then margins that close gaps are skipped.
+    Margins that close gaps are skipped for the seeds in `closed`, which found no path with other margins.
     """
-
-    def __init__(self, scenario: Scenario, seed: int) -> None:
-        self.scenario, self.seed, self.is_closed = scenario, seed, False
-
-    def __iter__(self) -> Iterator[tuple[int, _Margins]]:
-        for number in range(self.seed, self.seed + EFFORT.seed_count):
-            self.is_closed = False
-            for margins in self._of_a_seed():
-                yield number, margins
-
-    def _of_a_seed(self) -> Iterator[_Margins]:
-        scenario, none = self.scenario, initial_growth(self.scenario)
-        if scenario.safety.chance is not None:
-            yield from self._for_the_bound(none)
-        elif not _as_printed(scenario):
-            little = approximation_growth(scenario)
-            yield _Margins(little.enlarge(scenario, scenario, gaps=True), little)
-        yield _Margins(scenario, none)
-
-    def _for_the_bound(self, none: ObstacleGrowth) -> Iterator[_Margins]:
+    none = initial_growth(scenario)
+    for number in range(seed, seed + EFFORT.seed_count):
         tried = list[tuple[tuple[Obstacle, ...], float]]()
-        for margin in MARGINS:
-            if self.is_closed and not margin.keep_gaps:
+        for margin in MARGINS if scenario.safety.chance is not None else ():
+            if number in closed and not margin.keep_gaps:
                 continue
-            world = with_margins(clearance_task(self.scenario), *margin)
-            obstacles, height = world.airspace.obstacles, world.limits.height_above_ground
-            if (obstacles, height) in tried:
+            world = with_margins(clearance_task(scenario), *margin)
+            enlarged = world.airspace.obstacles, world.limits.height_above_ground
+            if enlarged in tried:
                 continue
-            tried.append((obstacles, height))
+            tried.append(enlarged)
             if (none.above_landings >= 0.0).any():
-                world = none.enlarge(world, self.scenario, margin.keep_gaps)
-            yield _Margins(world, none)
+                world = none.enlarge(world, scenario, margin.keep_gaps)
+            yield number, _Margins(world, none)
+        if scenario.safety.chance is None and not _as_printed(scenario):
+            little = approximation_growth(scenario)
+            yield number, _Margins(little.enlarge(scenario, scenario, gaps=True), little)
+        yield number, _Margins(scenario, none)
 
 
 def _as_printed(scenario: Scenario) -> bool:
@@ -234,7 +223,8 @@ def _as_printed(scenario: Scenario) -> bool:
 def _move_until_safe(plan: Plan, margins: _Margins, scenario: Scenario) -> tuple[Attempt, float]:
     """Return the best attempt after moving the plan aside, and its delay to the first."""
     latest = best = first = best_route(plan, scenario, EFFORT.hopeless_slack)
-    growth, in_vain = margins.growth, 0
+    growth = margins.growth
+    in_vain = 0
     for _ in range(0 if _as_printed(scenario) else EFFORT.max_moves):
         expect_way_home(latest)
         if best.is_acceptable or in_vain == EFFORT.max_vain_moves:
