@@ -39,7 +39,7 @@ NOT_MEASURED = "version-not-measured"
 
 
 def check_firmware(mission: Mission) -> Iterator[Finding]:
-    firmware = mission.autopilot.firmware(mission.firmware_version)
+    firmware = mission.firmware
     is_development = mission.firmware_version is not None and mission.firmware_version.stage == "dev"
     wire = to_wire(mission)
     yield from _limits(mission, firmware, len(wire))
@@ -58,7 +58,7 @@ def check_firmware(mission: Mission) -> Iterator[Finding]:
 
 
 def is_too_long(mission: Mission) -> bool:
-    firmware = mission.autopilot.firmware(mission.firmware_version)
+    firmware = mission.firmware
     return len(mission.items) + firmware.home_is_item_0 > firmware.max_items
 
 
@@ -246,7 +246,7 @@ def _finding(why: str, unmeasured: bool) -> Finding:
 
 def _jumps(mission: Mission) -> Iterator[Finding]:
     jumps = [at for at in numbered_items(mission) if at.item.command in JUMPS]
-    profile = mission.autopilot.firmware(mission.firmware_version).jumps
+    profile = mission.firmware.jumps
     findings = [finding for at in jumps for finding in (*_jump_target(mission, at), *_repeats(mission, at, profile))]
     yield from findings
     yield from _tags(mission)
@@ -297,7 +297,7 @@ def _tags(mission: Mission) -> Iterator[Finding]:
 
 
 def _too_many(mission: Mission, count: int, profile: JumpProfile) -> Iterator[Finding]:
-    name = mission.autopilot.firmware(mission.firmware_version).name
+    name = mission.firmware.name
     words = f"the mission: {count} jumps, and {name} takes"
     if count > profile.most:
         yield Finding("too-many-jumps", Severity.ERROR, None, f"{words} the first {profile.most} that it meets")
@@ -328,7 +328,7 @@ def _steps_of(steps: Steps) -> defaultdict[int, list[int]]:
 
 def check_known_path(forecast: Forecast) -> Iterator[Finding]:
     mission = forecast.mission_as_read
-    firmware = mission.autopilot.firmware(mission.firmware_version)
+    firmware = mission.firmware
     for unknown in forecast.unknown:
         at, words = item_of(mission, unknown.seq), f"{unknown.why}; the clearance is unknown"
         if not firmware.takes(at.item.command) or at.item.command in firmware.never_flown:
@@ -340,7 +340,7 @@ def check_known_path(forecast: Forecast) -> Iterator[Finding]:
                 yield at.error("never-reached", words, unknown.hint)
             case _:
                 yield at.error("way-unknown", words, unknown.hint)
-    parameters = mission.autopilot.complete(mission.parameters, mission.firmware_version)
+    parameters = mission.complete_parameters
     for at in numbered_items(mission):
         radius = at.item.params[2]
         if at.item.command != Command.NAV_LOITER_TURNS or radius == 0.0 or not math.isfinite(radius):

@@ -8,7 +8,7 @@ import numpy as np
 from ipoa_mission.centimeters import ceil_cm, falls_short, floor_cm
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.itinerary.itinerary import rally_places
-from ipoa_mission.geodesy import Geodetic, LocalFrame, apart
+from ipoa_mission.geodesy import Geodetic, apart
 from ipoa_mission.geometry import Points
 from ipoa_mission.mission.flight_record import FlightRecord
 from ipoa_mission.mission.items import Mission
@@ -20,7 +20,7 @@ from ipoa_mission.scenario import Scenario
 def landed_at_rally(mission: Mission, record: FlightRecord) -> tuple[str, ...]:
     if not record.completed or not record.path or not mission.rally:
         return ()
-    end, frame = record.path[-1], LocalFrame(mission.home)
+    end, frame = record.path[-1], mission.frame
     there = Geodetic(end.latitude_deg, end.longitude_deg, mission.home.altitude)
     here = tuple(map(float, frame.local(there)[:2]))
     distance, nearest = min((math.dist(here, place[:2]), n) for n, place in enumerate(rally_places(mission), start=1))

@@ -116,7 +116,7 @@ class Forecast:
 
     @cached_property
     def frame(self) -> LocalFrame:
-        return LocalFrame(self.mission.home) if self.scenario is None else self.scenario.frame
+        return self.mission.frame if self.scenario is None else self.scenario.frame
 
     @cached_property
     def ground(self) -> Ground:

@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 from ipoa_mission.autopilot.autopilot import Autopilot, default_autopilot
 from ipoa_mission.autopilot.commands import FLOWN_TO, TAKEOFF_AND_LAND, Command, Frame, command_name, plain_frame
+from ipoa_mission.autopilot.firmware_tables import Firmware
 from ipoa_mission.autopilot.known_parameters import expect_own
 from ipoa_mission.autopilot.learned import LearnedVehicle
 from ipoa_mission.autopilot.parameters import Parameters
@@ -16,7 +17,7 @@ from ipoa_mission.autopilot.vehicle_kind import MULTICOPTERS, QUADROTOR, class_n
 from ipoa_mission.autopilot.version import Version
 from ipoa_mission.errors import Remedy
 from ipoa_mission.finding import Finding, Severity
-from ipoa_mission.geodesy import Geodetic
+from ipoa_mission.geodesy import Geodetic, LocalFrame
 
 
 @dataclass(frozen=True)
@@ -60,6 +61,10 @@ class Item:
     def is_as_high_as_now(self, autopilot: Autopilot) -> bool:
         has_height = self._is_flown_to and self.command not in TAKEOFF_AND_LAND
         return autopilot.guidance.zero_is_here and has_height and self.altitude == 0.0
+
+    @property
+    def is_over_terrain(self) -> bool:
+        return plain_frame(self.frame) == Frame.GLOBAL_TERRAIN_ALT
 
     @property
     def clock(self) -> str:
@@ -183,6 +188,20 @@ class Mission:
     def other_vehicle(self) -> str | None:
         """Return "a plane" or the like; None for a multicopter."""
         return None if self.vehicle_type in MULTICOPTERS else with_article(class_name(self.vehicle_type))
+
+    @property
+    def firmware(self) -> Firmware:
+        """Return the table of its firmware version."""
+        return self.autopilot.firmware(self.firmware_version)
+
+    @property
+    def frame(self) -> LocalFrame:
+        return LocalFrame(self.home)
+
+    @property
+    def complete_parameters(self) -> Parameters:
+        """Return its parameters, and the defaults of all others."""
+        return self.autopilot.complete(self.parameters, self.firmware_version)
 
     def with_parameters(self, parameters: Parameters) -> "Mission":
         """Return the mission with these parameters, which override its own.

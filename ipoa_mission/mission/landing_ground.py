@@ -7,7 +7,7 @@ import numpy as np
 
 from ipoa_mission.autopilot.commands import Command
 from ipoa_mission.autopilot.returning import ReturnOrder
-from ipoa_mission.geodesy import Geodetic, LocalFrame
+from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.ground import LEVEL, Ground, HighPlace
 from ipoa_mission.mission.items import Mission
 
@@ -37,7 +37,7 @@ def landing_on(mission: Mission, height: float) -> Mission:
     place = landing_place(mission)
     if place is None:
         return mission
-    there = LocalFrame(mission.home).geodetic(np.array([*place, 0.0]))
+    there = mission.frame.geodetic(np.array([*place, 0.0]))
     return replace(mission, landing_ground=Geodetic(there.latitude_deg, there.longitude_deg, height))
 
 
@@ -54,7 +54,7 @@ def landing_place(mission: Mission) -> tuple[float, float] | None:
     if Command.NAV_RETURN_TO_LAUNCH not in commands or not mission.rally:
         return None
     here = _last_place(mission, commands.index(Command.NAV_RETURN_TO_LAUNCH)) or (0.0, 0.0)
-    parameters = mission.autopilot.complete(mission.parameters, mission.firmware_version)
+    parameters = mission.complete_parameters
     rally = [(*_local(mission, place.latitude_deg, place.longitude_deg), 0.0) for place in mission.rally]
     order = ReturnOrder((*here, 0.0), rally, version=mission.firmware_version)
     route = mission.autopilot.return_route(parameters, order)
@@ -67,5 +67,5 @@ def _last_place(mission: Mission, index: int) -> tuple[float, float] | None:
 
 
 def _local(mission: Mission, latitude: float, longitude: float) -> tuple[float, float]:
-    east, north, _ = LocalFrame(mission.home).local(Geodetic(latitude, longitude, mission.home.altitude))
+    east, north, _ = mission.frame.local(Geodetic(latitude, longitude, mission.home.altitude))
     return float(east), float(north)

@@ -19,7 +19,7 @@ def check_positions(mission: Mission) -> Iterator[Finding]:
     elsewhere = home_elsewhere(mission)
     if elsewhere:
         yield Finding("home-elsewhere", Severity.WARNING, 0, elsewhere)
-    placed = FLOWN_TO | mission.autopilot.firmware(mission.firmware_version).placed.keys()
+    placed = FLOWN_TO | mission.firmware.placed.keys()
     for at in numbered_items(mission):
         if at.item.command in placed and at.item.frame != Frame.MISSION:
             findings = list(_position(at, mission))

@@ -40,12 +40,12 @@ def jump_target(items: Sequence[Item], index: int, first: int = 1) -> int | None
 
     `first` is the number of the first item for DO_JUMP.
     """
-    asked = items[index].params[0]
-    if not math.isfinite(asked):
+    named = items[index].params[0]
+    if not math.isfinite(named):
         return None
     if items[index].command == Command.DO_JUMP_TAG:
-        return next(items_tagged(items, asked), None)
-    target = int(asked) - first
+        return next(items_tagged(items, named), None)
+    target = int(named) - first
     return target if 0 <= target < len(items) else None
 
 
@@ -59,19 +59,20 @@ def repeats(item: Item) -> float:
 
 
 def led_to(items: Sequence[Item], index: int, moving: frozenset[int]) -> Iterator[int]:
-    """Return the possible `moving` targets of a jump, through other jumps too."""
-    ahead, seen = [jump_target(items, index) if repeats(items[index]) else None], {index}
+    """Yield the items with a `moving` command that a jump may lead to, through other jumps too."""
+    ahead = [jump_target(items, index)] if repeats(items[index]) else []
+    visited = {index}
     while ahead:
         at = ahead.pop()
-        if at is None or at in seen or at >= len(items):
+        if at is None or at in visited or at >= len(items):
             continue
-        seen.add(at)
+        visited.add(at)
         if items[at].command in moving:
             yield at
-        elif items[at].command in JUMPS:
-            ahead += [at + 1, jump_target(items, at) if repeats(items[at]) else None]
-        else:
-            ahead.append(at + 1)
+            continue
+        ahead.append(at + 1)
+        if items[at].command in JUMPS and repeats(items[at]):
+            ahead.append(jump_target(items, at))
 
 
 def as_flown(mission: Mission) -> Mission:
@@ -101,10 +102,6 @@ def as_flown(mission: Mission) -> Mission:
     return replace(mission, items=tuple(items))
 
 
-def over_terrain(item: Item) -> bool:
-    return plain_frame(item.frame) == Frame.GLOBAL_TERRAIN_ALT
-
-
 def moves(item: Item) -> bool:
     return item.command <= LAST_NAV or item.command in MOVING_AFTER_LAST_NAV
 
@@ -114,10 +111,12 @@ def is_passed(item: Item) -> bool:
 
 
 def onward(items: Sequence[Item], n: int, autopilot: Autopilot, later: Iterable[int] | None = None) -> int | None:
-    next_index, guidance = next_navigated(items, n, autopilot, later), autopilot.guidance
+    """Return the item that the vehicle flies on to from item n without a stop; None: it stops."""
+    guidance = autopilot.guidance
+    next_index = next_navigated(items, n, autopilot, later)
     if next_index is None or items[next_index].command not in guidance.flown_on_into:
         return None
-    if guidance.stops_at_terrain and over_terrain(items[next_index]) != over_terrain(items[n]):
+    if guidance.stops_at_terrain and items[next_index].is_over_terrain != items[n].is_over_terrain:
         return None
     return next_index
 
@@ -274,8 +273,10 @@ class Program:
 
 
 def program_of(mission: Mission, items: tuple[Item, ...]) -> Program:
-    profile = mission.autopilot.firmware(mission.firmware_version).jumps
-    name, bit = profile.kept_by
+    """Return a program of `items`, with the rules of jumps that firmware and parameters of the mission set."""
+    rules = mission.firmware.jumps
+    name, bit = rules.kept_by
     options = mission.autopilot.parameter_table.by_old_names(mission.parameters).get(name, 0.0)
-    profile = replace(profile, resets=profile.resets and not int(options) >> bit & 1)
-    return Program(items, LocalFrame(mission.home), mission.autopilot, 1, profile, mission.firmware_version)
+    keeps_counts = bool(int(options) >> bit & 1)
+    rules = replace(rules, resets=rules.resets and not keeps_counts)
+    return Program(items, mission.frame, mission.autopilot, jumping=rules, version=mission.firmware_version)

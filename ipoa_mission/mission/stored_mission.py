@@ -25,7 +25,7 @@ CIRCLE = {Command.NAV_FENCE_CIRCLE_INCLUSION: True, Command.NAV_FENCE_CIRCLE_EXC
 
 def to_wire(mission: Mission) -> tuple[Item, ...]:
     """Return items as sent: in frame 2 without a position for PX4, 0 for a NaN that ArduPilot refuses."""
-    firmware = mission.autopilot.firmware(mission.firmware_version)
+    firmware = mission.firmware
     items = tuple(_sent(item, firmware) for item in mission.items)
     return (home_item(mission.home), *items) if firmware.home_is_item_0 else items
 

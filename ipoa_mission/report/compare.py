@@ -15,7 +15,6 @@ from ipoa_mission.autopilot.version import Version
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.timing.estimate import Estimate
 from ipoa_mission.forecast.timing.track import Track
-from ipoa_mission.geodesy import LocalFrame
 from ipoa_mission.logs.flight_log import LoggedFlight
 from ipoa_mission.mission.flight_record import FlightRecord
 from ipoa_mission.mission.items import Mission
@@ -172,5 +171,5 @@ def flown_track(mission: Mission, flight: FlightRecord) -> Track | None:
         return None
     positions = [(s.time_s, s.latitude_deg, s.longitude_deg, s.speed) for s in flight.path]
     times, latitude, longitude, speeds = np.array(positions).T
-    points = LocalFrame(mission.home).to_local(latitude, longitude, mission.home.altitude + np.array(flight.heights))
+    points = mission.frame.to_local(latitude, longitude, mission.home.altitude + np.array(flight.heights))
     return Track(times=times, points=points, speeds=speeds)

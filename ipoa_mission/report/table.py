@@ -113,7 +113,7 @@ def to_csv(forecast: Forecast, name: str) -> str:
 
 
 def _row(seq: int, item: Item, mission: Mission, legs: list[Leg], scenario: "Scenario | None") -> Row:
-    placed = item.command in mission.autopilot.firmware(mission.firmware_version).placed and item.frame != Frame.MISSION
+    placed = item.command in mission.firmware.placed and item.frame != Frame.MISSION
     on_map = placed and (item.latitude_deg, item.longitude_deg) != (0.0, 0.0)
     height = mission.altitude_above_home(item) if placed else math.nan
     points = np.vstack([leg.points for leg in legs]) if legs else None

@@ -221,7 +221,7 @@ def _with_value(item: Item, change: requests.PutItem, mission: Mission) -> Item:
 def _new_item(mission: Mission, change: requests.InsertItem) -> Item:
     before = [item for item in mission.items[: change.seq - 1] if item.has_position and item.altitude > 0]
     like = before[-1] if before else Item(Command.NAV_WAYPOINT, Frame.GLOBAL_RELATIVE_ALT, altitude=20.0)
-    firmware, home = mission.autopilot.firmware(mission.firmware_version), mission.home
+    firmware, home = mission.firmware, mission.home
     is_placed, is_landing = change.command in firmware.placed, change.command == Command.NAV_LAND
     usual: dict[int, tuple[float, ...]] = {
         Command.DO_CHANGE_SPEED: (1.0, mission.cruise_speed or 5.0, -1.0),

@@ -84,7 +84,7 @@ def _shortened(words: str) -> str:
 
 def mission_answer(file: MissionFile, forecast: Forecast, worlds: Sequence[str], world: str | None) -> OpenMission:
     mission = forecast.mission_as_read
-    firmware = mission.autopilot.firmware(mission.firmware_version)
+    firmware = mission.firmware
     commands = (firmware.placed.keys() | firmware.plain.keys()) - firmware.fence.keys() - firmware.rally.keys()
     kinds = {command: kind_of(command, command in firmware.placed) for command in sorted(commands)}
     for item in mission.items:
@@ -103,7 +103,7 @@ def mission_answer(file: MissionFile, forecast: Forecast, worlds: Sequence[str],
 
 
 def _item(seq: int, item: Item, mission: Mission, part: range | None) -> MissionItem:
-    placed = item.command in mission.autopilot.firmware(mission.firmware_version).placed
+    placed = item.command in mission.firmware.placed
     on_it = placed and (item.latitude_deg, item.longitude_deg) != (0.0, 0.0)
     return MissionItem(
         seq=seq,

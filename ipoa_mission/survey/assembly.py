@@ -88,7 +88,7 @@ def _path(tour: Tour) -> tuple[Points, list[int], list[int]]:
 def _gimbal_items(scenario: Scenario, mission: Mission) -> list[Item]:
     if expect_survey(scenario)[0].gimbal is None:
         return []
-    firmware = mission.autopilot.firmware(mission.firmware_version)
+    firmware = mission.firmware
     if not firmware.takes(Command.DO_MOUNT_CONTROL):
         words = f"{firmware} takes no mission command that turns a gimbal"
         raise MissionError(words, code="command-not-taken", place="survey.gimbal")
@@ -100,7 +100,7 @@ def _camera_items(distance: float, mission: Mission) -> tuple[list[Item], list[I
     """Return the items that start photos every `distance` [m], and those that stop them."""
     if distance == 0.0:
         return [], []
-    firmware = mission.autopilot.firmware(mission.firmware_version)
+    firmware = mission.firmware
     if not firmware.takes(Command.DO_SET_CAM_TRIGG_DIST):
         words = f"{firmware} takes no mission command that triggers a camera by distance"
         raise MissionError(words, code="command-not-taken", place="camera")

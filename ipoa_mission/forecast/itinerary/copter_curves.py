@@ -13,7 +13,6 @@ from ipoa_mission.autopilot.commands import Command
 from ipoa_mission.autopilot.guidance_profile import FlownCircle
 from ipoa_mission.geometry import Place, Points
 from ipoa_mission.mission.items import Item
-from ipoa_mission.mission.program import over_terrain
 
 NEAR_CIRCLE = 3.0  # [m]
 CENTER_RADIUS = 0.5  # [m] within which a vehicle leaves the center backwards
@@ -151,7 +150,7 @@ def place_after(spline: Item, next_item: Item, target: Place, named: Place) -> t
     Latitude and longitude 0 are the target's, altitude 0 its height. None: an end at rest, also where heights over
     terrain and over home meet.
     """
-    if next_item.command not in WITH_PLACE or over_terrain(next_item) != over_terrain(spline):
+    if next_item.command not in WITH_PLACE or next_item.is_over_terrain != spline.is_over_terrain:
         return None
     east, north, up = named
     if (next_item.latitude_deg, next_item.longitude_deg) == (0.0, 0.0):

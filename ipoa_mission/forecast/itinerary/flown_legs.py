@@ -29,7 +29,7 @@ from ipoa_mission.geodesy import Geodetic, LocalFrame
 from ipoa_mission.geometry import Place, Points, Vector, arc_lengths
 from ipoa_mission.ground import Ground
 from ipoa_mission.mission.items import Item, Mission
-from ipoa_mission.mission.program import as_flown, led_to, next_navigated, onward, over_terrain
+from ipoa_mission.mission.program import as_flown, led_to, next_navigated, onward
 from ipoa_mission.world.terrain import Flat
 
 CHORD_TOLERANCE = 0.005  # of a curve to its chords [m]
@@ -89,7 +89,7 @@ def join(legs: Sequence[Leg]) -> tuple[Points, float]:
 
 def item_places(mission: Mission, frame: LocalFrame, ground: Ground) -> list[Vector | None]:
     rows = [
-        (item.latitude_deg, item.longitude_deg, 0.0 if over_terrain(item) else mission.altitude_above_home(item))
+        (item.latitude_deg, item.longitude_deg, 0.0 if item.is_over_terrain else mission.altitude_above_home(item))
         if item.has_position and math.isfinite(item.altitude)
         else (math.nan,) * 3
         for item in mission.items
@@ -100,8 +100,8 @@ def item_places(mission: Mission, frame: LocalFrame, ground: Ground) -> list[Vec
     if len(named):
         local = frame.to_local(latitude[named], longitude[named], mission.home.altitude + height[named])
         for n, place in zip(named.tolist(), local, strict=True):
-            if over_terrain(item := mission.items[n]):
-                place[2] = ground(place[None, :])[0] + item.altitude
+            if mission.items[n].is_over_terrain:
+                place[2] = ground(place[None, :])[0] + mission.items[n].altitude
             places[n] = place
     return places
 
@@ -112,7 +112,7 @@ class _LegBuilder:
         self.home = frame.local(mission.home)
         self.ground = ground or Ground(Flat(float(self.home[2])))
         self.places = item_places(mission, frame, self.ground)
-        self.parameters = mission.autopilot.complete(mission.parameters, mission.firmware_version)
+        self.parameters = mission.complete_parameters
         self.at, self.last = self.home, 0  # the last item that moved the vehicle
         self.flown_in: Vector | None = None  # direction of arrival, if it flies on without a stop, (3,) [m]
         #: The spline that led here: its item, its begin, and the direction of arrival there.
@@ -155,7 +155,7 @@ class _LegBuilder:
             ends = self._over(item, origin), self._over(item, target)
             leg = self._bent(seq, item, arc_chords(*ends, turn, CHORD_TOLERANCE))
         else:
-            leg = self._to(seq, target, over_terrain(item))
+            leg = self._to(seq, target, item.is_over_terrain)
         self.flown_in, self.curve = None if next_index is None else target - origin, None
         return leg
 
@@ -170,17 +170,17 @@ class _LegBuilder:
         return self._bent(seq, item, spline_chords(*ends, tangents, CHORD_TOLERANCE))
 
     def _named(self, item: Item) -> Place:
-        height = item.altitude if over_terrain(item) else self.mission.altitude_above_home(item)
+        height = item.altitude if item.is_over_terrain else self.mission.altitude_above_home(item)
         place = Geodetic(item.latitude_deg, item.longitude_deg, self.mission.home.altitude + height)
         east, north, up = triple(self.frame.local(place))
-        return east, north, item.altitude if over_terrain(item) else up
+        return east, north, item.altitude if item.is_over_terrain else up
 
     def _over(self, item: Item, place: Vector) -> Place:
         east, north, up = triple(place)
-        return east, north, up - float(self.ground(place[None, :])[0]) if over_terrain(item) else up
+        return east, north, up - float(self.ground(place[None, :])[0]) if item.is_over_terrain else up
 
     def _bent(self, seq: int, item: Item, points: Points) -> Leg:
-        follows = over_terrain(item)
+        follows = item.is_over_terrain
         if follows:
             traveled = arc_lengths(points)
             steps = np.union1d(traveled, np.arange(0.0, traveled[-1], FOLLOWING_STEP))
@@ -197,7 +197,7 @@ class _LegBuilder:
         if radius <= 0.0:
             yield self._to(seq, np.array([center[0], center[1], self.at[2]]), follow_terrain=False)
         elif apart > NEAR_CIRCLE:
-            yield self._to(seq, np.array(edge), over_terrain(item))
+            yield self._to(seq, np.array(edge), item.is_over_terrain)
         self.flown_in = self.curve = None
         turn, version = circle_turn(item), self.mission.firmware_version
         if radius > 0.0 and turn != 0.0:
@@ -230,7 +230,7 @@ class _LegBuilder:
         if self.mission.autopilot.guidance.climbs_where_it_stands or target is None:
             return  # ArduCopter climbs in place, whatever the take-off's position
         if np.hypot(*(target - self.at)[:2]) > HOME_RADIUS:
-            yield self._to(seq, target, over_terrain(item))
+            yield self._to(seq, target, item.is_over_terrain)
 
     def _landing_legs(self, seq: int, item: Item) -> Iterator[Leg]:
         if item.has_position:

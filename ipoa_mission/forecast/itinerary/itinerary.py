@@ -21,7 +21,7 @@ from ipoa_mission.autopilot.returning import HOME, MissionLanding, ReturnBy, Ret
 from ipoa_mission.errors import BadInput, EndlessFlight, NotModeled
 from ipoa_mission.forecast.itinerary.copter_curves import WITH_PLACE, circle_radius, entry_is_unsure, reads_as_here
 from ipoa_mission.forecast.itinerary.flown_legs import LEVEL_SPEEDS
-from ipoa_mission.geodesy import Geodetic, LocalFrame
+from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.geometry import Place, Vector
 from ipoa_mission.ground import LEVEL, Ground
 from ipoa_mission.mission.items import Item, Mission
@@ -99,7 +99,7 @@ def itinerary(mission: Mission, ground: Ground = LEVEL) -> Itinerary:
     )
     visits = tuple(Visit(n + 1, item) for n, item in zip(order, items, strict=True))
     version = mission.firmware_version
-    program = Program(items, LocalFrame(mission.home), mission.autopilot, version=version)
+    program = Program(items, mission.frame, mission.autopilot, version=version)
     by_names = mission.autopilot.known_parameters(mission.parameters, version)
     return Itinerary(visits, program, tuple(over_terrain), ground, rally_places(mission), by_names)
 
@@ -107,7 +107,7 @@ def itinerary(mission: Mission, ground: Ground = LEVEL) -> Itinerary:
 def rally_places(mission: Mission) -> tuple[Place, ...]:
     if not mission.rally:
         return ()
-    frame, home = LocalFrame(mission.home), mission.home
+    frame, home = mission.frame, mission.home
     places = (frame.local(Geodetic(at.latitude_deg, at.longitude_deg, home.altitude)) for at in mission.rally)
     return tuple((float(p[0]), float(p[1]), at.altitude) for p, at in zip(places, mission.rally, strict=True))
 
@@ -156,7 +156,7 @@ class Unknown(NamedTuple):
 
 def find_unknown(mission: Mission) -> Iterator[Unknown]:
     autopilot, items = mission.autopilot, as_flown(mission).items
-    program = Program(items, LocalFrame(mission.home), autopilot, version=mission.firmware_version)
+    program = Program(items, mission.frame, autopilot, version=mission.firmware_version)
     circles = Command.NAV_LOITER_TURNS in autopilot.command_effects.flown
     splines = autopilot.guidance.flies_splines
     yield from past_jumps(mission)
@@ -219,7 +219,7 @@ def _braking_lengths(mission: Mission) -> list[float]:
     """Return for each item the length of a spline on which it can stop from its speed [m]; 0 from a stop."""
     autopilot, items = mission.autopilot, mission.items
     table = autopilot.parameter_table
-    values = autopilot.complete(mission.parameters, mission.firmware_version)
+    values = mission.complete_parameters
     both = table.by_meaning["cruise speed"], table.by_meaning["acceleration"]
     speed, accel = (values[parameter.name] * parameter.unit for parameter in both)
     changed = (n for n, item in enumerate(items) if item.command == Command.DO_CHANGE_SPEED)
@@ -262,7 +262,7 @@ def _payload_elsewhere(mission: Mission, program: Program, n: int, next_index: i
     autopilot, item = mission.autopilot, program.items[next_index]
     if item.command != Command.NAV_PAYLOAD_PLACE or not item.has_position:
         return
-    parameters = autopilot.complete(mission.parameters, mission.firmware_version)
+    parameters = mission.complete_parameters
     radius = parameters[autopilot.parameter_table.by_meaning["acceptance radius"].name] / 100
     if abs(program.place(next_index, NO_PLACE)[2] - program.place(n, NO_PLACE)[2]) > radius:
         why = "it waits at this height for that of the waypoint before, and never places the payload"
