@@ -13,7 +13,8 @@ from ipoa_mission.checks.landings import check_ground, check_unread
 from ipoa_mission.errors import MissionError, Remedy
 from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.forecast.contingency.contingencies import lands_by_choice, to_return_instead, who_lands
-from ipoa_mission.forecast.contingency.contingency_paths import GROUND, ContingencyPaths, ReturnLeg
+from ipoa_mission.forecast.contingency.contingency_paths import ContingencyPaths
+from ipoa_mission.forecast.contingency.contingency_samples import GROUND, ReturnLeg
 from ipoa_mission.forecast.contingency.energy_budget import RETURN_HINT, budget_of
 from ipoa_mission.forecast.contingency.shortfalls import (
     clear_in,

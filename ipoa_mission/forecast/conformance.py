@@ -12,7 +12,7 @@ from ipoa_mission.errors import MissionError
 from ipoa_mission.forecast.deviation.kept_limits import deviation_bound_of
 from ipoa_mission.forecast.deviation.law import DeviationLaw, law_of
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.forecast.timing.track import pieces_of
+from ipoa_mission.forecast.timing.track import interpolate, pieces_of
 from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.geometry import Points, Vector, arc_lengths
 from ipoa_mission.mission.flight_record import Deviation, DeviationKind
@@ -244,4 +244,4 @@ class ConformanceMonitor:
         corners = [place, over, goal] if self._visits[self._visit].item.command in TAKEOFFS else [place, goal]
         flown = arc_lengths(np.array(corners))
         places = np.arange(0.0, flown[-1] + SPACING, SPACING)
-        return np.column_stack([np.interp(places, flown, axis) for axis in np.array(corners).T])
+        return interpolate(places, flown, np.array(corners))

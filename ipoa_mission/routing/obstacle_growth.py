@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ipoa_mission.forecast.contingency.contingency_paths import ReturnLeg
+from ipoa_mission.forecast.contingency.contingency_samples import ReturnLeg
 from ipoa_mission.forecast.contingency.shortfalls import Shortfall
 from ipoa_mission.forecast.deviation.kept_limits import DeviationBound, grown, shrunk
 from ipoa_mission.geometry import Vector

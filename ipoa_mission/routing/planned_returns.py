@@ -20,7 +20,8 @@ from ipoa_mission.forecast.contingency.contingencies import (
     to_return_instead,
     who_lands,
 )
-from ipoa_mission.forecast.contingency.contingency_paths import SAMPLING, ContingencyPaths, ReturnLeg
+from ipoa_mission.forecast.contingency.contingency_paths import ContingencyPaths
+from ipoa_mission.forecast.contingency.contingency_samples import SAMPLING, ReturnLeg
 from ipoa_mission.forecast.contingency.shortfalls import (
     Shortfall,
     find_return_shortfalls,

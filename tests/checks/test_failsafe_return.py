@@ -8,7 +8,8 @@ import pytest
 from ipoa_mission.autopilot.autopilot import Autopilot, autopilot_named, registered
 from ipoa_mission.autopilot.returning import Contingency
 from ipoa_mission.checks.world_check import check_failsafe_return
-from ipoa_mission.forecast.contingency.contingency_paths import ContingencyPaths, ReturnLeg, StoppingPoints
+from ipoa_mission.forecast.contingency.contingency_paths import ContingencyPaths
+from ipoa_mission.forecast.contingency.contingency_samples import ReturnLeg, StoppingPoints
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.mission.items import land
 from ipoa_mission.planning.proof import prove

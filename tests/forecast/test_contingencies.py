@@ -25,7 +25,8 @@ from ipoa_mission.forecast.contingency.contingencies import (
     contingencies_of,
     predict_contingency,
 )
-from ipoa_mission.forecast.contingency.contingency_paths import SAMPLING, ContingencyPaths
+from ipoa_mission.forecast.contingency.contingency_paths import ContingencyPaths
+from ipoa_mission.forecast.contingency.contingency_samples import SAMPLING
 from ipoa_mission.forecast.timing.flight_model import OrderedContingency
 from ipoa_mission.mission.items import FenceCircle, Item
 from ipoa_mission.vehicles.arducopter.braking import Shaping
@@ -294,7 +295,8 @@ def test_over_a_hill_a_return_keeps_its_height_over_the_ground() -> None:
     sunk = samples.paths.copy()
     sunk[0, ~samples.possible[0], :, 2] -= 100.0
     low, same = (
-        over.paths.lowest(Contingency.RTL, each, 0).nearest.distance for each in (samples, replace(samples, paths=sunk))
+        over.paths.lowest_height(Contingency.RTL, each, 0).nearest.distance
+        for each in (samples, replace(samples, paths=sunk))
     )
     assert same == low > 0.0  # a way that is not taken does not count
     level = {"RNGFND1_TYPE": 1.0}  # may not see the ground: as over home

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from ipoa_mission.autopilot.returning import Contingency
-from ipoa_mission.forecast.contingency.contingency_paths import ReturnLeg
+from ipoa_mission.forecast.contingency.contingency_samples import ReturnLeg
 from ipoa_mission.forecast.contingency.shortfalls import Shortfall
 from ipoa_mission.routing.obstacle_growth import ObstacleGrowth, initial_growth
 from ipoa_mission.scenario import Scenario

@@ -10,7 +10,8 @@ from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.autopilot.returning import Contingency
 from ipoa_mission.flight.flight import Flight
 from ipoa_mission.forecast.contingency.contingencies import Contingencies
-from ipoa_mission.forecast.contingency.contingency_paths import ContingencyPaths, ReturnLeg
+from ipoa_mission.forecast.contingency.contingency_paths import ContingencyPaths
+from ipoa_mission.forecast.contingency.contingency_samples import ReturnLeg
 from ipoa_mission.scenario import Scenario, parse_scenario, read_scenario
 from tests.examples import vehicles
 from tests.quick_search import search_quickly

@@ -16,12 +16,8 @@ from ipoa_mission.autopilot.failsafe import Failsafe
 from ipoa_mission.autopilot.returning import COMPUTED, TIMED, Contingency
 from ipoa_mission.centimeters import ceil_cm, floor_cm
 from ipoa_mission.errors import MissionError, NotModeled
-from ipoa_mission.forecast.contingency.contingency_paths import (
-    GROUND,
-    ContingencyPaths,
-    ContingencySamples,
-    StoppingPoints,
-)
+from ipoa_mission.forecast.contingency.contingency_paths import ContingencyPaths
+from ipoa_mission.forecast.contingency.contingency_samples import GROUND, ContingencySamples, StoppingPoints
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.timing.flight_model import FlightModel, OrderedContingency
 from ipoa_mission.geometry import Vector
@@ -84,9 +80,10 @@ def to_return_instead(forecast: Forecast) -> str:
 def contingencies_of(forecast: Forecast) -> tuple[Contingency, ...]:
     failsafes = failsafes_of(forecast)
     actions = [action for failsafe in failsafes for action in (failsafe.action, *failsafe.differs.values())]
-    had = {contingency for action in actions for contingency in (action.contingency, *action.otherwise)}
-    had = had if failsafes else {Contingency.RTL, Contingency.LAND, Contingency.HOLD}
-    return tuple(contingency for contingency in COMPUTED if contingency in had)
+    ordered = {contingency for action in actions for contingency in (action.contingency, *action.otherwise)}
+    if not failsafes:
+        ordered = {Contingency.RTL, Contingency.LAND, Contingency.HOLD}
+    return tuple(contingency for contingency in COMPUTED if contingency in ordered)
 
 
 @dataclass(frozen=True)
@@ -152,11 +149,13 @@ class ContingencyBar(NamedTuple):
 
 
 def bars_of(rows: Iterable[ContingencyRow]) -> tuple[ContingencyBar, ...]:
-    own: dict[Contingency, list[ContingencyRow]] = {}
+    grouped: dict[Contingency, list[ContingencyRow]] = {}
     for row in rows:
-        own.setdefault(row.contingency, []).append(row)
-    leads = {contingency: ", ".join(dict.fromkeys(row.leads for row in mine)) for contingency, mine in own.items()}
-    return tuple(ContingencyBar(contingency, leads[contingency], tuple(mine)) for contingency, mine in own.items())
+        grouped.setdefault(row.contingency, []).append(row)
+    return tuple(
+        ContingencyBar(contingency, ", ".join(dict.fromkeys(row.leads for row in group)), tuple(group))
+        for contingency, group in grouped.items()
+    )
 
 
 class PredictedContingency(NamedTuple):
@@ -176,8 +175,10 @@ def predict_contingency(forecast: Forecast, contingency: Contingency, time: floa
     ordered = OrderedContingency(time, contingency)
     prediction = model.predict_contingency(forecast.itinerary, forecast.mission, forecast.wind, ordered)
     lasts = max(float(prediction.low[-1]) - time, 0.0), max(float(prediction.high[-1]) - time, 0.0)
-    first, _, last = prediction.touched or (np.nan,) * 3
-    touches = (max(first - time, 0.0), max(last - time, 0.0)) if np.isfinite(first) else None
+    touches = None
+    if prediction.touched is not None and np.isfinite(prediction.touched[0]):
+        first, _, last = prediction.touched
+        touches = max(first - time, 0.0), max(last - time, 0.0)
     used = forecast.energy_of(prediction.track.between(time, np.inf))
     return PredictedContingency(lasts, None if used is None else used.lasting(*lasts), touches, prediction.remarks)
 
@@ -193,9 +194,13 @@ class Contingencies:
     @cached_property
     def _clocks(self) -> tuple[Vector, Vector]:
         """Times of the same places: of a flight with exact position, and in the mean of all."""
-        flown, tail_s = (self.forecast.guarantee.flight.prediction, self.forecast.expected), 1e6  # both run alike there
-        noise_free, mean = (np.concatenate([[0.0], each.done, each.done[-1:] + tail_s]) for each in flown)
-        return noise_free, mean
+        noise_free = self.forecast.guarantee.flight.prediction.done
+        mean = self.forecast.expected.done
+        tail_s = 1e6  # both run alike there
+        return (
+            np.concatenate([[0.0], noise_free, noise_free[-1:] + tail_s]),
+            np.concatenate([[0.0], mean, mean[-1:] + tail_s]),
+        )
 
     def _mean(self, times: Vector) -> Vector:
         return np.asarray(np.interp(times, *self._clocks))
@@ -236,13 +241,13 @@ class Contingencies:
             return unknown
         tolerance = float(self._tolerances(np.array([time]))[0])
         begin, end = np.clip([time - tolerance, time + tolerance], *self.in_air)
-        now = self.paths.at(contingency, self._noise_free(np.clip([time], begin, end)))
-        both = [self.samples(contingency, (begin, end)), replace(now, times=np.clip([time], begin, end))]
-        samples = ContingencySamples.merged(both)
-        middle = int(np.searchsorted(samples.times, np.clip(time, begin, end)))
+        order_s = np.clip([time], begin, end)
+        now = replace(self.paths.at(contingency, self._noise_free(order_s)), times=order_s)
+        samples = ContingencySamples.merge([self.samples(contingency, (begin, end)), now])
+        middle = int(np.searchsorted(samples.times, order_s[0]))
         grade = self._grades(contingency, samples)[middle]
         row = self._row(contingency, samples, range(len(samples.times)), grade)
-        row = replace(row, from_s=time, to_s=time, goal=self.paths.goal(contingency, samples, middle))
+        row = replace(row, from_s=time, to_s=time, goal=self.paths.goal_names(contingency, samples, middle))
         return self._timed(row, samples, range(middle, middle + 1)) if timed else row
 
     def _unknown(self, contingency: Contingency, begin: float, end: float) -> ContingencyRow | None:
@@ -251,18 +256,24 @@ class Contingencies:
         return ContingencyRow(contingency, begin, end, Grade.UNKNOWN, math.nan, self.paths.required, why, NO_GOAL)
 
     def _tolerances(self, times: Vector) -> Vector:
-        prediction, begin_s = self.forecast.expected, 0.6  # ArduCopter 4.8-dev is 0.5 s early after its take-off
+        """Return half the interval of nine flights in ten at each of `times` (n,) [s]."""
+        prediction = self.forecast.expected
+        begin_s = 0.6  # ArduCopter 4.8-dev is 0.5 s early after its take-off
         return begin_s + np.interp(times, prediction.done, (prediction.high - prediction.low) / 2)
 
     def _grades(self, contingency: Contingency, samples: ContingencySamples) -> list[Grade]:
-        times, tolerances = samples.times, self._tolerances(samples.times)
-        clear, shares = clear_at_any_time(times, samples.clear, tolerances), np.zeros(len(times))
+        times = samples.times
+        tolerances = self._tolerances(times)
+        clear = clear_at_any_time(times, samples.clear, tolerances)
+        grades = [Grade.CLEAR] * len(times)
         if not clear.all():
-            shares[~clear] = share_nearer(times[~clear], tolerances[~clear], *self._nearer(contingency, samples))
-        unclear = [Grade.UNCLEAR if share >= 0.5 else Grade.POSSIBLY_UNCLEAR for share in shares]
-        return [Grade.CLEAR if is_clear else grade for is_clear, grade in zip(clear, unclear, strict=True)]
+            shares = share_nearer(times[~clear], tolerances[~clear], *self._nearer(contingency, samples))
+            for n, share in zip(np.flatnonzero(~clear).tolist(), shares, strict=True):
+                grades[n] = Grade.UNCLEAR if share >= 0.5 else Grade.POSSIBLY_UNCLEAR
+        return grades
 
     def _nearer(self, contingency: Contingency, samples: ContingencySamples) -> tuple[Vector, NDArray[np.bool_]]:
+        """Return times 0.25 s apart, and at which of them the predicted path is too near, (n,) each."""
         begin, end = samples.times[0], samples.times[-1]
         evenly = np.linspace(begin, end, max(2, round((end - begin) / 0.25) + 1))
         after = np.clip(np.searchsorted(samples.times, evenly), 1, len(samples.times) - 1)
@@ -275,22 +286,25 @@ class Contingencies:
         return evenly, nearer
 
     def _row(self, contingency: Contingency, samples: ContingencySamples, run: range, grade: Grade) -> ContingencyRow:
-        seen = run if grade is Grade.CLEAR else self._seen(samples, run)
-        near = min(self._nearest(contingency, samples, seen), key=lambda clearance: clearance.distance)
+        """Return the row of the samples of a run; `least_m` counts all that the vehicle may be at by then."""
+        reached = run if grade is Grade.CLEAR else self._within_tolerance(samples, run)
+        near = min(self._nearest(contingency, samples, reached), key=lambda clearance: clearance.distance)
         least, required, to = near.distance, self.paths.required, near.what
-        if GROUND in samples.which[seen.start : seen.stop]:
-            on_ground = (n for n in seen if GROUND in samples.which[n])
+        if GROUND in samples.which[reached.start : reached.stop]:
+            on_ground = (n for n in reached if GROUND in samples.which[n])
             worst = min(on_ground, key=lambda n: float(samples.slack[n]))
-            low = self.paths.lowest(contingency, samples, worst)
+            low = self.paths.lowest_height(contingency, samples, worst)
             least, required, to = low.nearest.distance, low.required, GROUND_NAME
-        goal, lands = self.paths.goal(contingency, samples, run.start), None
+        goal = self.paths.goal_names(contingency, samples, run.start)
+        lands = None
         if goal != "here":
             east, north, _ = samples.paths[run.start][samples.possible[run.start]][0, -1]
             lands = float(east), float(north)
-        begin, end = (float(samples.times[n]) for n in (run.start, min(run.stop, len(samples.times) - 1)))
+        begin = float(samples.times[run.start])
+        end = float(samples.times[min(run.stop, len(samples.times) - 1)])
         return ContingencyRow(contingency, begin, end, grade, least, required, to, goal, lands)
 
-    def _seen(self, samples: ContingencySamples, run: range) -> range:
+    def _within_tolerance(self, samples: ContingencySamples, run: range) -> range:
         edges = samples.times[[run.start, run.stop - 1]]
         early, late = edges + np.array([-1.0, 1.0]) * self._tolerances(edges)
         begin = np.searchsorted(samples.times, early)
@@ -298,20 +312,22 @@ class Contingencies:
         return range(min(int(begin), run.start), max(int(end), run.stop))
 
     def _nearest(self, contingency: Contingency, samples: ContingencySamples, run: range) -> list[Clearance]:
+        """Return the exact clearance of some samples of a run, the nearest among them."""
         slack = samples.slack[run.start : run.stop]
         inside = np.flatnonzero(slack <= -self.paths.required)  # their depth is not yet known
-        most = 6  # are measured exactly
+        most = 6
         few = np.linspace(0, len(inside) - 1, min(len(inside), most)).astype(int)
         picked = {*np.argsort(slack, kind="stable")[:most].tolist(), *inside[few].tolist()}
-        return [self.paths.exactly(contingency, samples, run[n]) for n in sorted(picked)]
+        return [self.paths.exact_clearance(contingency, samples, run[n]) for n in sorted(picked)]
 
     def _timed(self, row: ContingencyRow, samples: ContingencySamples, run: range) -> ContingencyRow:
         if row.contingency not in TIMED:
             return row
-        legs = np.linalg.norm(np.diff(samples.paths[run.start : run.stop], axis=2), axis=-1).sum(axis=2)
+        """Return the row with times and energy: of its first, shortest, longest and last return."""
+        lengths = np.linalg.norm(np.diff(samples.paths[run.start : run.stop], axis=2), axis=-1).sum(axis=2)
         possible = samples.possible[run.start : run.stop]
-        shortest = int(np.where(possible, legs, np.inf).min(axis=1).argmin())
-        longest = int(np.where(possible, legs, 0.0).max(axis=1).argmax())
+        shortest = int(np.where(possible, lengths, np.inf).min(axis=1).argmin())
+        longest = int(np.where(possible, lengths, 0.0).max(axis=1).argmax())
         picked = {run[n] for n in (0, shortest, longest, -1)}
         try:
             times = [float(samples.times[n]) for n in sorted(picked)]
@@ -319,18 +335,23 @@ class Contingencies:
         except MissionError as error:
             return replace(row, why_untimed=str(error))
         used = [each.used.between for each in flown if each.used is not None]
-        touching = [each.touches_s for each in flown if each.touches_s is not None]
-        touches = (min(low for low, _ in touching), max(high for _, high in touching)) if touching else None
-        lasts = min(each.duration_s[0] for each in flown), max(each.duration_s[1] for each in flown)
-        takes = (min(each.low for each in used), max(each.high for each in used)) if used else None
-        remarks = tuple(dict.fromkeys(remark for each in flown for remark in each.remarks))
-        return replace(row, touches_s=touches, duration_s=lasts, energy_wh=takes, remarks=remarks)
+        return replace(
+            row,
+            touches_s=_widest([each.touches_s for each in flown if each.touches_s is not None]),
+            duration_s=_widest([each.duration_s for each in flown]),
+            energy_wh=_widest([(each.low, each.high) for each in used]),
+            remarks=tuple(dict.fromkeys(remark for each in flown for remark in each.remarks)),
+        )
 
     def predicted(self, contingency: Contingency, time: float) -> PredictedContingency | None:
         try:
             return predict_contingency(self.forecast, contingency, float(np.clip(time, *self.in_air)))
         except MissionError:
             return None
+
+
+def _widest(intervals: Sequence[tuple[float, float]]) -> tuple[float, float] | None:
+    return (min(low for low, _ in intervals), max(high for _, high in intervals)) if intervals else None
 
 
 def _runs(possible: NDArray[np.bool_], grades: Sequence[Grade]) -> Iterator[range]:

@@ -7,13 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from ipoa_mission.autopilot.returning import Contingency
-from ipoa_mission.forecast.contingency.contingency_paths import (
-    GROUND,
-    SAMPLING,
-    ContingencyPaths,
-    ContingencySamples,
-    ReturnLeg,
-)
+from ipoa_mission.forecast.contingency.contingency_paths import ContingencyPaths
+from ipoa_mission.forecast.contingency.contingency_samples import GROUND, SAMPLING, ContingencySamples, ReturnLeg
 from ipoa_mission.forecast.deviation.kept_limits import clearance_task, with_margins
 from ipoa_mission.forecast.deviation.law import law_of
 from ipoa_mission.forecast.forecast import Forecast
@@ -46,8 +41,10 @@ class Shortfall:
 
 
 def find_return_shortfalls(paths: ContingencyPaths) -> list[Shortfall]:
+    """Return the shortfalls of RTL: those of every other second, if any, else those at all times."""
     begin, end = paths.in_air
-    few = paths.at(Contingency.RTL, np.linspace(begin, end, max(2, round((end - begin) / (2 * SAMPLING.step_s)))))
+    times = np.linspace(begin, end, max(2, round((end - begin) / (2 * SAMPLING.step_s))))
+    few = paths.at(Contingency.RTL, times)
     return [*find_shortfalls(paths, Contingency.RTL, few)] or [*find_shortfalls(paths, Contingency.RTL)]
 
 
@@ -62,16 +59,17 @@ def highest_return(forecast: Forecast) -> float:
     if mission.fence:
         switch = table.by_meaning["fence switch"].name
         values[switch] = values[switch] or 1.0
-    own = mission.autopilot.own_fence(values)
-    stray = law_of(mission.autopilot).highest.distance(0.01)
     allowed = [MAX_HEIGHT, world.airspace.bounds.upper[2], world.planning.max_height_above_ground or math.inf]
-    return min([*allowed, *([] if own is None else [own.ceiling.value - stray])])
+    fence = mission.autopilot.own_fence(values)
+    if fence is not None:
+        allowed.append(fence.ceiling.value - law_of(mission.autopilot).highest.distance(0.01))
+    return min(allowed)
 
 
 def return_altitude(forecast: Forecast) -> float:
     """Return the height of a return from far away [m above home]."""
     mission = forecast.mission
-    values = mission.autopilot.complete(mission.parameters, mission.firmware_version)
+    values = mission.complete_parameters
     ups = (0.0, *(place.altitude for place in mission.rally))
     far = 1e5  # [m]
     return max(mission.autopilot.return_height(values, 0.0, far, up) for up in ups)
@@ -150,26 +148,27 @@ def find_shortfalls(
     samples = paths.samples(contingency) if samples is None else samples
     short = np.where(samples.possible[..., None] & ~samples.clear[:, None, None], samples.near - paths.required, 0.0)
     where = np.argwhere(short < 0.0)
-    seen = set[tuple[int, int]]()
+    reported = set[tuple[int, int]]()
     bodies = paths.enlarged.airspace.obstacles
     for n, k, leg in where[np.argsort(short[tuple(where.T)], kind="stable")].tolist():
         number = int(samples.which[n, k, leg])
-        if (number, leg) not in seen:
-            seen.add((number, leg))
-            name = "" if number == GROUND else bodies[number].name
-            climbs = number >= 0 and leg == ReturnLeg.CLIMBS
-            over = climbs and float(bodies[number].bounds[0, 2]) > float(samples.paths[n, k, 1, 2])
-            yield Shortfall(contingency, float(samples.times[n]), name, number, -float(short[n, k, leg]), leg, over)
+        if (number, leg) in reported:
+            continue
+        reported.add((number, leg))
+        name = "" if number == GROUND else bodies[number].name
+        climbs = number >= 0 and leg == ReturnLeg.CLIMBS
+        over = climbs and float(bodies[number].bounds[0, 2]) > float(samples.paths[n, k, 1, 2])
+        yield Shortfall(contingency, float(samples.times[n]), name, number, -float(short[n, k, leg]), leg, over)
 
 
 def nearest_of(paths: ContingencyPaths, contingency: Contingency, samples: ContingencySamples, n: int) -> Check:
-    return Check("obstacles", paths.exactly(contingency, samples, n), paths.required)
+    return Check("obstacles", paths.exact_clearance(contingency, samples, n), paths.required)
 
 
 def nearest_of_legs(paths: ContingencyPaths, samples: ContingencySamples, n: int, legs: range) -> Check:
-    some = [path[legs.start : legs.stop + 1] for path in samples.paths[n][samples.possible[n]]]
+    parts = [path[legs.start : legs.stop + 1] for path in samples.paths[n][samples.possible[n]]]
     if GROUND in samples.which[n, :, legs.start : legs.stop]:
-        checks = (check for path in some for check in prove_ground(path[:2], paths.forecast.world))
+        checks = (check for part in parts for check in prove_ground(part[:2], paths.forecast.world))
         return min(checks, key=lambda check: check.slack)
-    clearances = (paths.enlarged.airspace.obstacle_clearance(path) for path in some)
+    clearances = (paths.enlarged.airspace.obstacle_clearance(part) for part in parts)
     return Check("obstacles", min(clearances, key=lambda clearance: clearance.distance), paths.required)

@@ -13,7 +13,7 @@ from ipoa_mission.autopilot.parameters import Parameters
 from ipoa_mission.forecast.itinerary.itinerary import CONDITIONS, Itinerary, flying_already
 from ipoa_mission.forecast.timing.bound import Kinematics, least_time
 from ipoa_mission.forecast.timing.flight_model import NEVER_MISSED, FlightModel, Missed, Prediction
-from ipoa_mission.forecast.timing.track import Track
+from ipoa_mission.forecast.timing.track import Track, interpolate
 from ipoa_mission.geometry import Points, Vector, arc_lengths, leg_lengths
 from ipoa_mission.mission.item_words import name_items
 from ipoa_mission.mission.items import Mission
@@ -83,7 +83,7 @@ def _smoothed(path: Points) -> Points:
         return path
     traveled = arc_lengths(path)
     stops = np.linspace(0.0, traveled[-1], min(max(2, math.ceil(traveled[-1] / 1.0) + 1), most))
-    even = np.column_stack([np.interp(stops, traveled, axis) for axis in path.T])
+    even = interpolate(stops, traveled, path)
     if len(even) <= steps:
         return even[[0, -1]]
     wide = np.pad(even, ((steps // 2, steps // 2), (0, 0)), mode="edge")

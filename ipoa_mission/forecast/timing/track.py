@@ -12,6 +12,11 @@ from ipoa_mission.geometry import Points, Vector, arc_lengths
 THINNING_TOLERANCE = 0.02  # [m]
 
 
+def interpolate(at: Vector, positions: Vector, points: Points) -> Points:
+    """Return the points (k, d) at `at` (k,), linear between points (n, d) at increasing `positions` (n,)."""
+    return np.column_stack([np.interp(at, positions, axis) for axis in points.T])
+
+
 @dataclass(frozen=True, eq=False)
 class Track:
     """Times (n,) from arming [s], points (n, 3) east, north, up [m], ground speeds (n,) [m/s]."""
@@ -32,7 +37,7 @@ class Track:
         return cls.of(samples[np.concatenate([[True], np.diff(samples[:, 0]) > 1e-9])])
 
     def at(self, times: Vector) -> Points:
-        return np.column_stack([np.interp(times, self.times, axis) for axis in self.points.T])
+        return interpolate(times, self.times, self.points)
 
     def nearest(self, time: float) -> int:
         return int(np.argmin(np.abs(self.times - time)))
@@ -113,7 +118,7 @@ def pieces_of(track: Track, spread: Points | None = None) -> Pieces:
     across = np.interp(middles, *_bends(track))
     wider = np.zeros((len(middles), 3))
     if spread is not None:
-        wider = np.column_stack([np.interp(middles, track.times, column) for column in spread.T])
+        wider = interpolate(middles, track.times, spread)
     return Pieces(times, track.points[kept], track.speeds[kept], across, wider)
 
 
