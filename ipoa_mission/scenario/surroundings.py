@@ -4,7 +4,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Protocol, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 import shapely
@@ -20,29 +20,17 @@ from ipoa_mission.maps.feature import many_objects
 from ipoa_mission.maps.map_obstacles import MapObstacle, raise_obstacles
 from ipoa_mission.maps.map_window import Box
 from ipoa_mission.maps.passed import PassedCount, PassedOver, count_passed_over
-from ipoa_mission.scenario.map_sections import BuildingsMap, ElevationTerrain, FlightAreaMap, MapSection, NoFlyMap
-from ipoa_mission.scenario.obstacles import (
-    MARGIN,
-    UNLIMITED_HEIGHT,
-    ObstacleSection,
-    meets,
-    no_fly_prisms,
-    on_lines,
-    zone_near,
-)
-from ipoa_mission.scenario.place_sections import (
-    BoundsSection,
-    FenceSection,
-    FlatTerrain,
-    Place,
-    TerrainSection,
-    east_north_of,
-)
+from ipoa_mission.scenario.map_sections import BuildingsMap, ElevationTerrain, FlightAreaMap, NoFlyMap
+from ipoa_mission.scenario.obstacles import MARGIN, UNLIMITED_HEIGHT, meets, no_fly_prisms, on_lines, zone_near
+from ipoa_mission.scenario.place_sections import FenceSection, FlatTerrain, east_north_of
 from ipoa_mission.unread import Unread, gathered
 from ipoa_mission.world.airspace import Airspace, Bounds
 from ipoa_mission.world.obstacles import Obstacle, RoundZone, Zone
 from ipoa_mission.world.polygon import Polygon, rings_of
 from ipoa_mission.world.terrain import Grid, Terrain
+
+if TYPE_CHECKING:
+    from ipoa_mission.scenario.model import Scenario
 
 HOME = shapely.Point(0.0, 0.0)
 WINDOW_MARGIN = 500.0  # growth of the bounds without a second reading [m]
@@ -50,26 +38,6 @@ BEYOND = f"more than {MARGIN:g} m outside the bounds"
 
 
 Reach: TypeAlias = tuple[Points, float]  # corners (n, 2), greatest height above ground [m]
-
-
-class Site(Protocol):
-    start: Place
-    goal: Place
-    via: tuple[Place, ...]
-    bounds: BoundsSection
-    terrain: TerrainSection
-    obstacles: tuple[ObstacleSection, ...]
-    maps: tuple[MapSection, ...]
-    fence: tuple[FenceSection, ...]
-
-    @property
-    def frame(self) -> LocalFrame: ...
-
-    @property
-    def unix_s(self) -> float | None: ...
-
-    @property
-    def added_reach(self) -> Reach: ...
 
 
 def allowed_area(fences: Sequence[FenceSection], frame: LocalFrame) -> Any | None:
@@ -135,39 +103,50 @@ class _Zones:
 
 
 @many_objects()
-def surroundings_of(scenario: Site) -> Surroundings:
-    maps = _read_zones(scenario)
-    allowed = allowed_area(scenario.fence, scenario.frame)
-    buildings, (lower, upper) = _read_buildings(scenario, maps.area, _things(scenario), allowed)
-    near, beyond = _near(_map_obstacles(scenario, buildings), maps.no_fly, (lower, upper))
-    terrain, terrain_remarks = _terrain(scenario, lower, upper)
+def surroundings_of(scenario: "Scenario") -> Surroundings:
+    """Read the scenario's maps and terrain, and build its airspace and geofence.
+
+    Raises:
+        BadInput: home is outside a fence or area, or in a zone; the fences have no area in common; or a file is wrong.
+    """
     frame = scenario.frame
+    maps = _read_zones(scenario)
+    allowed = allowed_area(scenario.fence, frame)
+    buildings, corners = _read_buildings(scenario, maps.area, _things(scenario), allowed)
+    near, beyond = _near(_map_obstacles(scenario, buildings), maps.no_fly, corners)
+
+    terrain, terrain_remarks = _terrain(scenario, *corners)
     ground = Ground(terrain)
     tables = enumerate(scenario.obstacles)
     drawn = tuple(table.build(table.name or f"{table.kind} {i}", frame, ground) for i, table in tables)
     raised = raise_obstacles(near, ground)
-    up = scenario.bounds.up or _up(scenario, terrain, (lower, upper), (*drawn, *raised))
-    prisms, contrary = no_fly_prisms(maps.no_fly, (lower, upper), up, terrain, scenario.frame)
-    zones = (*prisms, *forbidden(scenario.fence, scenario.frame, min(up[0], 0.0) - MARGIN, UNLIMITED_HEIGHT))
-    areas = [area for area in (maps.area, allowed) if area is not None and not area.covers(shapely.box(*lower, *upper))]
+
+    lower, upper = scenario.bounds.up or _up(scenario, terrain, corners, (*drawn, *raised))
+    prisms, contrary = no_fly_prisms(maps.no_fly, corners, (lower, upper), terrain, frame)
+    exclusions = forbidden(scenario.fence, frame, min(lower, 0.0) - MARGIN, UNLIMITED_HEIGHT)
+    box = shapely.box(*corners[0], *corners[1])
+    areas = [area for area in (maps.area, allowed) if area is not None and not area.covers(box)]
     footprint = Polygon(*rings_of(_common(areas))) if areas else None
-    bounds = Bounds((*map(float, lower), up[0]), (*map(float, upper), up[1]), footprint)  # type: ignore[arg-type]
-    airspace = Airspace(bounds, terrain, (*drawn, *raised, *zones))
-    passed = (*maps.passed_over, *(thing for read in buildings.values() for thing in read.passed_over), *beyond)
+    west, south = map(float, corners[0])
+    east, north = map(float, corners[1])
+    bounds = Bounds((west, south, lower), (east, north, upper), footprint)
+    airspace = Airspace(bounds, terrain, (*drawn, *raised, *prisms, *exclusions))
+
+    passed = (*maps.passed_over, *(thing for found in buildings.values() for thing in found.passed_over), *beyond)
     counts = tuple(count_passed_over(passed))
-    unread = gathered((*maps.unread, *contrary, *(thing for read in buildings.values() for thing in read.unread)))
-    of_maps = {**maps.remarks} | {number: read.remarks for number, read in buildings.items()}
+    unread = gathered((*maps.unread, *contrary, *(thing for found in buildings.values() for thing in found.unread)))
+    of_maps = {**maps.remarks} | {number: found.remarks for number, found in buildings.items()}
     remarks = (
         *(f"{scenario.maps[number].file.name}: {remark}" for number in sorted(of_maps) for remark in of_maps[number]),
         *terrain_remarks,
         *(counted.words() for counted in counts),
         *(thing.words for thing in unread),
     )
-    fence = (*scenario.fence, *_geofence(maps, (lower, upper)))
+    fence = (*scenario.fence, *_geofence(maps, corners))
     return Surroundings(airspace, fence, passed, counts, unread, remarks)
 
 
-def _read_zones(scenario: Site) -> _Zones:
+def _read_zones(scenario: "Scenario") -> _Zones:
     no_fly = list[tuple[NoFlyMap, MapArea]]()
     areas = list[Any]()
     fenced = False
@@ -194,7 +173,7 @@ def _read_zones(scenario: Site) -> _Zones:
 
 
 def _read_buildings(
-    scenario: Site, area: Any | None, things: Box, allowed: Any | None
+    scenario: "Scenario", area: Any | None, things: Box, allowed: Any | None
 ) -> tuple[dict[int, Buildings], Box]:
     """Return buildings by map number, and the bounds; buildings may extend these, then maps are read again."""
 
@@ -207,13 +186,13 @@ def _read_buildings(
     window = np.minimum(least, things[0]) - reach, np.maximum(most, things[1]) + reach
     buildings = read(window)
     bounds = _horizontal_bounds(scenario, area, things, _boxes(_map_obstacles(scenario, buildings)), allowed)
-    wanted = bounds[0] - MARGIN, bounds[1] + MARGIN
-    if (wanted[0] < window[0]).any() or (wanted[1] > window[1]).any():
-        buildings = read(wanted)
+    needed = bounds[0] - MARGIN, bounds[1] + MARGIN
+    if (needed[0] < window[0]).any() or (needed[1] > window[1]).any():
+        buildings = read(needed)
     return buildings, bounds
 
 
-def _map_obstacles(scenario: Site, buildings: Mapping[int, Buildings]) -> tuple[tuple[Path, MapObstacle], ...]:
+def _map_obstacles(scenario: "Scenario", buildings: Mapping[int, Buildings]) -> tuple[tuple[Path, MapObstacle], ...]:
     return tuple((scenario.maps[n].file, thing) for n, read in buildings.items() for thing in read.obstacles)
 
 
@@ -240,25 +219,26 @@ def _expect_home_allowed(section: NoFlyMap | FlightAreaMap, zones: tuple[MapArea
                 raise BadInput(words, code="home-outside-fence", place=section.file)
 
 
-def _places(scenario: Site) -> NDArray[np.float64]:
+def _places(scenario: "Scenario") -> NDArray[np.float64]:
     """Return home, places and corners of added tables, (n, 2) [m]."""
     places = (scenario.start, scenario.goal, *scenario.via)
     corners = scenario.added_reach[0]
     return np.vstack([(0.0, 0.0), *(place.east_north(scenario.frame) for place in places), corners])
 
 
-def _things(scenario: Site) -> Box:
-    drawn = [o.build("", scenario.frame, LEVEL) for o in scenario.obstacles]
+def _things(scenario: "Scenario") -> Box:
+    """Return the box around home, places, added tables and drawn obstacles."""
+    drawn = [obstacle.build("", scenario.frame, LEVEL) for obstacle in scenario.obstacles]
     things = np.vstack([_places(scenario), *(obstacle.bounds[:, :2] for obstacle in drawn)])
     return things.min(axis=0), things.max(axis=0)
 
 
-def _reach(scenario: Site) -> float:
+def _reach(scenario: "Scenario") -> float:
     return max(scenario.bounds.margin, float(np.linalg.norm(np.ptp(_places(scenario), axis=0))) / 2)
 
 
 def _horizontal_bounds(
-    scenario: Site, area: Any | None, things: Box, boxes: NDArray[np.float64], allowed: Any | None
+    scenario: "Scenario", area: Any | None, things: Box, boxes: NDArray[np.float64], allowed: Any | None
 ) -> Box:
     if area is not None:
         west, south, east, north = shapely.bounds(area)
@@ -301,7 +281,7 @@ def _near(
     return tuple(near), tuple(beyond)
 
 
-def _terrain(scenario: Site, lower: Vector, upper: Vector) -> tuple[Terrain, tuple[str, ...]]:
+def _terrain(scenario: "Scenario", lower: Vector, upper: Vector) -> tuple[Terrain, tuple[str, ...]]:
     section = scenario.terrain
     if isinstance(section, ElevationTerrain):
         return section.read(scenario.frame, (float(lower[0]), float(lower[1])), (float(upper[0]), float(upper[1])))
@@ -329,7 +309,7 @@ def _expect_cover(grid: Grid, corners: Box) -> None:
         )
 
 
-def _up(scenario: Site, terrain: Terrain, corners: Box, obstacles: tuple[Obstacle, ...]) -> tuple[float, float]:
+def _up(scenario: "Scenario", terrain: Terrain, corners: Box, obstacles: tuple[Obstacle, ...]) -> tuple[float, float]:
     places = (scenario.start, scenario.goal, *scenario.via)
     ends = [0.0, *(place.point(scenario.frame, Ground(terrain))[2] for place in places)]
     ground = on_lines(terrain, corners)
