@@ -37,6 +37,14 @@ class Quantiles:
             return float(self.distances[-1] + (log - logs[-1]) / slope)
         return float(np.interp(log, logs[::-1], self.distances[::-1]))
 
+    def longer(self, by: float) -> "Quantiles":
+        """Return the quantiles with all distances but the first longer by `by` [m]."""
+        first, *farther = self.distances
+        return replace(self, distances=(first, *(distance + by for distance in farther)))
+
+    def scaled(self, factor: float) -> "Quantiles":
+        return replace(self, distances=tuple(factor * distance for distance in self.distances))
+
     @property
     def _logs(self) -> tuple[Vector, float]:
         logs = np.log(self.chances)
@@ -81,28 +89,23 @@ class DeviationLaw:
         return self.level.distance(chance / independent)
 
     def in_wind(self, speed: float) -> "DeviationLaw":
-        def longer(spread: Quantiles, share: float) -> Quantiles:
-            first, *farther = spread.distances
-            return replace(spread, distances=(first, *(distance + share * speed for distance in farther)))
-
+        """Return the law in a wind [m/s]."""
         if speed == 0.0:
             return self
-        level, down, up = self.growth
+        level, down, up = (growth * speed for growth in self.growth)
         return replace(
             self,
-            level=longer(self.level, level),
-            down=longer(self.down, down),
-            up=longer(self.up, up),
-            lowest=longer(self.lowest, down),
-            highest=longer(self.highest, up),
-            farthest=self.farthest and longer(self.farthest, level),
+            level=self.level.longer(level),
+            down=self.down.longer(down),
+            up=self.up.longer(up),
+            lowest=self.lowest.longer(down),
+            highest=self.highest.longer(up),
+            farthest=self.farthest and self.farthest.longer(level),
         )
 
     def after_cruise(self) -> "DeviationLaw":
-        def wider(spread: Quantiles) -> Quantiles:
-            return replace(spread, distances=tuple(self.after_cruise_factor * each for each in spread.distances))
-
-        return replace(self, level=wider(self.level), farthest=self.farthest and wider(self.farthest))
+        factor = self.after_cruise_factor
+        return replace(self, level=self.level.scaled(factor), farthest=self.farthest and self.farthest.scaled(factor))
 
 
 def not_measured(autopilot: Autopilot, wind: float) -> str | None:
