@@ -4,6 +4,7 @@ from contextlib import contextmanager
 from typing import Any, NamedTuple, TypeAlias, TypeVar
 
 import numpy as np
+import shapely
 from numpy.typing import NDArray
 
 from ipoa_mission.errors import BadInput
@@ -11,6 +12,7 @@ from ipoa_mission.errors import BadInput
 Corners: TypeAlias = NDArray[np.float64]  # (n, 2) longitude, latitude [deg]
 Made = TypeVar("Made")
 BATCH = 4096  # features handled together
+EMPTY_SHAPE = shapely.GeometryCollection()
 DEEPEST = 16  # nested collections; shapely fails at thousands
 
 

@@ -13,15 +13,14 @@ from mmap import ACCESS_READ, mmap
 from pathlib import Path
 from typing import Any, BinaryIO
 
-import shapely
 from pyproj import CRS
 from pyproj.exceptions import CRSError
 
 from ipoa_mission.errors import BadInput, NoCoordinateSystem, TooLarge, WrongFormat
 from ipoa_mission.files import read_bytes, read_text, why_no_json
-from ipoa_mission.maps.feature import BATCH, Feature, read_all
+from ipoa_mission.maps.feature import BATCH, EMPTY_SHAPE, Feature, read_all
 from ipoa_mission.maps.geozones import ed269_features, is_ed269, layers_apart, limit_tags, zone_tags
-from ipoa_mission.maps.json_shapes import SHAPES, ToDegrees, degrees_of, polygons_together, shape_of, unchanged
+from ipoa_mission.maps.json_shapes import SHAPES, ToDegrees, degrees_of, shape_of, unchanged
 from ipoa_mission.maps.osm import is_overpass, overpass_features
 from ipoa_mission.maps.properties import blank_keys, tags_of, truncated
 
@@ -34,7 +33,8 @@ def read_geojson(path: Path) -> tuple[Feature, ...]:
     try:
         values = _values(text)
     except json.JSONDecodeError as error:
-        words, place = f"{error.msg[:1].lower()}{error.msg[1:]}", f"{path}: line {error.lineno}"
+        words = f"{error.msg[:1].lower()}{error.msg[1:]}"
+        place = f"{path}: line {error.lineno}"
         raise WrongFormat(words, hint=why_no_json(text, error.pos), place=place) from error
     except ValueError:
         raise TooLarge("expected numbers that fit in 64 bits, not one of thousands of digits", place=path) from None
@@ -92,10 +92,8 @@ def _features_of(document: Any, path: Path, place: str) -> tuple[Feature, ...]:
 
 
 def _features(placed: Sequence[tuple[str, Any]], to_degrees: ToDegrees) -> tuple[Feature, ...]:
-    apart = [(place, part) for place, feature in placed for part in layers_apart(feature)]
-    geometries = [part.get("geometry") if isinstance(part, dict) else None for _, part in apart]
-    drawn = polygons_together(geometries, to_degrees)
-    return read_all(_feature, ((*part, to_degrees, shape) for part, shape in zip(apart, drawn, strict=True)))
+    apart = ((place, part, to_degrees) for place, feature in placed for part in layers_apart(feature))
+    return read_all(_feature, apart)
 
 
 def _number(feature: Any) -> str:
@@ -103,17 +101,16 @@ def _number(feature: Any) -> str:
     return f" ({number})" if isinstance(number, str) and number else ""
 
 
-def _feature(place: str, feature: Any, to_degrees: ToDegrees, drawn: Any) -> Feature:
+def _feature(place: str, feature: Any, to_degrees: ToDegrees) -> Feature:
     if not isinstance(feature, dict) or feature.get("type") != "Feature":
         raise BadInput("expected a Feature", place=place)
-    geometry, properties = feature.get("geometry"), feature.get("properties")
+    geometry = feature.get("geometry")
+    properties = feature.get("properties")
     properties = properties if isinstance(properties, dict) else {}
     tags = dict(tags_of(properties)) | dict(zone_tags(properties))
     if isinstance(feature.get("id"), str | int):
         tags.setdefault("@id", str(feature["id"]))
-    shape = shapely.GeometryCollection() if drawn is None else drawn
-    if drawn is None and geometry is not None:
-        shape = shape_of(geometry, f"{place}.geometry", to_degrees)
+    shape = EMPTY_SHAPE if geometry is None else shape_of(geometry, f"{place}.geometry", to_degrees)
     if isinstance(geometry, dict) and isinstance(geometry.get("layer"), dict):
         tags |= dict(limit_tags(geometry["layer"]))
     return Feature(place, shape, tags, frozenset(blank_keys(properties)), truncated(properties, shape))
@@ -136,7 +133,8 @@ def is_large(path: Path) -> bool:
 
 def stream_geojson(path: Path) -> Iterator[Sequence[Feature]]:
     """Read batches of features; a document of another kind whole."""
-    kind, read = _first_at("type", path), 0
+    kind = _first_at("type", path)
+    read = 0
     try:
         if kind == "FeatureCollection":
             to_degrees = _coordinate_system(_first_at("crs", path), path)
@@ -191,7 +189,9 @@ class _Chunks:
     """Reads a file without its byte order mark and the separators of RFC 8142."""
 
     def __init__(self, file: BinaryIO, path: Path) -> None:
-        self._file, self._path, self._depth = file, path, 0
+        self._file = file
+        self._path = path
+        self._depth = 0
         file.seek(len(BOM_UTF8) if file.read(len(BOM_UTF8)) == BOM_UTF8 else 0)
 
     def read(self, size: int) -> bytes:

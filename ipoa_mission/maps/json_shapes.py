@@ -1,8 +1,7 @@
 """Convert JSON geometries (RFC 7946, with circles of ED-269 and ED-318) to shapes [deg, WGS 84]."""
 
-import json
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -27,23 +26,8 @@ def unchanged(corners: Corners) -> Corners:
     return corners
 
 
-def polygons_together(geometries: Sequence[Any], to_degrees: ToDegrees) -> list[Any]:
-    """Return valid polygons, made fast; None: use `shape_of`, which names a mistake."""
-    rings_of = map(_rings, geometries)
-    texts = [json.dumps({"type": "Polygon", "coordinates": rings}) if rings else None for rings in rings_of]
-    shapes = shapely.transform(shapely.from_geojson(np.array(texts, object), on_invalid="ignore"), to_degrees)
-    reach = np.abs(shapely.bounds(shapes)).reshape(-1, 2, 2)
-    sound = shapely.is_valid(shapes) & (reach <= (360.0, 90.0)).all(axis=(1, 2))
-    return [shape if is_sound else None for shape, is_sound in zip(shapes, sound.tolist(), strict=True)]
-
-
-def _rings(geometry: Any) -> Any:
-    is_polygon = isinstance(geometry, dict) and geometry.get("type") == "Polygon"
-    rings = geometry.get("coordinates") if is_polygon else None
-    return rings if isinstance(rings, list) and all(rings) else None
-
-
 def shape_of(geometry: Any, place: str, to_degrees: ToDegrees = unchanged, depth: int = 0) -> Any:
+    """Return the shape, maybe an invalid one; raise BadInput at the place of a mistake in its spelling."""
     kind = geometry.get("type") if isinstance(geometry, dict) else None
     if kind == "GeometryCollection":
         members = geometry.get("geometries")
@@ -58,7 +42,8 @@ def shape_of(geometry: Any, place: str, to_degrees: ToDegrees = unchanged, depth
     extent = geometry.get("extent")
     if kind == "Point" and isinstance(extent, dict):  # ED-318
         return circle(geometry.get("coordinates"), extent.get("radius"), f"{place}.extent")
-    values, place = geometry.get("coordinates"), f"{place}.coordinates"
+    values = geometry.get("coordinates")
+    place = f"{place}.coordinates"
     if not kind.startswith("Multi"):
         return _part(kind, values, place, to_degrees)
     if not isinstance(values, list):
@@ -77,11 +62,12 @@ def _part(kind: str, values: Any, place: str, to_degrees: ToDegrees) -> Any:
         return shapely.LineString(corners)
     if not isinstance(values, list) or not values:
         raise InvalidRing("expected a list of rings", place=place)
-    rings = []
+    rings = list[Corners]()
     for i, ring in enumerate(values):
-        rings.append(_corners(ring, f"{place}[{i}]", to_degrees))
-        if len(np.unique(rings[-1], axis=0)) < 3:
+        corners = _corners(ring, f"{place}[{i}]", to_degrees)
+        if len(set(map(tuple, corners.tolist()))) < 3:
             raise InvalidRing("expected a ring of 3 different corners or more", place=f"{place}[{i}]")
+        rings.append(corners)
     return shapely.Polygon(rings[0], rings[1:])
 
 
@@ -101,7 +87,8 @@ def circle(center: Any, radius: Any, place: str) -> Any:
         corner = np.array([center[:2]], float)
         size = float(radius)
     except (TypeError, ValueError, OverflowError, KeyError):
-        corner, size = np.zeros((0, 2)), math.nan
+        corner = np.zeros((0, 2))
+        size = math.nan
     if corner.shape != (1, 2) or not np.isfinite(corner).all() or not 0 < size < 1e6:
         raise BadInput("expected a circle: center [longitude, latitude] and a radius in meters", place=place)
     longitude, latitude = on_earth(corner, place)[0]

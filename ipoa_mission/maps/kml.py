@@ -18,7 +18,7 @@ import shapely
 
 from ipoa_mission.errors import BadInput, NothingThere, TooLarge, Unreadable, WrongFormat
 from ipoa_mission.files import read_text
-from ipoa_mission.maps.feature import DEEPEST, Corners, Feature, Missing, on_earth, read_all
+from ipoa_mission.maps.feature import DEEPEST, EMPTY_SHAPE, Corners, Feature, Missing, on_earth, read_all
 
 # Content in another file.
 NOT_READ = {
@@ -54,9 +54,8 @@ def read_kmz(path: Path) -> tuple[Feature, ...]:
         raise WrongFormat(f"expected a KMZ, a .kml in a zip archive: {error}", place=path) from error
     if len(text) > largest:
         raise TooLarge(f"expected a .kml of at most {largest >> 20} MB in the archive", place=path)
-    nowhere = shapely.GeometryCollection()
     others = (
-        Feature(f"{path}: {name}", nowhere, {}, missing=Missing(f"{name}, a second KML", nowhere, REMEDY))
+        Feature(f"{path}: {name}", EMPTY_SHAPE, {}, missing=Missing(f"{name}, a second KML", EMPTY_SHAPE, REMEDY))
         for name in names[1:]
     )
     return (*_read(text, path), *others)
@@ -78,7 +77,8 @@ def _read(text: bytes, path: Path) -> tuple[Feature, ...]:
 
 def _parse(text: bytes, path: Path) -> ElementTree.Element:
     """Parse in pieces, to limit the memory; drop namespaces."""
-    most, parser = 500_000, cast(Any, ElementTree.iterparse(io.BytesIO(text)))
+    most = 500_000
+    parser = cast(Any, ElementTree.iterparse(io.BytesIO(text)))
     for count, (_, element) in enumerate(parser):
         element.tag = element.tag.rpartition("}")[2]
         if count > most:
@@ -88,7 +88,8 @@ def _parse(text: bytes, path: Path) -> ElementTree.Element:
 
 
 def _placemarks(root: ElementTree.Element, path: Path) -> Iterator[ElementTree.Element]:
-    waiting, deepest = [(root, 0)], 64
+    waiting = [(root, 0)]
+    deepest = 64
     while waiting:
         element, depth = waiting.pop()
         if element.tag == "Placemark" and element.find(".//Placemark") is not None:
@@ -112,7 +113,7 @@ def _missing(placemark: ElementTree.Element, place: str) -> Missing | None:
     for element in placemark.iter():
         if element.tag in NOT_READ:
             sides = {each.tag: _text(each) for each in element.iter()}
-            box = shapely.GeometryCollection()
+            box = EMPTY_SHAPE
             with contextlib.suppress(KeyError, ValueError):
                 box = shapely.box(*(float(sides[side]) for side in ("west", "south", "east", "north")))
                 on_earth(shapely.get_coordinates(box), place)
@@ -121,7 +122,8 @@ def _missing(placemark: ElementTree.Element, place: str) -> Missing | None:
 
 
 def _height(placemark: ElementTree.Element) -> dict[str, str]:
-    modes, tops = {"relativeToGround": "height", "absolute": "height:amsl"}, dict[str, float]()
+    modes = {"relativeToGround": "height", "absolute": "height:amsl"}
+    tops = dict[str, float]()
     for drawn in placemark.iter():
         key = modes.get(drawn.findtext("altitudeMode", "").strip())
         is_shape = drawn.tag in {"Polygon", "LinearRing", "LineString", "Point"}
@@ -145,7 +147,8 @@ def _words(text: str) -> list[str]:
 def _tags(placemark: ElementTree.Element) -> Iterator[tuple[str, str]]:
     for element in placemark.iter():
         if element.tag == "name":
-            key, value = "name", _text(element)
+            key = "name"
+            value = _text(element)
         elif element.tag in ("Data", "SimpleData"):
             key = element.get("name", "")
             value = _text(element) or element.findtext("value", "").strip()
@@ -181,7 +184,8 @@ def _shapes(parent: ElementTree.Element, place: str, depth: int = 0) -> Iterator
 
 
 def _polygon(element: ElementTree.Element, place: str) -> Any:
-    outer, inner = element.findall("outerBoundaryIs/*"), element.findall("innerBoundaryIs/*")
+    outer = element.findall("outerBoundaryIs/*")
+    inner = element.findall("innerBoundaryIs/*")
     if len(outer) != 1:
         raise BadInput(f"expected one LinearRing, not {len(outer)}", place=f"{place}.outerBoundaryIs")
     for ring in (*outer, *inner):

@@ -15,13 +15,12 @@ import shapely
 
 from ipoa_mission.errors import BadInput, NothingThere, Unreadable, WrongFormat
 from ipoa_mission.geometry import union_of
-from ipoa_mission.maps.feature import Feature, Missing, on_earth
+from ipoa_mission.maps.feature import EMPTY_SHAPE, Feature, Missing, on_earth
 
 # Lines even if closed, unless tagged as areas.
 LINES = {"highway", "barrier", "railway", "waterway", "aerialway", "route", "man_made=pipeline", "power=line"}
 META_TAGS = {"created_by", "source"}
 BOUNDS = ("minlon", "minlat", "maxlon", "maxlat")
-EMPTY_SHAPE = shapely.GeometryCollection()
 
 
 class OsmWay(NamedTuple):
@@ -54,7 +53,8 @@ class Extract:
             raise BadInput(words, code="not-degrees", place=place) from error
 
     def _take(self, element: Mapping[str, Any]) -> None:
-        number, sort = str(element["id"]), element["type"]
+        number = str(element["id"])
+        sort = element["type"]
         tags = plain_tags((str(key), str(value)) for key, value in (element.get("tags") or {}).items())
         if bounds := element.get("bounds"):
             self.boxes[f"{sort} {number}"] = shapely.box(*(float(bounds[side]) for side in BOUNDS))
@@ -74,7 +74,8 @@ class Extract:
 
     def _nodes(self, way: Mapping[str, Any]) -> tuple[str, ...]:
         """Return the numbers of nodes; of unnumbered ones the places."""
-        numbers, places = way.get("nodes"), way.get("geometry")
+        numbers = way.get("nodes")
+        places = way.get("geometry")
         numbers = [""] * len(places or ()) if numbers is None else numbers
         names = list[str]()
         for number, place in zip(numbers, [None] * len(numbers) if places is None else places, strict=True):
@@ -119,7 +120,8 @@ def _degrees(place: Mapping[str, Any]) -> tuple[float, float]:
 
 
 def _extract(path: Path) -> Extract:
-    extract, root = Extract(), None
+    extract = Extract()
+    root = None
     for event, element in ElementTree.iterparse(path, ("start", "end")):
         if root is None:
             root = element
@@ -136,7 +138,8 @@ def _extract(path: Path) -> Extract:
 
 def _as_json(element: ElementTree.Element) -> dict[str, Any]:
     """Return XML as Overpass's JSON."""
-    nodes, bounds = element.findall("nd"), element.find("bounds")
+    nodes = element.findall("nd")
+    bounds = element.find("bounds")
     return {
         **element.attrib,
         "type": element.get("type", element.tag),
@@ -188,12 +191,14 @@ def _features(extract: Extract, path: Path) -> Iterator[Feature]:
     for number, way in extract.ways.items():
         if way.tags.keys() - META_TAGS:
             closes = len(way.nodes) > 1 and way.nodes[0] == way.nodes[-1]
-            shape, name = shape_of(corners_of(number), closes, way.tags), f"way {number}"
+            shape = shape_of(corners_of(number), closes, way.tags)
+            name = f"way {number}"
             yield feature_of(name, way.tags, shape, path, _known((way,), extract, name))
     for number, relation in extract.relations.items():
         if relation.tags.keys() - META_TAGS - {"type"}:
             ways = [extract.ways[way] for way, _ in ways_of(relation) if way in extract.ways]
-            shape, name = area_of(relation, corners_of), f"relation {number}"
+            shape = area_of(relation, corners_of)
+            name = f"relation {number}"
             yield feature_of(name, relation.tags, shape, path, _known(ways, extract, name))
 
 

@@ -11,19 +11,9 @@ from numpy.typing import NDArray
 
 from ipoa_mission.errors import BadInput, DamagedFile, NothingThere, TooLarge, WrongFormat, imported
 from ipoa_mission.files import read_bytes
-from ipoa_mission.maps.feature import BATCH, Feature
+from ipoa_mission.maps.feature import BATCH, EMPTY_SHAPE, Feature
 from ipoa_mission.maps.map_window import MapWindow, cut_out
-from ipoa_mission.maps.osm import (
-    EMPTY_SHAPE,
-    META_TAGS,
-    Relation,
-    area_of,
-    feature_of,
-    is_area,
-    plain_tags,
-    shape_of,
-    ways_of,
-)
+from ipoa_mission.maps.osm import META_TAGS, Relation, area_of, feature_of, is_area, plain_tags, shape_of, ways_of
 
 LARGEST_PBF = 200_000_000  # [bytes], about a minute
 UNKNOWN_BOX = (np.nan,) * 4
@@ -64,14 +54,19 @@ def read_pbf(path: Path, around: MapWindow) -> Iterator[list[Feature]]:
 
 class _Extract:
     def __init__(self, osmium: Any, path: Path, around: MapWindow) -> None:
-        self._osmium, self._path, self._around = osmium, path, around
+        self._osmium = osmium
+        self._path = path
+        self._around = around
         self._file = osmium.io.File(str(path), "pbf")
-        self._factory, self._all = osmium.geom.WKBFactory(), osmium.geom.use_nodes.ALL
-        self._nodes, self._ways = set[int](), set[int]()
+        self._factory = osmium.geom.WKBFactory()
+        self._all = osmium.geom.use_nodes.ALL
+        self._nodes = set[int]()
+        self._ways = set[int]()
         self._boxes: dict[str, list[float]] = {}  # of ways of areas [deg]
 
     def read(self) -> Iterator[Feature]:
-        osmium, osm = self._osmium, self._osmium.osm
+        osmium = self._osmium
+        osm = self._osmium.osm
         if osmium.io.Reader(self._file, osm.NOTHING).header().has_multiple_object_versions:
             raise BadInput("expected the map as it is now, not its history", place=self._path)
         relations = self._relations()
@@ -84,7 +79,8 @@ class _Extract:
             tags = _tags(node)
             if tags.keys() - META_TAGS:
                 yield feature_of(f"node {node.id}", tags, shape, self._path)
-        parts, lines = _parts(relations), dict[str, list[tuple[float, float]] | None]()
+        parts = _parts(relations)
+        lines = dict[str, list[tuple[float, float]] | None]()
         known = dict[str, list[tuple[float, float]]]()
         located = osmium.NodeLocationsForWays(places)
         located.ignore_errors()
@@ -92,7 +88,8 @@ class _Extract:
             here = [(node.lon, node.lat) for node in way.nodes if _is_known(node)]
             corners = here if len(here) == len(way.nodes) > 1 else None
             if str(way.id) in parts:
-                lines[str(way.id)], known[str(way.id)] = corners, here
+                lines[str(way.id)] = corners
+                known[str(way.id)] = here
             tags = _tags(way)
             if way.id in self._ways and tags.keys() - META_TAGS:
                 yield feature_of(f"way {way.id}", tags, shape_of(corners, way.is_closed(), tags), self._path, here)
@@ -102,7 +99,8 @@ class _Extract:
             yield feature_of(f"relation {number}", relation.tags, shape, self._path, of_ways)
 
     def _relations(self) -> dict[str, Relation]:
-        relations, sorts = {}, {"n": "node", "w": "way", "r": "relation"}
+        relations = {}
+        sorts = {"n": "node", "w": "way", "r": "relation"}
         for relation in self._osmium.FileProcessor(self._file, self._osmium.osm.RELATION):
             tags = _tags(relation)
             if is_area(tags) and tags.keys() - META_TAGS - {"type"}:
@@ -135,7 +133,8 @@ class _Extract:
         if each.is_node():
             box = (each.lon, each.lat, each.lon, each.lat) if _is_known(each) else UNKNOWN_BOX
             return _Located(True, each.id, True, None, box)
-        wkb, box = None, UNKNOWN_BOX
+        wkb = None
+        box = UNKNOWN_BOX
         try:
             wkb = bytes.fromhex(self._factory.create_linestring(each, self._all))
         except (self._osmium.InvalidLocationError, RuntimeError):  # missing or single node

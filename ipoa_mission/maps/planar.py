@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from ipoa_mission.errors import InvalidRing
 from ipoa_mission.geodesy import LocalFrame
+from ipoa_mission.maps.feature import EMPTY_SHAPE
 from ipoa_mission.maps.map_window import MapWindow
 
 LEAST_AREA = 1e-3  # [m^2]
@@ -21,7 +22,7 @@ def to_plane(
     """Convert degrees to east, north [m], long edges divided; return which are near home: others become empty."""
     degrees = _unwrapped(np.array(shapes, dtype=object))
     near = (about or MapWindow.of(frame)).are_near(shapely.bounds(degrees).reshape(-1, 4))
-    degrees[~near] = shapely.GeometryCollection()
+    degrees[~near] = EMPTY_SHAPE
 
     def convert(corners: NDArray[np.float64]) -> NDArray[np.float64]:
         return frame.to_local(corners[:, 1], corners[:, 0], np.full(len(corners), frame.home.altitude))[:, :2]

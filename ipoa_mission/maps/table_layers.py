@@ -28,7 +28,7 @@ from ipoa_mission.errors import (
     imported,
 )
 from ipoa_mission.files import read_bytes
-from ipoa_mission.maps.feature import BATCH, Corners, Feature, on_earth
+from ipoa_mission.maps.feature import BATCH, EMPTY_SHAPE, Corners, Feature, on_earth
 from ipoa_mission.maps.json_shapes import ToDegrees, degrees_of
 from ipoa_mission.maps.keys import Means, meaning
 from ipoa_mission.maps.kinds import uncut
@@ -54,7 +54,8 @@ class _Shapes(NamedTuple):
 
 def read_table(path: Path, around: MapWindow) -> Iterator[list[Feature]]:
     arrow = imported("pyarrow", f"{path}: reading it needs pyarrow, which is not installed", "maps", BadInput)
-    suffix, any_there = path.suffix.lower(), False
+    suffix = path.suffix.lower()
+    any_there = False
     if not read_bytes(path, 16).startswith(FIRST_BYTES[suffix]):
         raise WrongFormat(f"expected a {suffix} file, but its first bytes are those of another format", place=path)
     try:
@@ -103,7 +104,8 @@ def _layer(pyogrio: Any, path: Path, name: str, place: str, around: MapWindow) -
 
 def _expect_whole(path: Path) -> None:
     """Check that a Shapefile's files are whole, with equal rows."""
-    header, sizes = 100, {}  # [bytes]
+    header = 100  # [bytes]
+    sizes = {}
     for suffix in (".shx", ".dbf"):
         sidecar = next((p for p in map(path.with_suffix, (suffix, suffix.upper())) if p.exists()), None)
         if sidecar is None:
@@ -124,7 +126,8 @@ def _row_groups(arrow: Any, path: Path, around: MapWindow) -> Iterator[list[Feat
     with import_module("pyarrow.parquet").ParquetFile(path) as file:
         shapes = _shapes_of(file, arrow, path)
         columns = [shapes.column, *_tag_columns(file.schema_arrow, arrow, shapes.column)]
-        row, largest = 0, 2_000_000_000  # unpacked [bytes]
+        row = 0
+        largest = 2_000_000_000  # unpacked [bytes]
         for number in range(file.num_row_groups):
             if file.metadata.row_group(number).total_byte_size > largest:
                 raise TooLarge(f"expected groups of rows of at most {largest / 1e9:g} GB", place=path)
@@ -146,7 +149,8 @@ def _shapes_of(file: Any, arrow: Any, path: Path) -> _Shapes:
         geo = json.loads(metadata)
         column = geo["primary_column"]
         about = geo["columns"][column]
-        encoding, system = about["encoding"], about.get("crs", "OGC:CRS84")
+        encoding = about["encoding"]
+        system = about.get("crs", "OGC:CRS84")
     except (ValueError, TypeError, KeyError, AttributeError) as error:
         raise BadInput("expected GeoParquet's metadata of its columns", place=f"{path}: geo") from error
     schema = file.schema_arrow
@@ -180,7 +184,8 @@ def _features(batch: Any, shapes: _Shapes, places: Sequence[str], around: MapWin
     features = list[Feature]()
     for n, row in zip(wanted.tolist(), rows, strict=True):
         plain = {uncut(key, str(value)) if shapes.is_cut else key: _plain(value) for key, value in row.items()}
-        blank, part = frozenset(blank_keys(plain)), truncated(plain, drawn[n])
+        blank = frozenset(blank_keys(plain))
+        part = truncated(plain, drawn[n])
         features.append(Feature(places[n], drawn[n], dict(tags_of(plain)), blank, part))
     return features
 
@@ -194,7 +199,7 @@ def _drawn(wkb: NDArray[Any], to_degrees: ToDegrees, places: Sequence[str]) -> N
 
     try:
         shapes = shapely.force_2d(shapely.from_wkb(wkb))
-        shapes[shapely.is_missing(shapes)] = shapely.GeometryCollection()
+        shapes[shapely.is_missing(shapes)] = EMPTY_SHAPE
         return np.asarray(shapely.transform(shapes, convert))
     except (shapely.errors.GEOSException, BadInput) as error:
         if len(wkb) > 1:

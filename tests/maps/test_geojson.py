@@ -7,7 +7,7 @@ import shapely
 
 from ipoa_mission.errors import BadInput
 from ipoa_mission.maps import geojson
-from ipoa_mission.maps.json_shapes import polygons_together
+from ipoa_mission.maps.json_shapes import shape_of
 from ipoa_mission.maps.map_reader import read_batches, read_features
 from ipoa_mission.maps.map_window import MapWindow
 from tests.refused import refuses
@@ -81,20 +81,27 @@ def test_the_coordinate_system_counts_wherever_it_stands(tmp_path: Path, behind:
     assert read_features(path)[0].shape.bounds == pytest.approx((9.0, 46.9535, 9.0001, 46.9536), abs=1e-4)
 
 
-def test_only_polygons_with_nothing_wrong_are_made_together() -> None:
-    wrong: list[Any] = [
-        [],
-        [[]],
-        {"a": 1},
-        [SQUARE, []],
-        [[SQUARE[0], SQUARE[1], SQUARE[0]]],
-        [SQUARE, [SQUARE[0]] * 4],
-        [[[800, 1], [8, 2], [9, 3], [800, 1]]],
-    ]
-    drawn = [{"type": "Polygon", "coordinates": rings} for rings in ([SQUARE], *wrong, [SQUARE, [*HOLE, HOLE[0]]])]
-    made = polygons_together([*drawn, None], lambda corners: corners)
-    assert [made[0].wkt, made[-2].wkt] == [shapely.Polygon(SQUARE).wkt, shapely.Polygon(SQUARE, [HOLE]).wkt]
-    assert [*made[1:-2], made[-1]] == [None] * (len(wrong) + 1)
+@pytest.mark.parametrize(
+    ("rings", "code", "place"),
+    [
+        ([], "invalid-ring", "coordinates"),
+        ([[]], "bad-input", "coordinates[0]"),
+        ({"a": 1}, "invalid-ring", "coordinates"),
+        ([SQUARE, []], "bad-input", "coordinates[1]"),
+        ([[SQUARE[0], SQUARE[1], SQUARE[0]]], "invalid-ring", "coordinates[0]"),
+        ([SQUARE, [SQUARE[0]] * 4], "invalid-ring", "coordinates[1]"),
+        ([[[800, 1], [8, 2], [9, 3], [800, 1]]], "not-degrees", "coordinates[0]"),
+    ],
+)
+def test_a_wrong_polygon_is_refused_at_its_place(rings: Any, code: str, place: str) -> None:
+    with refuses(code, f"here.{place}"):
+        shape_of({"type": "Polygon", "coordinates": rings}, "here")
+
+
+def test_a_polygon_has_its_hole_closed_or_not() -> None:
+    for hole in (HOLE, [*HOLE, HOLE[0]]):
+        shape = shape_of({"type": "Polygon", "coordinates": [SQUARE, hole]}, "here")
+        assert shape.wkt == shapely.Polygon(SQUARE, [HOLE]).wkt
 
 
 OVERPASS = {"elements": [{"type": "node", "id": 1, "lat": 47.0, "lon": 8.0, "tags": {"natural": "tree"}}]}
@@ -154,14 +161,21 @@ def test_mistakes_in_a_large_file_name_the_feature(
             read_features(path)
 
 
-@pytest.mark.parametrize("depth", [2000, 6000])
+@pytest.mark.parametrize(
+    ("depth", "code", "place"),
+    [
+        (2000, "bad-input", "map.geojson: value 1: feature.geometry.coordinates[0]"),
+        (6000, "bad-input", "map.geojson: value 1: feature.geometry.coordinates[0]"),
+        (60_000, "too-large", "map.geojson"),
+    ],
+)
 def test_endlessly_nested_brackets_of_a_large_file_are_refused(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, depth: int
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, depth: int, code: str, place: str
 ) -> None:
     monkeypatch.setattr(geojson, "LARGEST_WHOLE", 0)
     path, nested = tmp_path / "map.geojson", "[" * depth + "]" * depth
     path.write_text(json.dumps(feature("Polygon", "HERE")).replace('"HERE"', nested))
-    with refuses("too-large", "map.geojson"):
+    with refuses(code, place):
         read_features(path)
 
 
