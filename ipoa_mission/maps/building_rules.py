@@ -119,7 +119,8 @@ def reach_of(
     tags: Mapping[str, str], rules: BuildingRules, part: Any, top: float, odd: Odd
 ) -> tuple[float, str | None]:
     """Rotor blades end above the ground."""
-    size, is_point = size_of(tags), part.geom_type == "Point"
+    size = size_of(tags)
+    is_point = part.geom_type == "Point"
     usual = size.radius if rules.point_radius is None else rules.point_radius
     if size is OTHER and is_point and rules.point_radius is None and math.isfinite(top):
         usual = min(max(usual, 0.2 * top), 10.0)

@@ -48,7 +48,8 @@ def called(feature: Feature, shape: Any) -> str:
     >>> called(Feature("town.geojson: features[3]", None, {"natural": "tree"}), shapely.Point(30.0, 30.0))
     'tree 42 m NE of home (features[3])'
     """
-    tags, kind = feature.tags, _kind(feature.tags)
+    tags = feature.tags
+    kind = _kind(feature.tags)
     if tags.get("name") or tags.get("addr:housename"):
         return feature.name
     street, number = tags.get("addr:street"), tags.get("addr:housenumber")
@@ -174,7 +175,8 @@ class _Finder:
         if wire is not None and (hanging := list(spans(shape))):
             if height is None:
                 counts[f"{wire.words} without a height, given {wire.height:g} m ({wire.key})"] += 1
-            top, width = wire.height if height is None else height, width_of(feature.tags, odd)
+            top = wire.height if height is None else height
+            width = width_of(feature.tags, odd)
             self._doubt(feature, shape, doubts, top)
             reach = wire.reach if width is None else width / 2
             return [MapObstacle(feature.name, span, reach, 0.0, top, hangs=True) for span in hanging]

@@ -70,7 +70,8 @@ def local_grid(
     spacing = float(nodes[0][1] - nodes[0][0])
     ground = _ground_at(nodes, posts, knots, pixels)
     lift = _raise_over_posts(ground, places, lower, spacing)
-    grid, levelled = Grid(lower[0], lower[1], spacing, ground), tuple[str, ...]()
+    grid = Grid(lower[0], lower[1], spacing, ground)
+    levelled = tuple[str, ...]()
     if all(low <= 0 <= high for low, high in zip(lower, upper, strict=True)):
         grid, levelled = _level(grid, rules, frame, path)
     used = f"ground every {spacing:.3g} m from posts {apart:.3g} m apart, raised by {max(lift, 0.001):.2g} m at most"
@@ -79,7 +80,8 @@ def local_grid(
 
 def ground_altitude(path: Path, latitude_deg: float, longitude_deg: float) -> float:
     """Return the height at a place [m AMSL]."""
-    frame, here = LocalFrame(Geodetic(latitude_deg, longitude_deg)), np.zeros(1)
+    frame = LocalFrame(Geodetic(latitude_deg, longitude_deg))
+    here = np.zeros(1)
     with _opened(path, None) as raster:
         pixels = _pixels(raster, frame, here, here, 0.0)
         raster.expect_cover(pixels)
@@ -282,7 +284,8 @@ class _Raster:
                 yield f"heights differ by {most:.0f} m from one {side} to the next {where}: one may be missing"
 
     def _completed(self, posts: _Posts, fill: bool, why: str) -> tuple[_Posts, tuple[str, ...]]:
-        wild, missing = posts.heights > HIGHEST, np.isnan(posts.heights)
+        wild = posts.heights > HIGHEST
+        missing = np.isnan(posts.heights)
         if wild.any():
             words = f"expected heights of ground, not {posts.heights[wild][0]:g} m {self._where(wild, posts)}"
             hint = "if this number marks a missing height, set terrain.nodata to it"
@@ -319,7 +322,8 @@ class _Raster:
 
     @property
     def _unit(self) -> float:
-        name, axes = (self.dataset.units[0] or "").strip().lower(), self.system.axis_info
+        name = (self.dataset.units[0] or "").strip().lower()
+        axes = self.system.axis_info
         if down := [axis.name for axis in axes if axis.direction == "down"]:
             raise BadInput(f"expected heights, not depths ({down[0]})", place=self.path)
         if not name and (vertical := [axis for axis in axes if axis.direction == "up"]):

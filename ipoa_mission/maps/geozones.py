@@ -224,7 +224,8 @@ def periods_of(tags: Mapping[str, str]) -> tuple[Period, ...] | None:
 
 
 def may_be_active(tags: Mapping[str, str], time: float) -> bool:
-    periods, longest_flight_s = periods_of(tags), 3_600.0
+    periods = periods_of(tags)
+    longest_flight_s = 3_600.0
     return periods is None or any(period.meets(time, time + longest_flight_s) for period in periods)
 
 
@@ -238,7 +239,8 @@ def _period(period: Mapping[str, Any]) -> Period:
 
 
 def _slot(slot: Mapping[str, Any]) -> Slot:
-    names, weekdays = slot.get("day") or ["ANY"], ("MON", "TUE", "WED", "THU", "FRI", "SAT", "SUN")
+    names = slot.get("day") or ["ANY"]
+    weekdays = ("MON", "TUE", "WED", "THU", "FRI", "SAT", "SUN")
     known = [weekdays.index(name) for name in names if name in weekdays]
     days = frozenset(known if len(known) == len(names) else range(7))  # "ANY", or a holiday of unknown date
     if "startTime" not in slot or "endTime" not in slot:  # dawn or dusk

@@ -119,7 +119,8 @@ def _read(eccodes: Any, handle: Any, where: str, winds: ForecastWinds, nearest: 
     def get(key: str, kind: type = str) -> Any:
         return eccodes.codes_get(handle, key, kind) if eccodes.codes_is_defined(handle, key) else None
 
-    name, level_type = get("shortName"), get("typeOfLevel")
+    name = get("shortName")
+    level_type = get("typeOfLevel")
     short = SHORT_NAME.fullmatch(name)
     if get("edition", int) == 2:
         is_wind = (get("discipline", int), get("parameterCategory", int)) == (0, 2)
@@ -142,7 +143,8 @@ def _read(eccodes: Any, handle: Any, where: str, winds: ForecastWinds, nearest: 
         return None
     index, *at = _nearest(eccodes, handle, winds, nearest)
     axis_deg = _axis_deg(eccodes, get, winds.path, *at) if component in (Component.EAST, Component.NORTH) else None
-    target, unit = "deg" if component is Component.FROM else "m/s", get("units")
+    target = "deg" if component is Component.FROM else "m/s"
+    unit = get("units")
     unit = "deg" if unit == "Degree true" else unit
     factor = 1.0 if unit in (None, "unknown") else unit_factor(unit, target, f"{winds.path}: {name}.units")
     value = eccodes.codes_get_double_element(handle, "values", index)
@@ -174,18 +176,21 @@ def _no_single_forecast(get: Any) -> str:
     if get("stepType") not in (None, "instant"):
         return f"its {get('stepType')} over a time"
     template = get("productDefinitionTemplateNumber", int)
-    is_single, is_mean = template in (None, 0, 1), get("derivedForecast", int) in (0, 1)
+    is_single = template in (None, 0, 1)
+    is_mean = get("derivedForecast", int) in (0, 1)
     return "" if is_single or is_mean else f"by product template {template}"
 
 
 def _valid_time(get: Any) -> np.datetime64:
-    date, clock = get("validityDate", int), get("validityTime", int)
+    date = get("validityDate", int)
+    clock = get("validityTime", int)
     day = np.datetime64(f"{date // 10000:04d}-{date // 100 % 100:02d}-{date % 100:02d}", "s")
     return day + np.timedelta64(clock // 100 * 60 + clock % 100, "m")
 
 
 def _nearest(eccodes: Any, handle: Any, winds: ForecastWinds, known: dict[str, Nearest]) -> Nearest:
-    grid, place = eccodes.codes_get(handle, "md5GridSection"), winds.place
+    grid = eccodes.codes_get(handle, "md5GridSection")
+    place = winds.place
     if grid not in known:
         latitudes, longitudes = (eccodes.codes_get_array(handle, key) for key in ("latitudes", "longitudes"))
         north = np.abs(latitudes - place.latitude_deg)

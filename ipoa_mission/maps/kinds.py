@@ -154,7 +154,7 @@ def has_kind(feature: Feature) -> bool:
 
 
 def why_passed_over(feature: Feature, extent: Extent, height_key: str, all_buildings: bool) -> Reason | None:
-    tags, areal = feature.tags, extent == "area"
+    tags = feature.tags
     if extent == "none":
         return Reason("without a geometry", False)
     if tags.get("location") in ("underground", "underwater") or tags.get("tunnel", "no") != "no":
@@ -175,24 +175,13 @@ def why_passed_over(feature: Feature, extent: Extent, height_key: str, all_build
     if _is_flat(tags):
         return FLAT
     has_blank = height_key in feature.blank or any(meaning(key) in _OF_BUILDINGS for key in feature.blank)
-    if areal and (all_buildings or has_blank):
+    if extent == "area" and (all_buildings or has_blank):
         return None
-    unspecific = {
-        "name",
-        "id",
-        "@id",
-        "osm_id",
-        "osm_way_id",
-        "fid",
-        "ID",
-        "FID",
-        "OBJECTID",
-        "Name",
-        "Id",
-        "description",
-    }
-    unknown = "of a kind unknown" if tags.keys() - unspecific else "untagged"
-    if areal:
+    names = {
+        "name", "id", "@id", "osm_id", "osm_way_id", "fid", "ID", "FID", "OBJECTID", "Name", "Id", "description",
+    }  # fmt: skip
+    unknown = "of a kind unknown" if tags.keys() - names else "untagged"
+    if extent == "area":
         return Reason(f"an area {unknown}", True)
     return Reason(f"a point or line {unknown}", has_blank or bool(keys_of(tags, Means.AMBIGUOUS)))
 

@@ -59,7 +59,8 @@ def length_of(text: str) -> tuple[float | None, bool]:
     last = 0.0
     rest = list[str]()
     for match in _QUANTITY.finditer(text):
-        between, end = text[end : match.start()], match.end()
+        between = text[end : match.start()]
+        end = match.end()
         rest.append(between)
         unit = match[2]
         factor = _FACTORS.get(unit)
@@ -86,7 +87,8 @@ def storeys_of(text: str) -> tuple[float | None, bool]:
 
     In `G+4` and `2+1` each part counts, a letter as one storey, basements as none.
     """
-    numbers, sure = list[float](), True
+    numbers = list[float]()
+    sure = True
     for part in re.split(r"[;/]|(?<=\d)[-–](?=\d)", _without_blanks_at_plus(text)):
         part = re.sub(rf"\b(?:{_STOREY})\b", "", part).strip(" ~≈<>.()")
         if _SUM.fullmatch(part):

@@ -179,7 +179,8 @@ def _heights(path: Path, coordinate: Any) -> _Heights | None:
     standard = _standard_name(coordinate)
     if {"grid_mapping_name", "crs_wkt"} & attributes.keys():
         return None
-    unit, is_axis = attributes.get("units"), attributes.get("axis") == "Z"
+    unit = attributes.get("units")
+    is_axis = attributes.get("axis") == "Z"
     text = f"{name} {attributes.get('long_name', '')} {unit or ''}".lower()
     by_words = [datum for datum, words in DATUM_WORDS if words.search(text)]
     is_named = by_words or HEIGHT_AXIS.fullmatch(name.lower()) or "positive" in attributes
@@ -211,7 +212,8 @@ def _height_in_name(name: str, long_name: str) -> tuple[float, Datum] | None:
         re.search(r"\d ?(hpa|mb|mbar|millibars?|pa)\b", text.lower()) for text in (long_name, name)
     ):
         return None
-    height, unit = float(match[1]), match[2]
+    height = float(match[1])
+    unit = match[2]
     is_usual = any(pattern.fullmatch(name) for pattern, _ in COMPONENT_NAMES)
     if unit is None and (height > 200 or not is_usual):  # u250 to u1000 are hPa
         return None
@@ -246,7 +248,8 @@ def _samples(
         times, here = _valid_times(here, winds.path)
         values.append(np.asarray(here, float).ravel() * factor)
     if second is not Component.NORTH:
-        speed, angle = values[0] if second is Component.TO else -values[0], np.radians(values[1])
+        speed = values[0] if second is Component.TO else -values[0]
+        angle = np.radians(values[1])
         values = [speed * np.sin(angle), speed * np.cos(angle)]
     components = np.stack(values, axis=-1)
     return WindSamples(height, datum, components if axis_deg is None else to_east_north(components, axis_deg), times)
@@ -267,7 +270,8 @@ def _grid(data: Any, variable: Any) -> CRS | tuple[float, float] | None:
 
 def _at_place(variable: Any, winds: ForecastWinds) -> tuple[Any, float | None]:
     """Return the value at the nearest point, and the direction of the y axis for a component along the axes."""
-    place, path = winds.place, winds.path
+    place = winds.place
+    path = winds.path
     latitude, longitude = (_degrees(variable, kind, path) for kind in ("latitude", "longitude"))
     relative = variable.attrs.get("GRIB_uvRelativeToGrid")
     is_named = variable.attrs.get("standard_name") in GEOGRAPHIC

@@ -67,7 +67,8 @@ def _unpacked(key: str, text: str) -> Iterator[tuple[str, str]]:
 
 
 def _rest(text: str) -> str:
-    is_json, is_hstore = text.lstrip().startswith('{"'), '"=>' in text
+    is_json = text.lstrip().startswith('{"')
+    is_hstore = '"=>' in text
     if is_json:
         with suppress(ValueError, RecursionError):
             json.loads(text)

@@ -45,7 +45,8 @@ def _disturbance(forecast: ForecastWind) -> tuple[float, float]:
 
 def _profile(winds: ForecastWinds, time: np.datetime64 | None, unknown: Datum) -> ForecastWind:
     levels = dict[float, list[WindSamples]]()
-    remarks, notes = list[str](), ForecastWinds(winds.path, winds.place)
+    remarks = list[str]()
+    notes = ForecastWinds(winds.path, winds.place)
     for samples in winds.samples:
         datum = unknown if samples.datum is Datum.UNKNOWN else samples.datum
         at_home = _home_above(datum, winds)
@@ -85,7 +86,8 @@ def _flown_levels(heights: list[float], notes: ForecastWinds) -> list[float]:
     """Return the levels up to the first one above `HIGHEST`."""
     above = [height for height in heights if height >= 0]
     if not above:
-        altitude, below = notes.place.altitude, -heights[-1]
+        altitude = notes.place.altitude
+        below = -heights[-1]
         words = f"expected winds above home, which is at {altitude:g} m; the highest are {below:g} m below it"
         raise NotCovered(words, place=notes.path)
     if len(above) < len(heights):

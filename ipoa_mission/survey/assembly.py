@@ -92,7 +92,8 @@ def _gimbal_items(scenario: Scenario, mission: Mission) -> list[Item]:
     if not firmware.takes(Command.DO_MOUNT_CONTROL):
         words = f"{firmware} takes no mission command that turns a gimbal"
         raise MissionError(words, code="command-not-taken", place="survey.gimbal")
-    pitch_deg, mount_mode = -90.0, 2.0  # MAV_MOUNT_MODE_MAVLINK_TARGETING
+    pitch_deg = -90.0
+    mount_mode = 2.0  # MAV_MOUNT_MODE_MAVLINK_TARGETING
     return [Item(Command.DO_MOUNT_CONTROL, Frame.MISSION, (pitch_deg, 0.0, 0.0, 0.0), altitude=mount_mode)]
 
 
@@ -120,7 +121,8 @@ def _clear_transit(begin: Vector, end: Vector, scenario: Scenario, growth: Mappi
         around = _round_obstacles(straight, task, distance, corner_segments)
         if around is not None and prove(around, task, spare=0.0).is_proved:
             return around
-    curve, width = plan_path(task, seed=seed).curve, scenario.route.tolerance
+    curve = plan_path(task, seed=seed).curve
+    width = scenario.route.tolerance
     for _ in range(5):
         points = push_clear(corridor(curve, width)[0], task)
         if (proof := prove(points, task, spare=0.0)).is_proved:
@@ -134,8 +136,10 @@ def _round_obstacles(straight: Points, task: PathProblem, distance: float, corne
     """Return the shortest way between two places (2, 3) at `distance` round obstacles; None with too many corners."""
     (west, south, *_), (east, north, *_) = task.airspace.bounds.lower, task.airspace.bounds.upper
     line = shapely.LineString(straight[:, :2])
-    min_reach, max_corners = 60.0, 250  # [m]
-    near, (low, high) = line.buffer(max(line.length / 2, min_reach)), np.sort(straight[:, 2])
+    min_reach = 60.0  # [m]
+    max_corners = 250
+    near = line.buffer(max(line.length / 2, min_reach))
+    low, high = np.sort(straight[:, 2])
     inside = near.intersection(shapely.box(west, south, east, north))
     if (footprint := task.airspace.bounds.footprint) is not None:
         inside = inside.intersection(footprint.shape)
@@ -167,8 +171,10 @@ def _shortest(legs: Points) -> list[int] | None:
     """Return the places between the last but one and the last on the shortest way, by legs (n, n)."""
     from scipy.sparse.csgraph import dijkstra
 
-    first, here = len(legs) - 2, len(legs) - 1
-    before, passed = dijkstra(legs, indices=first, return_predecessors=True)[1], list[int]()
+    first = len(legs) - 2
+    here = len(legs) - 1
+    before = dijkstra(legs, indices=first, return_predecessors=True)[1]
+    passed = list[int]()
     while (here := int(before[here])) != first:
         if here < 0:
             return None

@@ -59,7 +59,8 @@ def quickest_tour(
         passes = [problem.directions()]
     else:
         passes = [[float(each)] for each in ([direction] if isinstance(direction, int | float) else direction)]
-    places, is_on = list[Any](), list[bool]()
+    places = list[Any]()
+    is_on = list[bool]()
     while passes:
         is_last = not passes[1:] and direction != "crosshatch"
         best = problem.quickest_pass(passes.pop(0), begin, end if is_last else None)
@@ -71,7 +72,8 @@ def quickest_tour(
         is_on += best.path.is_on
         begin = places[-1]
         if direction == "crosshatch":
-            direction, passes = "best", [[best.degrees + 90.0]]
+            direction = "best"
+            passes = [[best.degrees + 90.0]]
     return _tour_of(np.array(places), is_on)
 
 
@@ -136,7 +138,8 @@ class CoverProblem:
 
     def quickest_pass(self, degrees: list[float], begin: Vector | None, end: Vector | None) -> _Pass:
         rough = sorted((self._rough_seconds(each, shift), each, shift) for each in degrees for shift in LIMITS.shifts)
-        laid, count = list[tuple[float, Points]](), 0
+        laid = list[tuple[float, Points]]()
+        count = 0
         for _, each, shift in rough[: LIMITS.laid if self._has_holes else LIMITS.laid_without_holes]:
             if not laid or count + len(laid[-1][1]) <= LIMITS.lines:
                 laid.append((each, self._laid(each, shift)))
@@ -190,7 +193,8 @@ class CoverProblem:
     def _laid(self, degrees: float, shift: float) -> Points:
         """Return lines, also over large gaps, and places in parts without any, (n, 2, 2)."""
         lines = self._lines(degrees, shift)
-        min_area, min_outline = 0.2 * self.spacing**2, 4.0 * self.spacing
+        min_area = 0.2 * self.spacing**2
+        min_outline = 4.0 * self.spacing
         more = []
         for gap in polygons_of(self.area.difference(seen_from(lines, self.spacing))):
             if gap.area > min_area and gap.length > min_outline:
@@ -268,7 +272,8 @@ def _parted() -> MissionError:
 
 
 def _simpler(keep_out: Any, area: Any, spacing: float) -> Any:
-    edge, most = float(keep_out.boundary.intersection(area).length), 0.03 * spacing
+    edge = float(keep_out.boundary.intersection(area).length)
+    most = 0.03 * spacing
     return wider(keep_out, most if edge <= 0.0 else min(most, MAX_UNSEEN / 2 * area.area / edge))
 
 

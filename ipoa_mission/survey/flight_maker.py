@@ -49,12 +49,14 @@ class FlightMaker:
     _longest: dict[Swath, tuple[Tour, Forecast]] = field(default_factory=dict, init=False, repr=False, compare=False)
 
     def __call__(self, part: Sortie) -> Forecast:
-        world, tour = self.task.scenario, part.tour
+        world = self.task.scenario
+        tour = part.tour
         longest = self._longest.get(tour.swaths[0])
         if longest is not None and part.start is None and longest[0].swaths == tour.swaths:
             return longest[1]
         if part.start is not None:
-            here, world = world.frame, _expect_clear(at_start(world, part.start), part.start)
+            here = world.frame
+            world = _expect_clear(at_start(world, part.start), part.start)
             tour = tour.moved(between(here, world.frame))
         return Forecast(assemble_survey(tour, self.task.sight, world, self.growth, self.seed), world)
 
@@ -71,7 +73,8 @@ class FlightMaker:
         forecast = self._forecast(part)
         if forecast is None:
             return IMPOSSIBLE_COST
-        budget, seconds = budget_of(forecast), forecast.estimate.total_s
+        budget = budget_of(forecast)
+        seconds = forecast.estimate.total_s
         if refusal_of(forecast) is not None:
             just_over_one = float(np.nextafter(1.0, 2.0))
             return RouteCost(max(0.0 if budget is None else budget.share, just_over_one), seconds)
@@ -124,13 +127,14 @@ def _sets_of_starts(count: int) -> Iterator[tuple[int, ...]]:
 def _joined_by_start(task: SurveyTask, starts: Points) -> Tour:
     swaths = list[Swath]()
     transits = list[Points]()
-    transit = task.cover.transit
     for start, own in zip(starts, nearest_areas(task.area, starts, task.sight.spacing), strict=True):
         if own is None or own.without(task.keep_out).is_empty:
             continue
         tour = lay_lines(replace(task, area=own), start)
-        transits += [transit(swaths[-1].end, tour.swaths[0].begin)] if swaths else []
-        swaths, transits = [*swaths, *tour.swaths], [*transits, *tour.transits]
+        if swaths:
+            transits.append(task.cover.transit(swaths[-1].end, tour.swaths[0].begin))
+        swaths += tour.swaths
+        transits += tour.transits
     if not swaths:
         lay_lines(task)  # raises the reason
     return Tour(tuple(swaths), tuple(transits))
@@ -150,7 +154,8 @@ def nearest_areas(area: Area, starts: Points, spacing: float) -> list[Area | Non
 
 
 def split_into_flights(tours: Sequence[Tour], make: FlightMaker) -> tuple[Tour, tuple[Sortie, ...]]:
-    section, (tour, *_) = make.task.section, tours
+    section = make.task.section
+    tour = tours[0]
     try:
         if section.starts is not None:
             return _from_starts(tours, make, np.array(section.starts))
@@ -209,11 +214,12 @@ def _from_starts(tours: Sequence[Tour], make: FlightMaker, starts: Points) -> tu
         _expect_clear(at_start(make.task.scenario, n), n)
     sites = StartSites(starts, make.task.times, cost, make.task.sight.piece_overlap)
     best: tuple[Tour, tuple[Sortie, ...]] | None = None
-    least, unreached = np.inf, list[Unreached]()
+    least = np.inf
+    unreached = list[Unreached]()
     for tour in tours:
         try:
             if make.task.scenario.vehicle.battery is None:
-                return tour, tuple(nearest_parts(tour, replace(sites, cost=make.cost)))
+                return tour, tuple(nearest_parts(tour, replace(sites, forecast_cost=make.cost)))
             if (split := quickest_parts(tour, sites, least)) is None or split[1] >= least:
                 continue
         except Unreached as error:

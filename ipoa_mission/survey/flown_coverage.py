@@ -35,7 +35,8 @@ class AsFlown:
 
 def as_flown(flights: Iterable[tuple[Track, Points]], area: Any, visible: Any, width: float) -> AsFlown:
     """Return the coverage of flights: tracks, and the times (n, 2) at which lines begin and end [s]."""
-    lines, outside = list[Any](), 0.0
+    lines = list[Any]()
+    outside = 0.0
     shapely.prepare(area)
     for track, ends in flights:
         lines += [_path(track, *times) for times in ends.tolist()]
@@ -49,11 +50,13 @@ def as_flown(flights: Iterable[tuple[Track, Points]], area: Any, visible: Any, w
 def expected_lines(forecast: Forecast, tour: Tour, frame: LocalFrame) -> tuple[Track, Points]:
     """Return the track, and when lines begin and end (n, 2) [s]."""
     tolerance = 0.05  # between an item and its line's end [m]
-    prediction, move = forecast.guarantee.flight.prediction, between(forecast.frame, frame)
+    prediction = forecast.guarantee.flight.prediction
+    move = between(forecast.frame, frame)
     items = [visit.item for visit in forecast.itinerary.visits]
     latitude, longitude = np.array([[item.latitude_deg, item.longitude_deg] for item in items]).T
     places = frame.to_local(latitude, longitude, forecast.mission.home.altitude)[:, :2]
-    visits, n = list[int](), 0
+    visits = list[int]()
+    n = 0
     for end in (end for swath in tour.swaths for end in (swath.begin, swath.end)):
         n += int(np.argmax(np.linalg.norm(places[n:] - end, axis=1) < tolerance))
         visits.append(n)
@@ -156,7 +159,8 @@ class PhotoLine:
 def smallest_overlaps(lines: Sequence[PhotoLine], sight: Sight, ground: Ground, free: Any) -> Overlaps:
     """Return the smallest overlaps of all photos; lines are neighbors only across the polygons `free`."""
     half = sight.across / sight.least / 2, sight.along / sight.least / 2
-    fronts, sides = list[Overlap](), list[Overlap]()
+    fronts = list[Overlap]()
+    sides = list[Overlap]()
     shapely.prepare(free)
     for line in lines:
         ahead = line.ahead
@@ -172,7 +176,8 @@ def smallest_overlaps(lines: Sequence[PhotoLine], sight: Sight, ground: Ground, 
 
 def flown_lines(forecast: Forecast, lag: float, frame: LocalFrame) -> Iterator[PhotoLine]:
     """Return the lines with photos; `lag`: a photo's mean delay [m], at most twice as much."""
-    home, every = forecast.mission.home, 0.0
+    home = forecast.mission.home
+    every = 0.0
     here: Vector | None = None
     for item in forecast.mission.items:
         if item.command == Command.DO_SET_CAM_TRIGG_DIST:
@@ -232,7 +237,8 @@ def _neighbors(
     ends = np.array([other.ends for other in lines])
     legs = ends[:, 1, :2] - ends[:, 0, :2]
     lengths = np.linalg.norm(legs, axis=1)
-    ahead, max_sine = line.ahead, math.sin(math.radians(2.0))
+    ahead = line.ahead
+    max_sine = math.sin(math.radians(2.0))
     is_parallel = np.abs(legs[:, 0] * ahead[1] - legs[:, 1] * ahead[0]) < max_sine * lengths
     ends = ends[is_parallel]
     legs = legs[is_parallel]
@@ -241,7 +247,8 @@ def _neighbors(
     share = (off * legs).sum(axis=2) / lengths**2
     away = ((share[:, :, None] * legs - off) * towards).sum(axis=2)
     beyond = np.abs(share - np.clip(share, 0.0, 1.0)) * lengths
-    min_separation, tolerance = 0.1 * sight.spacing, 0.05  # [m]; nearer lines are one line
+    min_separation = 0.1 * sight.spacing  # nearer lines are one line
+    tolerance = 0.05  # [m]
     is_neighbor = (beyond <= sight.spacing / 2) & (away > min_separation) & (away < sight.across)
     away = np.where(is_neighbor, away, np.inf)
     other, apart = away.argmin(axis=1), away.min(axis=1)

@@ -56,7 +56,8 @@ class FreeSpace:
         return self.ways(places, others) < NO_WAY
 
     def transits(self, ends: Points, cost: LegTimes) -> Any:
-        near, bend_m = listed(self.ways(ends, self.corners, self.arms)), 1.0 * cost.speed
+        near = listed(self.ways(ends, self.corners, self.arms))
+        bend_m = 1.0 * cost.speed
         return ways_between(cost.clock, ends, self.corners, near, listed(self.between), self.edges, bend_m)
 
 
@@ -64,7 +65,8 @@ class Transits:
     """The transits between line ends (2n, 2); `times` (2n, 2n) [s] with corners at both ends."""
 
     def __init__(self, ends: Points, inside: FreeSpace, outside: FreeSpace, cost: LegTimes) -> None:
-        self.ends, self._spaces = ends, (inside, outside)
+        self.ends = ends
+        self._spaces = (inside, outside)
         self._searches = [inside.transits(ends, cost)]
         self.times = self._searches[0][0]
         each = np.arange(len(ends))
@@ -151,9 +153,11 @@ def _filled(ring: Points, most: float) -> Points:
     n = 0
     count = len(ring)
     while n < count:
-        end, turned = n + 1, 0.0
+        end = n + 1
+        turned = 0.0
         while end < count and turns[end] < 0.0 and turned - turns[end] <= MAX_TURN:
-            begin, leg = ring[n], ring[(end + 1) % count] - ring[n]
+            begin = ring[n]
+            leg = ring[(end + 1) % count] - ring[n]
             away = (ring[n + 1 : end + 1] - begin) @ np.array([-leg[1], leg[0]]) / max(math.hypot(*leg), 1e-12)
             if away.max() > most:
                 break

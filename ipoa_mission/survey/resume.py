@@ -92,8 +92,10 @@ def _runs(tour: Tour, path: Points, sight: Sight, ground: Ground) -> Iterator[_R
     max_slant = 0.25  # [m/m]
     is_high = path[:, 2] - ground(path) >= 0.9 * sight.least
     for line, swath in enumerate(tour.swaths):
-        ahead, off = swath.ahead, path[:, :2] - swath.begin
-        along, aside = off @ ahead, off @ np.array([-ahead[1], ahead[0]])
+        ahead = swath.ahead
+        off = path[:, :2] - swath.begin
+        along = off @ ahead
+        aside = off @ np.array([-ahead[1], ahead[0]])
         is_on = is_high & (np.abs(aside) <= max_lateral) & (along >= -MAX_REST) & (along <= swath.length + MAX_REST)
         steps = np.diff(along)
         is_flown = is_on[:-1] & is_on[1:] & (np.abs(np.diff(aside)) <= max_slant * steps) & (steps > 0.0)
@@ -106,7 +108,8 @@ def _runs(tour: Tour, path: Points, sight: Sight, ground: Ground) -> Iterator[_R
 
 def _left(flown: list[tuple[float, float]], length: float, sight: Sight) -> list[tuple[float, float]]:
     """Return the unflown pieces [m], each with its overlap."""
-    end, reached = min(MAX_REST, sight.spacing / 4), 0.0
+    end = min(MAX_REST, sight.spacing / 4)
+    reached = 0.0
     left = list[tuple[float, float]]()
     for low, high in [*sorted(flown), (length, length)]:
         if low - reached > end or not flown:

@@ -75,10 +75,16 @@ def sight_of(section: SurveySection, area: Area, scenario: Scenario) -> Sight:
     """Return the requested flight and view."""
     share = 0.0 if _is_level(area, scenario) else BAND
     least = section.height if section.height_above_ground is not None else section.height / (1.0 + share)
-    camera, (front, side) = section.camera, (section.front_overlap, section.side_overlap)
+    camera = section.camera
     across, along = (section.line_spacing or 0.0, 0.0) if camera is None else camera.footprint(least)
-    spacing = section.line_spacing or across * (1.0 - (USUAL_OVERLAP if side is None else side))
-    trigger = None if camera is None else along * (1.0 - (USUAL_OVERLAP if front is None else front))
+    spacing = section.line_spacing or across * (
+        1.0 - (section.side_overlap if section.side_overlap is not None else USUAL_OVERLAP)
+    )
+    trigger = (
+        None
+        if camera is None
+        else along * (1.0 - (section.front_overlap if section.front_overlap is not None else USUAL_OVERLAP))
+    )
     spacing_key = "line_spacing" if section.line_spacing else "side_overlap"
     min_distance = 0.5  # [m]
     for key, distance in ((spacing_key, spacing), ("front_overlap", trigger)):
@@ -116,7 +122,8 @@ def lifted(path: Points, sight: Sight, ground: Ground) -> tuple[Points, list[int
     floor = np.array([lower[0] for _, lower in sampled] + [sampled[-1][1][-1]])
     floor[1:] = np.maximum(floor[1:], [lower[-1] for _, lower in sampled])
     heights = floor + sight.band / 2
-    points, corners = [np.append(path[0], heights[0])], [0]
+    points = [np.append(path[0], heights[0])]
+    corners = [0]
     for n, (a, b) in enumerate(pairwise(path)):
         shares, lower = sampled[n]
         lower[[0, -1]] = floor[n : n + 2]
@@ -128,7 +135,8 @@ def lifted(path: Points, sight: Sight, ground: Ground) -> tuple[Points, list[int
 
 def _sampled(a: Points, b: Points, sight: Sight, ground: Ground) -> tuple[Vector, Vector]:
     """Return shares of a straight leg, and the minimum flight height at each."""
-    ahead, samples = b - a, 9  # across the path, and along the photo
+    ahead = b - a
+    samples = 9  # across the path, and along the photo
     length = float(np.linalg.norm(ahead))
     ahead = ahead / max(length, 1e-9)
     step = min(5.0, max(sight.across / samples, 0.5))  # [m]
@@ -143,7 +151,8 @@ def _sampled(a: Points, b: Points, sight: Sight, ground: Ground) -> tuple[Vector
 
 def _fewest(shares: Vector, lower: Vector, band: float, ends: tuple[float, float]) -> list[tuple[float, float]]:
     """Return the fewest places between which straight flight stays in the band above `lower`."""
-    places, tolerance = list[tuple[float, float]](), 0.01  # [m]
+    places = list[tuple[float, float]]()
+    tolerance = 0.01  # [m]
     ahead = [(0, len(shares) - 1, *ends)]
     while ahead:
         first, last, begin, end = ahead.pop()

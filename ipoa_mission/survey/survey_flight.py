@@ -111,7 +111,8 @@ class Survey:
         """Return NAME.json in meters, seconds and watt hours."""
         from ipoa_mission.survey.survey_report import forecast_as_json, survey_as_json
 
-        plan, first = self.plan, self.flights[0]
+        plan = self.plan
+        first = self.flights[0]
         firmware = first.mission.autopilot.facts(first.mission.firmware_version)
         return {
             "name": self.name,
@@ -134,7 +135,8 @@ class Survey:
         from ipoa_mission.report.page import PageNotes, report_html
         from ipoa_mission.survey.survey_report import survey_html, survey_panel
 
-        panel, pages = survey_panel(self.plan, self.names), list[Path]()
+        panel = survey_panel(self.plan, self.names)
+        pages = list[Path]()
         if len(self.flights) > 1:
             pages.append(Path(folder) / f"{self.name}.html")
             write_atomically(pages[-1], survey_html(self.plan, self.names, self.remarks))
@@ -230,7 +232,8 @@ def _rest(whole: SurveyPlan, scenario: Scenario, flown: Sequence[Flown], seed: i
     stray = "no flight in it follows the lines of this survey"
     if left >= length:
         raise BadInput(stray, place=", ".join(paths))
-    source, ground = "the log" if len(paths) == 1 else "the logs", whole.scenario.airspace.ground
+    source = "the log" if len(paths) == 1 else "the logs"
+    ground = whole.scenario.airspace.ground
     remarks = [f"by {source}, {length - left:.0f} m of {length:.0f} m of lines were flown before"]
     for name, flights in paths.items():
         if not any(runs_in_order(whole.tour, path, whole.sight, ground) for path in flights):

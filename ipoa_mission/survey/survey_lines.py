@@ -87,7 +87,8 @@ def line_over(gap: Any, inner: Any, width: float) -> Points | None:
     places = grid.turned(shapely.get_coordinates(shapely.segmentize(gap.boundary, width / 4)))
     (west, south), (east, north) = places.min(axis=0), places.max(axis=0)
     low, high = sorted((north - width / 2, south + width / 2))
-    best, most = None, 0
+    best = None
+    most = 0
     for height in np.linspace(low, high, num=5):
         whole = shapely.LineString(grid.back(np.array([[west, height], [east, height]])))
         for part in shapely.get_parts(shapely.intersection(whole, inner)):
@@ -101,7 +102,8 @@ def line_over(gap: Any, inner: Any, width: float) -> Points | None:
                 first = (places[sees, 0] + reach[sees]).min()
                 last = (places[sees, 0] - reach[sees]).max()
                 ends = np.clip([min(first, last), max(first, last)], *ends)
-                best, most = grid.back(np.column_stack([ends, [height, height]])), count
+                best = grid.back(np.column_stack([ends, [height, height]]))
+                most = count
     return best
 
 
@@ -128,7 +130,8 @@ class SensedPath:
 
     def insert(self, detour: Detour) -> Points:
         """Insert a detour; return its places (k, 2) with both ends on the path."""
-        n, via = detour.leg, list(detour.via)
+        n = detour.leg
+        via = list(detour.via)
         begin, end = self.places[max(n, 0) : n + 1], self.places[n + 1 : n + 2]
         self.places[n + 1 : n + 1] = via
         self.is_on[max(n, 0) : n + 1] = [True] * (len(begin) + len(via) + len(end) - 1)
@@ -213,7 +216,8 @@ class GapCloser:
     def _quickest(
         self, route: SensedPath, legs: list[int], around: Any | None, lines: list[Points], round_corners: bool
     ) -> Detour | None:
-        best, least = None, np.inf
+        best = None
+        least = np.inf
         for n in legs:
             before, after = route.places[max(n - 1, 0) : n + 1], route.places[n + 1 : n + 3]
             now = self.cost.seconds(np.array([*before, *after]))
@@ -228,7 +232,8 @@ class GapCloser:
                     continue
                 seconds = self.cost.seconds(np.array([*before, *via, *after])) - now
                 if seconds < least:
-                    best, least = Detour(n, via, goal, seconds), seconds
+                    best = Detour(n, via, goal, seconds)
+                    least = seconds
         return best
 
     def _at_least(self, before: list[Vector], via: Points, after: list[Vector]) -> float:

@@ -92,7 +92,8 @@ class SurveyPlan(SurveyTask):
 class _TooNear(Exception):
     def __init__(self, kept: KeptLimit, guarantee: ClearanceGuarantee) -> None:
         super().__init__(kept.to)
-        self.kept, self.guarantee = kept, guarantee
+        self.kept = kept
+        self.guarantee = guarantee
 
 
 def plan_flights(scenario: Scenario, seed: int = 0, progress: Progress = silent) -> SurveyPlan:
@@ -115,7 +116,8 @@ def _with_room(scenario: Scenario, seed: int) -> SurveyPlan:
         make = FlightMaker(task, growth, seed)
         tour, parts = split_into_flights(laid_tours(task), make)
         forecasts = [make(part) for part in parts]
-        near, wanted = _too_near(forecasts), dict[str, float]()
+        near = _too_near(forecasts)
+        wanted = dict[str, float]()
         if not near:
             break
         for kept, guarantee in near:
@@ -211,7 +213,8 @@ def flight_table(plan: SurveyPlan, names: Sequence[str]) -> tuple[list[str], lis
     rows = list[tuple[str, ...]]()
     columns = ["file", "lines", "photos", "items", "takes\ns", "energy\nWh", "least clearance\nm"]
     for name, flight in zip(names, plan.flights, strict=True):
-        energy, kept = flight.forecast.energy, flight.forecast.guarantee.clearance
+        energy = flight.forecast.energy
+        kept = flight.forecast.guarantee.clearance
         counts = len(flight.tour.swaths), plan.sight.photos_of(flight.tour), len(flight.forecast.mission.items)
         takes = f"{flight.forecast.estimate.total_s:.1f}"
         wh = "" if energy is None else f"{energy.energy_wh:.1f}"

@@ -17,7 +17,9 @@ from ipoa_mission.survey.survey_plan import SurveyFlight, SurveyPlan, coverage_l
 
 
 def survey_as_json(plan: SurveyPlan, names: tuple[str, ...]) -> dict[str, Any]:
-    seen, sight, flown = plan.coverage, plan.sight, plan.flown
+    seen = plan.coverage
+    sight = plan.sight
+    flown = plan.flown
     return {
         "lines": len(plan.tour.swaths),
         "covered_share": rounded(seen.share),
@@ -59,7 +61,8 @@ def _overlap_as_json(plan: SurveyPlan) -> dict[str, Any] | None:
 
 
 def forecast_as_json(forecast: Forecast) -> dict[str, Any]:
-    mission, energy = forecast.mission, forecast.energy
+    mission = forecast.mission
+    energy = forecast.energy
     return {
         "firmware": mission.autopilot.facts(mission.firmware_version),
         "clearance": clearance_as_json(forecast.guarantee),

@@ -174,7 +174,8 @@ class SurveySection(AddedSection):
         return self.starts or ()
 
     def seen_from(self, scenario: Scenario, home: Geodetic) -> Scenario:
-        tolerance, away = 1.0, _away(scenario, home)  # [m]
+        tolerance = 1.0  # [m]
+        away = _away(scenario, home)
         if not away or min(away) > tolerance or apart(home, scenario.frame.home) <= tolerance:
             return scenario
         return at_start(scenario, int(np.argmin(away)))
@@ -209,7 +210,8 @@ def survey_of(scenario: Scenario) -> SurveySection | None:
 
 
 def surveyed_area(scenario: Scenario) -> Area | None:
-    section, known = survey_of(scenario), scenario.known
+    section = survey_of(scenario)
+    known = scenario.known
     if section is not None and "area" not in known:
         known["area"] = section.build(scenario.frame)
     return known.get("area")
@@ -226,7 +228,8 @@ def _away(scenario: Scenario, there: Geodetic) -> list[float]:
 
 
 def at_start(scenario: Scenario, n: int) -> Scenario:
-    section, from_starts = survey_of(scenario), scenario.known.setdefault("from_starts", {})
+    section = survey_of(scenario)
+    from_starts = scenario.known.setdefault("from_starts", {})
     assert section is not None
     if section.start_places[n] == (0.0, 0.0):
         return scenario
@@ -252,7 +255,8 @@ def between(old: LocalFrame, new: LocalFrame) -> Move:
 
 
 def _sections_from(scenario: Scenario, section: SurveySection, n: int) -> dict[str, Any]:
-    old, place = scenario.frame, np.array(section.start_places[n])
+    old = scenario.frame
+    place = np.array(section.start_places[n])
     there = old.geodetic(np.append(place, float(scenario.airspace.terrain.height(place[None])[0])))
     home = HomeSection(
         latitude_deg=round(there.latitude_deg, 7),
@@ -260,7 +264,8 @@ def _sections_from(scenario: Scenario, section: SurveySection, n: int) -> dict[s
         altitude_amsl=round(there.altitude, 3),
     )
     new = LocalFrame(home.geodetic())
-    move, rise = between(old, new), home.altitude_amsl - old.home.altitude
+    move = between(old, new)
+    rise = home.altitude_amsl - old.home.altitude
     start = Place(east=0.0, north=0.0, height_above_ground=section.height)
     survey = {key: _moved_nested(getattr(section, key), move) for key in ("polygon", "line", "starts")}
     return {
@@ -279,7 +284,8 @@ def _sections_from(scenario: Scenario, section: SurveySection, n: int) -> dict[s
 
 
 def _bounds(scenario: Scenario, new: LocalFrame, rise: float) -> BoundsSection:
-    air, (east, north, _) = scenario.airspace.bounds, new.local(scenario.frame.home)
+    air = scenario.airspace.bounds
+    (east, north, _) = new.local(scenario.frame.home)
     (west, south, low), (right, back, high) = air.lower, air.upper
     return BoundsSection(
         east=(west + east, right + east),
@@ -290,7 +296,8 @@ def _bounds(scenario: Scenario, new: LocalFrame, rise: float) -> BoundsSection:
 
 
 def _terrain(scenario: Scenario, new: LocalFrame, rise: float, n: int) -> TerrainSection:
-    section, terrain = scenario.terrain, scenario.airspace.terrain
+    section = scenario.terrain
+    terrain = scenario.airspace.terrain
     if isinstance(section, FlatTerrain):
         return section.model_copy(update={"height": section.height - rise})
     if isinstance(section, GridTerrain) and isinstance(terrain, Grid):
@@ -310,7 +317,8 @@ def _terrain(scenario: Scenario, new: LocalFrame, rise: float, n: int) -> Terrai
 
 
 def _moved(section: Moved, old: LocalFrame, new: LocalFrame) -> Moved:
-    changes, at = dict[str, Any](), (0.0, 0.0)
+    changes = dict[str, Any]()
+    at = (0.0, 0.0)
     if isinstance(section, Horizontal):
         at = section.east_north(old)
         there = old.geodetic(np.array([*at, 0.0]))

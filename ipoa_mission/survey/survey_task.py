@@ -85,7 +85,8 @@ def sketch_survey(scenario: Scenario) -> SurveySketch:
 
 
 def expect_survey(scenario: Scenario) -> tuple[SurveySection, Area]:
-    section, area = survey_of(scenario), surveyed_area(scenario)
+    section = survey_of(scenario)
+    area = surveyed_area(scenario)
     if section is None or area is None:
         raise BadInput("expected in the scenario, but missing", code="missing", place="survey")
     return section, area
@@ -110,7 +111,8 @@ def survey_bound(scenario: Scenario) -> DeviationBound:
 
 def keep_out(scenario: Scenario, sight: Sight, growth: Mapping[str, float]) -> Any | None:
     """Return the geometry to keep out of, in plan. `growth` [m] adds clearance by obstacle name, flown round."""
-    air, bound = scenario.airspace, survey_bound(scenario)
+    air = scenario.airspace
+    bound = survey_bound(scenario)
     distance = scenario.limits.obstacle_distance + SPARE
     max_widening = min(0.05 * sight.spacing, 0.25)  # [m], for fewer corners
     segments = 16  # of a quarter circle
@@ -127,7 +129,8 @@ def keep_out(scenario: Scenario, sight: Sight, growth: Mapping[str, float]) -> A
 
 def flown_round(scenario: Scenario, sight: Sight, growth: Mapping[str, float]) -> list[Obstacle]:
     """Return the obstacles flown neither over nor under, or grown."""
-    air, bound = scenario.airspace, survey_bound(scenario)
+    air = scenario.airspace
+    bound = survey_bound(scenario)
     distance = scenario.limits.obstacle_distance + SPARE
     return [
         body
@@ -160,7 +163,9 @@ def _expect_high_enough(sight: Sight, scenario: Scenario) -> None:
 
 def lay_lines(task: SurveyTask, start: Vector | None = None) -> Tour:
     """Return the quickest tour, from a `start` place (2,) if given."""
-    scenario, section, sight = task.scenario, task.section, task.sight
+    scenario = task.scenario
+    section = task.section
+    sight = task.sight
     if task.free.is_empty:
         words = f"obstacles and the clearance to them leave nothing of the area at {sight.least:g} m above ground"
         hint = "fly higher (survey.height_above_ground), or with a smaller safety_distance"
@@ -180,18 +185,20 @@ def lay_lines(task: SurveyTask, start: Vector | None = None) -> Tour:
 
 def _expect_manageable(task: SurveyTask) -> None:
     """Refuse what takes too much memory: 100 h take 1 to 2 GB."""
-    spacing, speed, shape = task.sight.spacing, task.scenario.vehicle.cruise_speed, task.area.shape
-    max_lines, max_hours = 3000, 100
-    (west, south, east, north) = shape.bounds
+    spacing = task.sight.spacing
+    speed = task.scenario.vehicle.cruise_speed
+    shape = task.area.shape
+    max_lines = 3000
+    max_hours = 100
+    west, south, east, north = shape.bounds
     lines = shape.area / spacing / math.hypot(east - west, north - south)
-    length, apart = (
-        float(task.free.area) / spacing,
-        "set lines farther apart (survey.line_spacing, or a greater height)",
-    )
+    length = float(task.free.area) / spacing
+    hours = length / speed / 3600.0
+    apart = "set lines farther apart (survey.line_spacing, or a greater height)"
     if lines > max_lines:
         words = f"expected at most {max_lines} lines, not {lines:.0f} or more, {spacing:g} m apart"
         hint = f"{apart}, or split the survey"
-    elif (hours := length / speed / 3600.0) > max_hours:
+    elif hours > max_hours:
         words = f"expected at most {max_hours} h of flight, not {hours:.0f} h or more: "
         words += f"{length / 1000.0:.0f} km of lines at {speed:g} m/s"
         hint = f"split the survey, or {apart}"
@@ -205,7 +212,8 @@ def _corridor_tour(task: SurveyTask, middle: Points, width: float, begin: Vector
 
     Return None if a line bends back on itself or leaves the free area.
     """
-    spacing, inside = task.sight.spacing, task.free.buffer(1e-6)  # [m]
+    spacing = task.sight.spacing
+    inside = task.free.buffer(1e-6)  # [m]
     count = max(math.ceil(width / spacing - 1e-9), 1)
     if np.linalg.norm(middle[-1] - begin) < np.linalg.norm(middle[0] - begin):
         middle = middle[::-1]

@@ -99,7 +99,8 @@ class SurveyPlanner:
         if self.system is not None and not self.flown:
             raise OptionConflict("needs --flown", place="--system")
         logs = [log if self.system is None else (log, self.system) for log in self.flown or ()]
-        wind, seed = asked.flown_by.air, asked.search.seed
+        wind = asked.flown_by.air
+        seed = asked.search.seed
         with changes.planning() as show:
             return plan_survey(scenario=scenario, wind=wind, seed=seed, flown=logs, progress=show)
 
@@ -133,7 +134,9 @@ def _fly(survey: "Survey", asked: FlyOptions, fly_job: FlyJob) -> None:
     from ipoa_mission.cli.flight_output import flight_as_json, next_steps, print_flown
     from ipoa_mission.cli.mission_source import Job
 
-    files, on_link, link = asked.files, asked.on_link, asked.on_vehicle.link
+    files = asked.files
+    on_link = asked.on_link
+    link = asked.on_vehicle.link
     written = _write(survey, files)
     if not files.as_json:
         _print(survey, written)

@@ -2,9 +2,9 @@
 
 import math
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field
 from itertools import groupby, pairwise
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -92,12 +92,23 @@ class RouteCost(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class StartSites:
-    """Start places (k, 2); `cost` tries a flight; cut lines have an `overlap` [m]."""
+    """Start places (k, 2); `forecast_cost` tries a flight; cut lines have an `overlap` [m]."""
 
     places: Points
     times: LegTimes
-    cost: Callable[[Sortie], RouteCost]
+    forecast_cost: Callable[[Sortie], RouteCost]
     overlap: float
+    _costs: dict[tuple[tuple[Swath, ...], int | None], RouteCost] = field(default_factory=dict, init=False, repr=False)
+
+    def cost(self, part: Sortie) -> RouteCost:
+        key = part.tour.swaths, part.start
+        if key not in self._costs:
+            self._costs[key] = self.forecast_cost(part)
+        return self._costs[key]
+
+    def reach(self, tour: Tour) -> bool:
+        """Return whether a flight from one of the places flies a tour."""
+        return any(self.cost(Sortie(tour, start)).fits for start in range(len(self.places)))
 
 
 class Unreached(Exception):
@@ -191,16 +202,8 @@ def quickest_parts(
     Raises:
         Unreached: no piece of a line fits.
     """
-    known, starts = dict[Any, RouteCost](), range(len(sites.places))
-
-    def cached(part: Sortie) -> RouteCost:
-        key = part.tour.swaths, part.start
-        if key not in known:
-            known[key] = sites.cost(part)
-        return known[key]
-
     while True:
-        trials = _Trials(tour, replace(sites, cost=cached))
+        trials = _Trials(tour, sites)
         while (best := trials.best()) is not None:
             if (estimate := trials.seconds_of(best)) > MAX_ESTIMATED_SHARE * max_seconds:
                 return None
@@ -210,8 +213,7 @@ def quickest_parts(
                 parts = tuple(Sortie(tour.part(first, last), start) for first, last, start in best)
                 return parts, trials.seconds_of(best)
         for at in trials.unreachable()[::-1]:
-            rest = tour.part(at, len(tour.swaths))
-            cut = _first_line_cut(rest, lambda piece: any(cached(Sortie(piece, n)).fits for n in starts), sites.overlap)
+            cut = _first_line_cut(tour.part(at, len(tour.swaths)), sites.reach, sites.overlap)
             tour = Tour((*tour.swaths[:at], *cut.swaths), (*tour.transits[:at], *cut.transits))
 
 
@@ -219,7 +221,9 @@ class _Trials:
     """Costs by (first line, one after the last, start place)."""
 
     def __init__(self, tour: Tour, sites: StartSites) -> None:
-        self._tour, self._cost, speed = tour, sites.cost, sites.times.speed
+        self._tour = tour
+        self._cost = sites.cost
+        speed = sites.times.speed
         self._known = dict[tuple[int, int, int], RouteCost]()
         begins, ends = (np.array([getattr(s, key) for s in tour.swaths]) for key in ("begin", "end"))
         there, back = (np.linalg.norm(each[None] - sites.places[:, None], axis=2) / speed for each in (begins, ends))
@@ -258,7 +262,8 @@ class _Trials:
             is_excluded[start, first, last - 1] = False
         costs = np.where(self._failed | is_excluded, np.inf, self._seconds)
         least, by = costs.min(axis=0), costs.argmin(axis=0)
-        upto, cut = np.full(count + 1, np.inf), np.zeros(count + 1, int)
+        upto = np.full(count + 1, np.inf)
+        cut = np.zeros(count + 1, int)
         upto[0] = 0.0
         for last in range(1, count + 1):
             totals = upto[:last] + least[:last, last - 1]
@@ -266,7 +271,8 @@ class _Trials:
             upto[last] = totals[cut[last]]
         if not math.isfinite(upto[count]):
             return None
-        flights, last = list[tuple[int, int, int]](), count
+        flights = list[tuple[int, int, int]]()
+        last = count
         while last:
             first = int(cut[last])
             flights.insert(0, (first, last, int(by[first, last - 1])))
