@@ -32,14 +32,20 @@ class Area:
     shape: shapely.MultiPolygon
 
     @classmethod
-    def of(cls, parts: Sequence[Sequence[Sequence[Sequence[float]] | Points]], where: str = "area") -> "Area":
-        """Return the area of parts, each a list of rings (n, 2): outer, then holes, as in GeoJSON."""
+    def of(
+        cls, parts: Sequence[Sequence[Sequence[Sequence[float]] | Points]], where: str = "area", levels: int = 4
+    ) -> "Area":
+        """Return the area of parts, each a list of rings (n, 2): outer, then holes, as in GeoJSON.
+
+        Errors are at places below `where`, by the last `levels` of the indices of part, ring, corner and coordinate.
+        """
         if not len(parts):
             raise InvalidRing("expected one polygon or more", place=where)
-        polygons = [_polygon(rings, f"{where}[{n}]", n) for n, rings in enumerate(parts)]
+        spelling = _Spelling(where, levels)
+        polygons = [_polygon(rings, spelling, n) for n, rings in enumerate(parts)]
         for n, polygon in enumerate(polygons):
             for m, other in enumerate(polygons[:n]):
-                _expect_apart(where, (n, polygon), (m, other))
+                _expect_apart(spelling, (n, polygon), (m, other))
         return cls(shapely.MultiPolygon(polygons))
 
     def without(self, keep_out: Any | None) -> Any:
@@ -53,23 +59,43 @@ class Area:
         return self.shape.intersection(inner.buffer(width / 2, quad_segs=ARC))
 
 
-def _polygon(rings: Sequence[Sequence[Sequence[float]] | Points], where: str, part: int) -> shapely.Polygon:
+@dataclass(frozen=True)
+class _Spelling:
+    """The key of an area, and its levels of brackets: 4, fewer for a single polygon or ring."""
+
+    key: str
+    levels: int
+
+    def place(self, *indices: int) -> str:
+        return self.key + "".join(f"[{n}]" for n in self._written(indices))
+
+    def misplaced(self, words: str, *indices: int) -> BadInput:
+        """Return an error whose remedy takes out the part or ring."""
+        written = self._written(indices)
+        remedies = (Remedy((*self.key.split("."), *written)),) if written else ()
+        return BadInput(words, code="ring-misplaced", place=self.place(*indices), remedies=remedies)
+
+    def _written(self, indices: tuple[int, ...]) -> tuple[int, ...]:
+        return indices[4 - self.levels :]
+
+
+def _polygon(rings: Sequence[Sequence[Sequence[float]] | Points], spelling: _Spelling, part: int) -> shapely.Polygon:
+    where = spelling.place(part)
     if not len(rings):
         raise InvalidRing("expected a ring of corners", place=where)
-    names = [f"{where}[{n}]" for n in range(len(rings))]
+    names = [spelling.place(part, n) for n in range(len(rings))]
     outer, *holes = [_ring(ring, name) for ring, name in zip(rings, names, strict=True)]
     bare = shapely.Polygon(outer)
     solid = [shapely.Polygon(hole) for hole in holes]
     for n, hole in enumerate(solid):
-        name = names[n + 1]
         if not bare.intersects(hole) or bare.intersection(hole).area < LEAST_M2:
             words = f"expected a hole inside of its outer ring {names[0]}, but it lies outside"
-            raise _misplaced(words, name, part, n + 1)
+            raise spelling.misplaced(words, part, n + 1)
         for m, other in enumerate(solid[:n]):
             if hole.within(other) or other.within(hole):
                 inner, around = (n + 1, m + 1) if hole.within(other) else (m + 1, n + 1)
                 words = f"expected no ring inside of the hole {names[around]}: islands are not surveyed"
-                raise _misplaced(words, names[inner], part, inner)
+                raise spelling.misplaced(words, part, inner)
     left = bare
     for hole in solid:
         left = left.difference(hole)
@@ -108,19 +134,15 @@ def _ring(ring: Sequence[Sequence[float]] | Points, where: str) -> Points:
     return corners
 
 
-def _expect_apart(where: str, *parts: tuple[int, shapely.Polygon]) -> None:
+def _expect_apart(spelling: _Spelling, *parts: tuple[int, shapely.Polygon]) -> None:
     (here, polygon), (there, other) = parts
     if polygon.intersection(other).area > LEAST_M2:
-        words = f"expected parts that do not overlap, but it overlaps {where}[{there}]"
-        raise _misplaced(words, f"{where}[{here}]", here)
+        words = f"expected parts that do not overlap, but it overlaps {spelling.place(there)}"
+        raise spelling.misplaced(words, here)
     for (part, inner), (around, outer) in (parts, parts[::-1]):
         if any(inner.within(shapely.Polygon(hole)) for hole in outer.interiors):
-            words = f"expected no part inside of a hole of {where}[{around}]: islands are not surveyed"
-            raise _misplaced(words, f"{where}[{part}]", part)
-
-
-def _misplaced(words: str, place: str, *at: int) -> BadInput:
-    return BadInput(words, code="ring-misplaced", place=place, remedies=(Remedy(("polygon", *at)),))
+            words = f"expected no part inside of a hole of {spelling.place(around)}: islands are not surveyed"
+            raise spelling.misplaced(words, part)
 
 
 def depth_of(value: Any) -> int:
@@ -142,16 +164,7 @@ def expect_here(area: Area, place: str) -> Area:
 
 
 def drawn(polygon: Any) -> Area:
-    depth = depth_of(polygon)
-    try:
-        return Area.of(parts_of(polygon), "survey.polygon")
-    except BadInput as error:
-        all_brackets = "survey.polygon" + "[0]" * (4 - depth)
-        error.place = error.place and error.place.replace(all_brackets, "survey.polygon")
-        error.args = (error.args[0].replace(all_brackets, "survey.polygon"),)
-        fields = (remedy.field[5 - depth :] for remedy in error.remedies)
-        error.remedies = tuple(Remedy(("survey", "polygon", *field)) for field in fields if field)
-        raise
+    return Area.of(parts_of(polygon), "survey.polygon", depth_of(polygon))
 
 
 def mapped(path: Path, width: float | None, frame: LocalFrame) -> Area:
@@ -167,9 +180,9 @@ def mapped(path: Path, width: float | None, frame: LocalFrame) -> Area:
         rings = [shapely.get_coordinates(ring) for ring in (clean.exterior, *clean.interiors)]
         polygons += Area.of([rings], place).shape.geoms
     if not polygons:
-        wanted = "a polygon" if width is None else "a line or a polygon"
-        message = f"expected {wanted}, but there is none"
-        raise NothingThere(message, hint="an area is a Polygon, or a closed line", place=path)
+        kinds = "a polygon" if width is None else "a line or a polygon"
+        hint = "an area is a Polygon, or a closed line"
+        raise NothingThere(f"expected {kinds}, but there is none", hint=hint, place=path)
     if width is not None:
         return Area(shapely.MultiPolygon([*shapely.get_parts(union_of(polygons))]))
     rings_of = ([shapely.get_coordinates(ring) for ring in (p.exterior, *p.interiors)] for p in polygons)
