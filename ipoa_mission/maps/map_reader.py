@@ -7,7 +7,7 @@ from functools import lru_cache
 from importlib.util import find_spec
 from itertools import chain, compress
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeAlias
 
 import shapely
 
@@ -23,30 +23,39 @@ from ipoa_mission.maps.planar import flat
 from ipoa_mission.maps.table_layers import FIRST_BYTES, read_table
 
 GEOJSON = (".geojson", ".json", ".geojsonl", ".geojsons", ".geojsonseq", ".ndjson", ".jsonl")
-_WHOLE_FILE_READERS: dict[str, Callable[[Path], Sequence[Feature]]] = {
-    **dict.fromkeys(GEOJSON, read_geojson),
-    ".kml": read_kml,
-    ".kmz": read_kmz,
-    ".osm": read_osm,
-}
+Reader: TypeAlias = Callable[[Path, MapWindow], Iterator[Sequence[Feature]]]
 
 
-def _large_geojson(path: Path, around: MapWindow) -> Iterator[list[Feature]]:
-    return (_wanted(features, around) for features in stream_geojson(path))
+def _whole(read: Callable[[Path], Sequence[Feature]]) -> Reader:
+    """Return a reader of one batch; without a window all features count, far ones too."""
+
+    def read_batch(path: Path, around: MapWindow) -> Iterator[Sequence[Feature]]:
+        features = read(path)
+        yield features if around.window == around.near else _in_window(features, around)
+
+    return read_batch
 
 
-def _wanted(features: Sequence[Feature], around: MapWindow) -> list[Feature]:
+def _read_geojson(path: Path, around: MapWindow) -> Iterator[Sequence[Feature]]:
+    if not is_large(path):
+        return _whole(read_geojson)(path, around)
+    return (_in_window(features, around) for features in stream_geojson(path))
+
+
+def _in_window(features: Sequence[Feature], around: MapWindow) -> list[Feature]:
     boxes = shapely.bounds([feature.shape for feature in features]).reshape(-1, 4)
     return [*compress(features, around.wants(boxes).tolist())]
 
 
-# Batches of features near the flight.
-_BATCH_READERS: dict[str, Callable[[Path, MapWindow], Iterator[list[Feature]]]] = {
+_READERS: dict[str, Reader] = {
+    **dict.fromkeys(GEOJSON, _read_geojson),
+    ".kml": _whole(read_kml),
+    ".kmz": _whole(read_kmz),
+    ".osm": _whole(read_osm),
     ".pbf": read_pbf,
     **dict.fromkeys(FIRST_BYTES, read_table),
-    **dict.fromkeys(GEOJSON, _large_geojson),
 }
-READERS = tuple(_WHOLE_FILE_READERS | _BATCH_READERS)
+READERS = tuple(_READERS)
 
 
 def read_features(path: Path, around: MapWindow | None = None) -> tuple[Feature, ...]:
@@ -54,36 +63,31 @@ def read_features(path: Path, around: MapWindow | None = None) -> tuple[Feature,
 
 
 def read_batches(path: Path, around: MapWindow) -> Iterator[Sequence[Feature]]:
+    """Yield the features in a window; without one as they are read, with one at once, also from memory."""
     suffix = path.suffix.lower()
+    if suffix not in _READERS:
+        words = f"expected a file that ends in {', '.join(READERS)}, not in {path.suffix or 'nothing'}"
+        raise WrongSuffix(words, place=path)
     with many_objects():
-        if suffix in _WHOLE_FILE_READERS and not (suffix in GEOJSON and is_large(path)):
-            features = _WHOLE_FILE_READERS[suffix](path)
-            if around.window != around.near:
-                features = _wanted(features, around)
-            if features:
-                yield features
-        elif suffix not in _BATCH_READERS:
-            words = f"expected a file that ends in {', '.join(READERS)}, not in {path.suffix or 'nothing'}"
-            raise WrongSuffix(words, place=path)
-        elif around.window == around.near:
-            yield from _BATCH_READERS[suffix](path, around)
+        if around.window == around.near:
+            yield from filter(None, _READERS[suffix](path, around))
             around.expect_near(path)
-        else:
-            try:
-                stat = path.stat()
-            except OSError as error:
-                raise Unreadable(f"cannot be read: {error.strerror}", place=path) from error
-            version = stat.st_mtime_ns, stat.st_size
-            nearby, around.elsewhere = _small_part(path, version, around.window, around.near)
-            yield nearby
+            return
+        try:
+            stat = path.stat()
+        except OSError as error:
+            raise Unreadable(f"cannot be read: {error.strerror}", place=path) from error
+        version = stat.st_mtime_ns, stat.st_size
+        nearby, around.elsewhere = _read_window(path, version, around.window, around.near)
+        yield nearby
 
 
-@lru_cache(maxsize=2)  # the studio reads a scenario at every change
-def _small_part(
+@lru_cache(maxsize=8)  # the studio reads a scenario at every change
+def _read_window(
     path: Path, version: tuple[int, int], window: Degrees | None, near: Degrees | None
 ) -> tuple[tuple[Feature, ...], int]:
     around = MapWindow(window, near)
-    features = tuple(chain.from_iterable(_BATCH_READERS[path.suffix.lower()](path, around)))
+    features = tuple(chain.from_iterable(_READERS[path.suffix.lower()](path, around)))
     around.expect_near(path)
     return features, around.elsewhere
 
