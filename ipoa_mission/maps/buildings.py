@@ -49,13 +49,12 @@ def called(feature: Feature, shape: Any) -> str:
     'tree 42 m NE of home (features[3])'
     """
     tags = feature.tags
-    kind = _kind(feature.tags)
     if tags.get("name") or tags.get("addr:housename"):
         return feature.name
     street, number = tags.get("addr:street"), tags.get("addr:housenumber")
     if "building" in tags and street and number:
-        return printed(f"{kind}, {street} {number}")
-    return printed(f"{kind}{_from_home(shape)} ({feature.name.rpartition(': ')[2]})")
+        return printed(f"{_kind(tags)}, {street} {number}")
+    return printed(f"{_kind(tags)}{_from_home(shape)} ({feature.name.rpartition(': ')[2]})")
 
 
 def _from_home(shape: Any) -> str:

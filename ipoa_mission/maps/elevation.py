@@ -70,12 +70,13 @@ def local_grid(
     spacing = float(nodes[0][1] - nodes[0][0])
     ground = _ground_at(nodes, posts, knots, pixels)
     lift = _raise_over_posts(ground, places, lower, spacing)
+    used = f"ground every {spacing:.3g} m from posts {apart:.3g} m apart, raised by {max(lift, 0.001):.2g} m at most"
+    remarks = (*remarks, conversion, used)
     grid = Grid(lower[0], lower[1], spacing, ground)
-    levelled = tuple[str, ...]()
     if all(low <= 0 <= high for low, high in zip(lower, upper, strict=True)):
         grid, levelled = _level(grid, rules, frame, path)
-    used = f"ground every {spacing:.3g} m from posts {apart:.3g} m apart, raised by {max(lift, 0.001):.2g} m at most"
-    return grid, tuple(f"{path.name}: {remark}" for remark in (*remarks, conversion, used, *levelled))
+        remarks += levelled
+    return grid, tuple(f"{path.name}: {remark}" for remark in remarks)
 
 
 def ground_altitude(path: Path, latitude_deg: float, longitude_deg: float) -> float:
@@ -219,7 +220,7 @@ class _Raster:
 
     def pixels(self, latitude_deg: Vector, longitude_deg: Vector) -> tuple[Vector, Vector]:
         x, y = self._from_degrees.transform(longitude_deg, latitude_deg)
-        a, b, c, d, e, f = self._affine
+        a, b, c, d, e, f = self.dataset.transform[:6]
         if self.system.is_geographic:  # nearest the raster's middle
             middle = a * self.dataset.width / 2 + b * self.dataset.height / 2 + c
             x = (np.asarray(x) - middle + 180.0) % 360.0 - 180.0 + middle
@@ -229,7 +230,7 @@ class _Raster:
 
     def places(self, column: Vector, row: Vector) -> tuple[Vector, Vector]:
         """Return latitude and longitude of posts [deg], each (n,)."""
-        a, b, c, d, e, f = self._affine
+        a, b, c, d, e, f = self.dataset.transform[:6]
         x, y = column + 0.5, row + 0.5
         longitude, latitude = self._from_degrees.transform(a * x + b * y + c, d * x + e * y + f, direction="INVERSE")
         return np.asarray(latitude), np.asarray(longitude)
@@ -253,10 +254,8 @@ class _Raster:
     def read(self, pixels: Sequence[NDArray[np.float64]], fill: bool) -> tuple[_Posts, tuple[str, ...]]:
         if self.dataset.height < 4 or self.dataset.width < 4:
             raise BadInput("expected at least 4 x 4 heights", place=self.path)
-        columns, rows = (
-            _span([level[axis] for level in pixels], size)
-            for axis, size in ((0, self.dataset.width), (1, self.dataset.height))
-        )
+        columns = _span([level[0] for level in pixels], self.dataset.width)
+        rows = _span([level[1] for level in pixels], self.dataset.height)
         band = self.dataset.read(1, window=(rows, columns), masked=True)
         missing = np.ma.getmaskarray(band) | ~np.isfinite(band.data.astype(float))
         if self.nodata is not None:
@@ -311,11 +310,6 @@ class _Raster:
         latitude, longitude = self.places(np.array([column]), np.array([row]))
         return f"at row {row}, column {column} (latitude {latitude[0]:.5f}, longitude {longitude[0]:.5f})"
 
-    @property
-    def _affine(self) -> tuple[float, float, float, float, float, float]:
-        a, b, c, d, e, f = tuple(self.dataset.transform)[:6]
-        return a, b, c, d, e, f
-
     @cached_property
     def _from_degrees(self) -> Transformer:
         return Transformer.from_crs("OGC:CRS84", self.system.to_2d(), always_xy=True)
@@ -323,11 +317,11 @@ class _Raster:
     @property
     def _unit(self) -> float:
         name = (self.dataset.units[0] or "").strip().lower()
-        axes = self.system.axis_info
-        if down := [axis.name for axis in axes if axis.direction == "down"]:
-            raise BadInput(f"expected heights, not depths ({down[0]})", place=self.path)
-        if not name and (vertical := [axis for axis in axes if axis.direction == "up"]):
-            return float(vertical[0].unit_conversion_factor)
+        for axis in self.system.axis_info:
+            if axis.direction == "down":
+                raise BadInput(f"expected heights, not depths ({axis.name})", place=self.path)
+            if axis.direction == "up" and not name:
+                return float(axis.unit_conversion_factor)
         if name not in HEIGHT_UNITS:
             raise BadInput(f"expected heights in meters or feet, not in {name!r}", place=self.path)
         return HEIGHT_UNITS[name]

@@ -176,9 +176,9 @@ def _no_single_forecast(get: Any) -> str:
     if get("stepType") not in (None, "instant"):
         return f"its {get('stepType')} over a time"
     template = get("productDefinitionTemplateNumber", int)
-    is_single = template in (None, 0, 1)
-    is_mean = get("derivedForecast", int) in (0, 1)
-    return "" if is_single or is_mean else f"by product template {template}"
+    if template in (None, 0, 1) or get("derivedForecast", int) in (0, 1):  # a single forecast, or the mean of members
+        return ""
+    return f"by product template {template}"
 
 
 def _valid_time(get: Any) -> np.datetime64:
@@ -189,8 +189,8 @@ def _valid_time(get: Any) -> np.datetime64:
 
 
 def _nearest(eccodes: Any, handle: Any, winds: ForecastWinds, known: dict[str, Nearest]) -> Nearest:
-    grid = eccodes.codes_get(handle, "md5GridSection")
     place = winds.place
+    grid = eccodes.codes_get(handle, "md5GridSection")
     if grid not in known:
         latitudes, longitudes = (eccodes.codes_get_array(handle, key) for key in ("latitudes", "longitudes"))
         north = np.abs(latitudes - place.latitude_deg)

@@ -146,16 +146,11 @@ def _words(text: str) -> list[str]:
 
 def _tags(placemark: ElementTree.Element) -> Iterator[tuple[str, str]]:
     for element in placemark.iter():
-        if element.tag == "name":
-            key = "name"
-            value = _text(element)
-        elif element.tag in ("Data", "SimpleData"):
-            key = element.get("name", "")
+        if element.tag in ("name", "Data", "SimpleData"):
+            key = "name" if element.tag == "name" else element.get("name", "")
             value = _text(element) or element.findtext("value", "").strip()
-        else:
-            continue
-        if key and value:
-            yield key, value
+            if key and value:
+                yield key, value
 
 
 def _text(element: ElementTree.Element) -> str:

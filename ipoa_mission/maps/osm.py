@@ -76,13 +76,18 @@ class Extract:
         """Return the numbers of nodes; of unnumbered ones the places."""
         numbers = way.get("nodes")
         places = way.get("geometry")
-        numbers = [""] * len(places or ()) if numbers is None else numbers
+        if numbers is None:
+            numbers = [""] * len(places or ())
+        if places is None:
+            places = [None] * len(numbers)
         names = list[str]()
-        for number, place in zip(numbers, [None] * len(numbers) if places is None else places, strict=True):
-            at = None if place is None else _degrees(place)
-            names.append(str(number) or ("?" if at is None else f"{at[0]},{at[1]}"))
-            if at is not None:
-                self.places.setdefault(names[-1], at)
+        for number, place in zip(numbers, places, strict=True):
+            if place is None:
+                names.append(str(number) or "?")
+                continue
+            longitude, latitude = _degrees(place)
+            names.append(str(number) or f"{longitude},{latitude}")
+            self.places.setdefault(names[-1], (longitude, latitude))
         return tuple(names)
 
 
@@ -191,14 +196,14 @@ def _features(extract: Extract, path: Path) -> Iterator[Feature]:
     for number, way in extract.ways.items():
         if way.tags.keys() - META_TAGS:
             closes = len(way.nodes) > 1 and way.nodes[0] == way.nodes[-1]
-            shape = shape_of(corners_of(number), closes, way.tags)
             name = f"way {number}"
+            shape = shape_of(corners_of(number), closes, way.tags)
             yield feature_of(name, way.tags, shape, path, _known((way,), extract, name))
     for number, relation in extract.relations.items():
         if relation.tags.keys() - META_TAGS - {"type"}:
             ways = [extract.ways[way] for way, _ in ways_of(relation) if way in extract.ways]
-            shape = area_of(relation, corners_of)
             name = f"relation {number}"
+            shape = area_of(relation, corners_of)
             yield feature_of(name, relation.tags, shape, path, _known(ways, extract, name))
 
 

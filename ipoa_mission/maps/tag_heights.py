@@ -86,9 +86,7 @@ def _top(tags: Mapping[str, str], key: str, storey_height: float, odd: Odd) -> f
 
 
 def _length(tags: Mapping[str, str], key: str, odd: Odd) -> float | None:
-    length, sure = length_of(tags[key])
-    if length is None or not sure:
-        odd(key, tags[key])
+    length = _read(length_of, tags, key, odd)
     if length is not None and tags[key].replace(".", "", 1).isdecimal():
         length *= next((UNITS_IN_NAMES[word] for word in plain(key).split("_") if word in UNITS_IN_NAMES), 1.0)
     return length
@@ -109,20 +107,22 @@ def _tip(tags: Mapping[str, str], odd: Odd, height_known: bool) -> float | None:
 
 
 def _by_storeys(tags: Mapping[str, str], storey_height: float, odd: Odd) -> float | None:
-    counts = [_count(tags, key, odd) for key in keys_of(tags, Means.LEVELS)]
-    counts += [None if n is None else n + 1 for n in (_count(tags, key, odd) for key in keys_of(tags, Means.MAX_LEVEL))]
-    known = [count for count in counts if count is not None]
+    counts = [_read(storeys_of, tags, key, odd) for key in keys_of(tags, Means.LEVELS)]
+    highest = [_read(storeys_of, tags, key, odd) for key in keys_of(tags, Means.MAX_LEVEL)]
+    known = [count for count in counts if count is not None] + [number + 1 for number in highest if number is not None]
     if not known:
         return None
     roofs = [_length(tags, key, odd) for key in keys_of(tags, Means.ROOF)]
     if not any(roof is not None for roof in roofs):
-        roofs = [(_count(tags, key, odd) or 0.0) * storey_height for key in keys_of(tags, Means.ROOF_LEVELS)]
+        roofs = [(_read(storeys_of, tags, key, odd) or 0.0) * storey_height for key in keys_of(tags, Means.ROOF_LEVELS)]
     roof = max((roof for roof in roofs if roof is not None), default=0.0)
     return max(known) * storey_height + roof or None  # sheds and canopies have 0 storeys
 
 
-def _count(tags: Mapping[str, str], key: str, odd: Odd) -> float | None:
-    count, sure = storeys_of(tags[key])
-    if count is None or not sure:
+def _read(
+    read: Callable[[str], tuple[float | None, bool]], tags: Mapping[str, str], key: str, odd: Odd
+) -> float | None:
+    value, is_understood = read(tags[key])
+    if not is_understood:
         odd(key, tags[key])
-    return count
+    return value

@@ -75,16 +75,15 @@ def sight_of(section: SurveySection, area: Area, scenario: Scenario) -> Sight:
     """Return the requested flight and view."""
     share = 0.0 if _is_level(area, scenario) else BAND
     least = section.height if section.height_above_ground is not None else section.height / (1.0 + share)
-    camera = section.camera
-    across, along = (section.line_spacing or 0.0, 0.0) if camera is None else camera.footprint(least)
-    spacing = section.line_spacing or across * (
-        1.0 - (section.side_overlap if section.side_overlap is not None else USUAL_OVERLAP)
-    )
-    trigger = (
-        None
-        if camera is None
-        else along * (1.0 - (section.front_overlap if section.front_overlap is not None else USUAL_OVERLAP))
-    )
+    if section.camera is None:
+        across = section.line_spacing or 0.0
+        along = 0.0
+        trigger = None
+    else:
+        across, along = section.camera.footprint(least)
+        trigger = along * (1.0 - (USUAL_OVERLAP if section.front_overlap is None else section.front_overlap))
+    side_overlap = USUAL_OVERLAP if section.side_overlap is None else section.side_overlap
+    spacing = section.line_spacing or across * (1.0 - side_overlap)
     spacing_key = "line_spacing" if section.line_spacing else "side_overlap"
     min_distance = 0.5  # [m]
     for key, distance in ((spacing_key, spacing), ("front_overlap", trigger)):

@@ -117,17 +117,17 @@ def _with_room(scenario: Scenario, seed: int) -> SurveyPlan:
         tour, parts = split_into_flights(laid_tours(task), make)
         forecasts = [make(part) for part in parts]
         near = _too_near(forecasts)
-        wanted = dict[str, float]()
         if not near:
             break
+        needed = dict[str, float]()
         for kept, guarantee in near:
             if kept.limit not in ("obstacles", "bounds"):
                 raise _TooNear(kept, guarantee)
             bodies = flown_round(scenario, task.sight, growth)
             missing = {"bounds": -kept.slack} if kept.limit == "bounds" else _missing(kept, guarantee, bodies)
             for name, by in missing.items():  # [m]
-                wanted[name] = max(wanted.get(name, 0.0), growth.get(name, 0.0) + by * 1.15 + 0.05)
-        growth |= wanted
+                needed[name] = max(needed.get(name, 0.0), growth.get(name, 0.0) + by * 1.15 + 0.05)
+        growth |= needed
     else:
         raise _TooNear(*min(near, key=lambda pair: pair[0].slack))
     seen = coverage(task.area, tour, task.sight.spacing, task.keep_out)

@@ -62,12 +62,11 @@ def _overlap_as_json(plan: SurveyPlan) -> dict[str, Any] | None:
 
 def forecast_as_json(forecast: Forecast) -> dict[str, Any]:
     mission = forecast.mission
-    energy = forecast.energy
     return {
         "firmware": mission.autopilot.facts(mission.firmware_version),
         "clearance": clearance_as_json(forecast.guarantee),
         **items_as_json(forecast),
-        "energy_wh": None if energy is None else rounded(energy.energy_wh),
+        "energy_wh": None if forecast.energy is None else rounded(forecast.energy.energy_wh),
         **({"parameters": dict(mission.parameters)} if mission.parameters else {}),
     }
 

@@ -211,10 +211,9 @@ def survey_of(scenario: Scenario) -> SurveySection | None:
 
 def surveyed_area(scenario: Scenario) -> Area | None:
     section = survey_of(scenario)
-    known = scenario.known
-    if section is not None and "area" not in known:
-        known["area"] = section.build(scenario.frame)
-    return known.get("area")
+    if section is not None and "area" not in scenario.known:
+        scenario.known["area"] = section.build(scenario.frame)
+    return scenario.known.get("area")
 
 
 def nearest_start(scenario: Scenario, there: Geodetic) -> Scenario:
@@ -223,7 +222,8 @@ def nearest_start(scenario: Scenario, there: Geodetic) -> Scenario:
 
 
 def _away(scenario: Scenario, there: Geodetic) -> list[float]:
-    starts = () if (section := survey_of(scenario)) is None else section.start_places
+    section = survey_of(scenario)
+    starts = () if section is None else section.start_places
     return [apart(there, scenario.frame.geodetic(np.array([*start, 0.0]))) for start in starts]
 
 
@@ -233,15 +233,16 @@ def at_start(scenario: Scenario, n: int) -> Scenario:
     assert section is not None
     if section.start_places[n] == (0.0, 0.0):
         return scenario
-    if (seen := from_starts.get(n)) is None:
-        seen = scenario.model_copy(update=_sections_from(scenario, section, n))
+    if n not in from_starts:
+        from_start = scenario.model_copy(update=_sections_from(scenario, section, n))
         try:
-            seen.read_maps()
+            from_start.read_maps()
         except MissionError as error:
             raise error.at(f"survey.starts[{n}]: as home") from error
-        from_starts[n] = seen
-    moved = scenario.model_copy(update={key: getattr(seen, key) for key in (*WORLD, "rally", "survey")})
-    return moved.in_world_of(seen)
+        from_starts[n] = from_start
+    world = from_starts[n]
+    moved = scenario.model_copy(update={key: getattr(world, key) for key in (*WORLD, "rally", "survey")})
+    return moved.in_world_of(world)
 
 
 def between(old: LocalFrame, new: LocalFrame) -> Move:

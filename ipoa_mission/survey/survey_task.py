@@ -15,7 +15,6 @@ from ipoa_mission.errors import BadInput, Remedy
 from ipoa_mission.forecast.deviation.kept_limits import NO_DEVIATION, DeviationBound, deviation_bound_of
 from ipoa_mission.forecast.deviation.law import law_of
 from ipoa_mission.geometry import Points, Vector, union_of
-from ipoa_mission.ground import Ground
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.planning.obstruction import NoPath
 from ipoa_mission.scenario import Scenario
@@ -129,21 +128,18 @@ def keep_out(scenario: Scenario, sight: Sight, growth: Mapping[str, float]) -> A
 
 def flown_round(scenario: Scenario, sight: Sight, growth: Mapping[str, float]) -> list[Obstacle]:
     """Return the obstacles flown neither over nor under, or grown."""
-    air = scenario.airspace
+    bodies = scenario.airspace.obstacles
+    return [body for body in bodies if body.name in growth or not _is_passed(body, sight, scenario)]
+
+
+def _is_passed(body: Obstacle, sight: Sight, scenario: Scenario) -> bool:
+    """Return whether the flight passes over or under an obstacle with its clearance."""
     bound = survey_bound(scenario)
     distance = scenario.limits.obstacle_distance + SPARE
-    return [
-        body
-        for body in air.obstacles
-        if body.name in growth or not _is_passed(body, sight, air.ground, distance, bound)
-    ]
-
-
-def _is_passed(body: Obstacle, sight: Sight, ground: Ground, distance: float, bound: DeviationBound) -> bool:
     (west, south, base), (east, north, top) = body.bounds.tolist()
     reach = max(sight.across, sight.along) / 2 + distance + bound.level
     grid = np.meshgrid(np.linspace(west - reach, east + reach, num=7), np.linspace(south - reach, north + reach, num=7))
-    heights = ground(np.stack(grid, axis=-1).reshape(-1, 2))
+    heights = scenario.airspace.ground(np.stack(grid, axis=-1).reshape(-1, 2))
     lowest = float(heights.min()) + sight.least
     highest = float(heights.max()) + sight.least + sight.band
     return bool(top + distance + bound.down <= lowest or highest + distance + bound.up <= base)
@@ -165,9 +161,9 @@ def lay_lines(task: SurveyTask, start: Vector | None = None) -> Tour:
     """Return the quickest tour, from a `start` place (2,) if given."""
     scenario = task.scenario
     section = task.section
-    sight = task.sight
     if task.free.is_empty:
-        words = f"obstacles and the clearance to them leave nothing of the area at {sight.least:g} m above ground"
+        height = f"{task.sight.least:g} m above ground"
+        words = f"obstacles and the clearance to them leave nothing of the area at {height}"
         hint = "fly higher (survey.height_above_ground), or with a smaller safety_distance"
         raise NoPath(words, hint=hint, code="area-covered", place="survey")
     _expect_manageable(task)
