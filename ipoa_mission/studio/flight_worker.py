@@ -16,7 +16,7 @@ from ipoa_mission.autopilot.returning import Contingency
 from ipoa_mission.flight.procedure import ProcedureOptions, Stage, Stages, begin_mission, load_mission
 from ipoa_mission.forecast.contingency.contingencies import ContingencyRow
 from ipoa_mission.forecast.contingency.contingencies_now import ContingenciesNow
-from ipoa_mission.forecast.contingency.energy_budget import budget_of
+from ipoa_mission.forecast.contingency.energy_budget import Budget, budget_of
 from ipoa_mission.geometry import Vector
 from ipoa_mission.link.channel import serial_ports
 from ipoa_mission.link.connect import connect, open_line
@@ -134,8 +134,8 @@ def _heard_on(link: str) -> Iterator[HeardLink]:
         yield HeardLink(link=link, system=None, words=str(error).removeprefix(f"{link}: "))
         return
     for vehicle in vehicles:
-        other = "" if vehicle.kind.is_flown else ": it is not flown from here"
-        words = f"{vehicle.kind}, system {vehicle.system}{', armed' if vehicle.armed else ''}{other}"
+        limit = "" if vehicle.kind.is_flown else ": it is not flown from here"
+        words = f"{vehicle.kind}, system {vehicle.system}{', armed' if vehicle.armed else ''}{limit}"
         yield HeardLink(link=link, system=vehicle.system, words=words)
     if not vehicles:
         yield HeardLink(link=link, system=None, words="no vehicle heard")
@@ -152,18 +152,24 @@ class Watch:
         speedup: float | None,
         inbox: "queue.SimpleQueue[JobOrder]",
     ) -> None:
-        self._forecast, self._vehicle, self._answer = forecast, vehicle, answer
-        self._speedup, self._inbox = speedup, inbox
+        self._forecast = forecast
+        self._vehicle = vehicle
+        self._answer = answer
+        self._speedup = speedup
+        self._inbox = inbox
         self._contingencies: ContingenciesNow | None = None
-        self._unknown, self._budget = "no scenario gives the obstacles here", None
+        self._budget: Budget | None = None
+        self._unknown = "no scenario gives the obstacles here"
         if forecast.scenario is not None:
-            self._unknown, self._budget = "the flight has no forecast", budget_of(forecast)
+            self._unknown = "the flight has no forecast"
+            self._budget = budget_of(forecast)
             with suppress(MissionError):
                 self._contingencies = ContingenciesNow(forecast, tuple(ORDERED.values()))
         self._expected = {item.seq - 1: item.done_s for item in forecast.estimate.items}
         self._orders: tuple[tuple[OrderThen, ...], Reserve | None] = ((), None)
-        self._orders_s, self._position_s = -FORECAST_INTERVAL_S, -POSITION_INTERVAL_S
-        self._state: tuple[str, float | None] = ("", None)
+        self._orders_s = -FORECAST_INTERVAL_S
+        self._position_s = -POSITION_INTERVAL_S
+        self._state = State(phase="flying", words=Stage.START)
         self._texts: deque[str] = deque(maxlen=6)
         self._satellites: int | None = None
         self._wind: tuple[float, float] | None = None
@@ -201,40 +207,62 @@ class Watch:
             case Position() if self._vehicle.state.armed and message.time_s - self._position_s >= POSITION_INTERVAL_S:
                 self._position_s = message.time_s
                 if self._speedup is not None:
-                    first_s, begun = self._begun = self._begun or (message.time_s, time.monotonic())
-                    ahead_s = (message.time_s - first_s) / self._speedup - (time.monotonic() - begun)
-                    time.sleep(max(ahead_s, 0.0))
+                    self._keep_pace(message.time_s, self._speedup)
                 record = self._vehicle.record()
                 if record.path:
                     self._answer(self._seen(message, record))
 
+    def _keep_pace(self, time_s: float, speedup: float) -> None:
+        """Sleep until the real time of `time_s` of the simulated flight."""
+        if self._begun is None:
+            self._begun = time_s, time.monotonic()
+        first_s, begun_s = self._begun
+        ahead_s = (time_s - first_s) / speedup - (time.monotonic() - begun_s)
+        time.sleep(max(ahead_s, 0.0))
+
     def look(self, *_: object) -> None:
         with suppress(queue.Empty):
             self._order(self._inbox.get_nowait()["what"])
-        vehicle, link_loss = self._vehicle, self._vehicle.link_loss
-        words, lost_s = vehicle.changed or vehicle.order.words, None
+        vehicle = self._vehicle
+        link_loss = vehicle.link_loss
+        words = vehicle.changed or vehicle.order.words
+        lost_s = None
         if link_loss.seconds is not None:
             words = "; ".join(filter(None, (link_loss.words, words)))
             lost_s = round(link_loss.seconds)
-        enders = {"rtl": vehicle.autopilot.modes.returns, "land": vehicle.autopilot.modes.lands}
         if self._ordered is None or self.obeyed != self._ordered:
-            is_obeyed = self._ordered is not None and vehicle.state.custom_mode in enders[self._ordered]
+            is_obeyed = self._ordered is not None and self._is_under_way(self._ordered)
             self.obeyed = self._ordered if is_obeyed else None
         obeyed = {"rtl": "it returns, as ordered", "land": "it lands, as ordered", None: ""}[self.obeyed]
         words = words or vehicle.conformance.why_not or obeyed
         words = words or ("it holds its position" if vehicle.order.is_held else vehicle.mode_change)
-        if (words, lost_s) != self._state:
-            self._state = words, lost_s
-            self._answer(State(phase="flying", words=words or Stage.START, lost_s=lost_s))
+        state = State(phase="flying", words=words or Stage.START, lost_s=lost_s)
+        if state != self._state:
+            self._state = state
+            self._answer(state)
 
-    def _seen(self, at: Position, record: FlightRecord) -> Seen:
-        reached, latest = record.item_reached_s, record.path[-1]
+    def _is_under_way(self, order: InFlight) -> bool:
+        """Return whether the vehicle shows that it obeys the order."""
+        modes = self._vehicle.autopilot.modes
+        match order:
+            case "rtl":
+                return self._vehicle.state.custom_mode in modes.returns
+            case "land":
+                return self._vehicle.state.custom_mode in modes.lands
+            case "hold":
+                return self._vehicle.order.is_held
+            case "go_on":
+                return not self._vehicle.order.is_held
+
+    def _seen(self, position: Position, record: FlightRecord) -> Seen:
+        reached = record.item_reached_s
+        latest = record.path[-1]
         last = max(reached, default=None)
-        orders, reserve = self._orders_then(at, latest.time_s)
+        orders, reserve = self._order_effects(position, latest.time_s)
         return Seen(
             time_s=round(latest.time_s, 2),
-            place=(at.longitude_deg, at.latitude_deg),
-            up=round(at.height, 2),
+            place=(position.longitude_deg, position.latitude_deg),
+            up=round(position.height, 2),
             speed=round(latest.speed, 2),
             done=0 if last is None else last + 1,
             flown_s=None if last is None else round(reached[last], 2),
@@ -248,60 +276,75 @@ class Watch:
             deviations=tuple(map(str, self._vehicle.conformance.deviations)),
         )
 
-    def _orders_then(self, at: Position, time_s: float) -> tuple[tuple[OrderThen, ...], Reserve | None]:
+    def _order_effects(self, position: Position, time_s: float) -> tuple[tuple[OrderThen, ...], Reserve | None]:
+        """Return the effects of orders and the battery's reserve, renewed every `FORECAST_INTERVAL_S`."""
         state = self._vehicle.state
         if not state.in_air:
             return (), None if state.battery_left is None else Reserve(left=state.battery_left)
         if time_s - self._orders_s >= FORECAST_INTERVAL_S:
-            self._orders_s, now, unknown = time_s, time_s, self._unknown
+            self._orders_s = time_s
+            forecast_s = time_s
+            unknown = self._unknown
             if self._contingencies is not None:
-                now, aside = self._contingencies.time_at(self._local(at), time_s)
+                forecast_s, distance = self._contingencies.time_at(self._local(position), time_s)
                 leaves = self._vehicle.mode_change and not self._vehicle.order.is_held
-                is_away = aside > ContingenciesNow.off_path or leaves
-                unknown = "it is off its planned path: orders from here are not forecast" if is_away else ""
-            self._orders = tuple(self._each_order(now, unknown, at)), self._reserve(now, bool(unknown))
+                is_off_path = distance > ContingenciesNow.off_path or leaves
+                unknown = "it is off its planned path: orders from here are not forecast" if is_off_path else ""
+            orders = tuple(self._each_order(forecast_s, unknown, position))
+            self._orders = orders, self._reserve(forecast_s, bool(unknown))
         return self._orders
 
-    def _each_order(self, now: float, unknown: str, at: Position) -> Iterator[OrderThen]:
-        """Yield each order's effect, or why it is `unknown`; hold and land are checked from the actual position."""
-        state, order, autopilot = self._vehicle.state, self._vehicle.order, self._vehicle.autopilot
-        mode, modes = state.custom_mode, autopilot.modes
-        done = {"hold": order.is_held, "rtl": mode in modes.returns, "land": mode in modes.lands}
-        if order.is_held:
-            item = "" if state.current is None else f" with item {state.current.seq + 1 - autopilot.counts_home}"
-            left = None if unknown else round(max(self._forecast.estimate.total_s - now, 0.0), 1)
-            yield OrderThen(what="go_on", clear=None, words=unknown or f"as planned{item}", seconds=left)
+    def _each_order(self, forecast_s: float, unknown: str, position: Position) -> Iterator[OrderThen]:
+        """Yield the effect of each order that is not under way, at a time of the forecast.
+
+        If it is `unknown` for this reason, hold and land are checked from the actual position.
+        """
+        current = self._vehicle.state.current
+        if self._vehicle.order.is_held:
+            item = "" if current is None else f" with item {current.seq + 1 - self._vehicle.autopilot.counts_home}"
+            left_s = None if unknown else round(max(self._forecast.estimate.total_s - forecast_s, 0.0), 1)
+            yield OrderThen(what="go_on", clear=None, words=unknown or f"as planned{item}", seconds=left_s)
         rows: dict[Contingency, tuple[ContingencyRow, float | None]] = {}
         if self._contingencies is not None and unknown:
-            place, velocity = self._local(at), np.array([at.velocity[1], at.velocity[0]])
+            place = self._local(position)
+            velocity = np.array([position.velocity[1], position.velocity[0]])
             for contingency in (Contingency.HOLD, Contingency.LAND):
                 rows[contingency] = self._contingencies.from_here(contingency, place, velocity), None
         elif self._contingencies is not None:
-            rows = {row.contingency: (row, seconds) for row, seconds in self._contingencies.at(now)}
-        for what, contingency in ORDERED.items():
-            if not done[what] and contingency in rows:
+            rows = {row.contingency: (row, seconds) for row, seconds in self._contingencies.at(forecast_s)}
+        for order, contingency in ORDERED.items():
+            if self._is_under_way(order):
+                continue
+            if contingency in rows:
                 row, seconds = rows[contingency]
                 seconds = None if seconds is None else round(seconds, 1)
-                yield OrderThen(what=what, clear=row.clear, words=f"{row.leads}: {row.keeps}", seconds=seconds)
-            elif not done[what]:
-                yield OrderThen(what=what, clear=None, words=unknown, seconds=None)
+                yield OrderThen(what=order, clear=row.clear, words=f"{row.leads}: {row.keeps}", seconds=seconds)
+            else:
+                yield OrderThen(what=order, clear=None, words=unknown, seconds=None)
 
-    def _local(self, at: Position) -> Vector:
-        return self._forecast.frame.local(Geodetic(at.latitude_deg, at.longitude_deg, at.altitude))
+    def _local(self, position: Position) -> Vector:
+        place = Geodetic(position.latitude_deg, position.longitude_deg, position.altitude)
+        return self._forecast.frame.local(place)
 
-    def _reserve(self, now: float, is_elsewhere: bool) -> Reserve | None:
+    def _reserve(self, forecast_s: float, is_off_path: bool) -> Reserve | None:
         left = self._vehicle.state.battery_left
         if left is None:
             return None
-        plan = None if self._budget is None or is_elsewhere else self._budget.against_plan(left, now)
+        plan = None if self._budget is None or is_off_path else self._budget.against_plan(left, forecast_s)
         if plan is None:
             return Reserve(left=left)
-        least, likely, most = (round(share, 3) for share in (plan.lands.low, plan.lands.likely, plan.lands.high))
-        planned = round(plan.planned, 3)
-        return Reserve(left=left, planned=planned, lands=likely, least=least, most=most, required=plan.reserve)
+        return Reserve(
+            left=left,
+            planned=round(plan.planned, 3),
+            lands=round(plan.lands.likely, 3),
+            least=round(plan.lands.low, 3),
+            most=round(plan.lands.high, 3),
+            required=plan.reserve,
+        )
 
     def _order(self, name: InFlight) -> None:
-        order, modes = self._vehicle.order, self._vehicle.autopilot.modes
+        order = self._vehicle.order
+        modes = self._vehicle.autopilot.modes
         self._ordered = name if name == "rtl" or name == "land" else None
         match name:
             case "hold":
