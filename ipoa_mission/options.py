@@ -213,5 +213,6 @@ def signer_of(key: Path | None, role: str = "station") -> "Signer | None":
 
 
 def state_folder() -> Path:
+    """Return `ipoa-mission` in `$XDG_STATE_HOME`, else in `%LOCALAPPDATA%` or `~/.local/state`."""
     base = os.environ.get("XDG_STATE_HOME") or os.environ.get("LOCALAPPDATA") or Path.home() / ".local" / "state"
     return Path(base) / "ipoa-mission"

@@ -1,9 +1,5 @@
-"""Remember addresses, recent files and map tiles in `$XDG_STATE_HOME/ipoa-mission/studio.json`.
+"""Remember addresses, recent files and map tiles in `studio.json` of the state folder, which may be deleted."""
 
-Without the variable below `~/.local/state` or `%LOCALAPPDATA%`. It can be deleted at any time.
-"""
-
-import os
 import secrets
 from contextlib import suppress
 from pathlib import Path
@@ -12,6 +8,7 @@ from typing import Annotated
 from pydantic import BaseModel, Field
 
 from ipoa_mission.files import write_atomically
+from ipoa_mission.options import state_folder
 
 
 class Opened(BaseModel, frozen=True):
@@ -32,8 +29,7 @@ class Memory(BaseModel, frozen=True):
 
 
 def memory_file() -> Path:
-    base = os.environ.get("XDG_STATE_HOME") or os.environ.get("LOCALAPPDATA") or Path.home() / ".local" / "state"
-    return Path(base) / "ipoa-mission" / "studio.json"
+    return state_folder() / "studio.json"
 
 
 def known() -> Memory:
