@@ -100,27 +100,28 @@ def unused(path: Path) -> Path:
 
 
 def read_text(path: Path) -> str:
-    """Drop a byte order mark, keep line ends."""
+    """Return UTF-8 text without a byte order mark, with its line ends. Raises Unreadable and WrongFormat."""
     try:
-        return path.read_bytes().decode("utf-8-sig")
-    except OSError as error:
-        raise Unreadable(f"cannot be read: {error.strerror}", place=path) from error
+        return read_bytes(path).decode("utf-8-sig")
     except UnicodeDecodeError as error:
         words = f"expected UTF-8 text, but byte {error.start} is {error.object[error.start]:#04x}"
         raise WrongFormat(words, place=path) from error
 
 
-def why_no_json(text: str, at: int) -> str | None:
-    """Explain why a text is not JSON from offset `at` on, if so."""
+def why_no_json(text: str, offset: int) -> str | None:
+    """Return why a text is not JSON from this offset on, or None if the reason is not known."""
     if not text.strip():
         return "the file is empty"
-    if at >= len(text.rstrip()):
+    if offset >= len(text.rstrip()):
         return "the file is cut off"
-    is_comma = text[at] == "," or text[:at].rstrip().endswith(",")
-    return "there is an extra comma before it" if is_comma and text[at:].lstrip(", \t\r\n")[:1] in ("]", "}") else None
+
+    follows_comma = text[offset] == "," or text[:offset].rstrip().endswith(",")
+    closes = text[offset:].lstrip(", \t\r\n")[:1] in ("]", "}")
+    return "there is an extra comma before it" if follows_comma and closes else None
 
 
 def read_bytes(path: Path, most: int = -1) -> bytes:
+    """Return the file's first `most` bytes, by default all. Raises Unreadable."""
     try:
         with path.open("rb") as file:
             return file.read(most)
@@ -143,10 +144,10 @@ def plug_ins(group: str) -> EntryPoints:
 def copies(part: str) -> Iterator[Path]:
     """Yield a part of other copies of this package on `sys.path`, which a clone shadows."""
     package = Path(__file__).parent
-    for place in sys.path:
-        there = Path(place) / package.name
-        if there.is_dir() and there.resolve() != package.resolve():
-            yield there / part
+    for folder in sys.path:
+        copy = Path(folder) / package.name
+        if copy.is_dir() and copy.resolve() != package.resolve():
+            yield copy / part
 
 
 def _umask() -> int:

@@ -86,10 +86,12 @@ def fly(
         planned_files = [] if job.flight is None else [*job.flight.write(to.folder)]
         if job.flight is not None and not to.as_json:
             print_planned(job.flight, planned_files)
-        flown = fly_job(job, frames_log := asked.log_of(job.name))
+        frames_log = asked.log_of(job.name)
+        flown = fly_job(job, frames_log)
     written = [*map(Path, on_link.written(frames_log))]
     if to.report and job.flight is not None:
-        job.flight.report(page := to.folder / f"{job.name}.html", flown.record)
+        page = to.folder / f"{job.name}.html"
+        job.flight.report(page, flown.record)
         written.insert(0, page)
     hint = next_steps(link, flown.system, flown.record)
     if to.as_json:
