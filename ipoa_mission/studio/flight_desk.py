@@ -18,10 +18,11 @@ from ipoa_mission.studio.vocabulary import PageMessage
 
 class FlightDesk:
     def __init__(self, document: Document, send: Callable[[PageMessage | dict[str, Any]], None]) -> None:
-        self._document, self._send = document, send
+        self._document = document
+        self._send = send
         died = Trouble(of="flight", message="the flight worker ended unexpectedly", hint="look at the vehicle")
         self._process = Process("ipoa_mission.studio.flight_worker", died)
-        self._task: asyncio.Task[None] | None = None
+        self._task: asyncio.Task[Any] | None = None
         self._loaded: dict[str, Any] | None = None
         self._phase = "idle"
         self._batteries = BatteryGuard()
@@ -32,12 +33,13 @@ class FlightDesk:
         """Upload the plan (first step); `hand_over` writes it to a file."""
         self._expect_free("a flight is under way", "let it end, or stop watching it")
         request = self._batteries.expect_charged(request, is_survey)
-        self._loaded, self._phase = None, "uploading"
+        self._loaded = None
+        self._phase = "uploading"
         self._task = asyncio.create_task(self._fly(request, hand_over, name))
 
     def listen(self, link: str) -> None:
         self._expect_free("a flight is under way: no other link can be heard", "let it end")
-        self._task = asyncio.create_task(self._listen(link))
+        self._task = asyncio.create_task(self._process.ask({"job": "listen", "link": link}, self._send))
 
     @property
     def is_busy(self) -> bool:
@@ -55,9 +57,9 @@ class FlightDesk:
             words = "not started: the document was changed after the upload"
             raise MissionError(words, hint="upload again", code="upload-again")
         for key in ("vehicle", "mission", "proof"):
-            named, loaded = getattr(request, key), self._loaded[key]
-            if named != loaded:
-                words = f"not started: {key} is {loaded!r}, not {named!r}"
+            requested = getattr(request, key)
+            if requested != self._loaded[key]:
+                words = f"not started: {key} is {self._loaded[key]!r}, not {requested!r}"
                 raise MissionError(words, hint="upload again", code="upload-again")
         self._loaded = None
         await self._process.send(request.model_dump(mode="json"))
@@ -80,9 +82,6 @@ class FlightDesk:
         if self._task is not None:
             await asyncio.gather(self._task, return_exceptions=True)
 
-    async def _listen(self, link: str) -> None:
-        await self._process.ask({"job": "listen", "link": link}, self._send)
-
     async def _fly(self, request: Upload, hand_over: Callable[[Path], Awaitable[bool]], name: str) -> None:
         log = unused(self._document.path.with_name(f"{name}.tlog"))
         revision = self._document.revision  # of this revision, even if the document changes
@@ -101,9 +100,10 @@ class FlightDesk:
             if not await hand_over(file):
                 self._show(State(phase="idle", words=""))
                 return
-            about = {"job": "fly", "file": str(file), "revision": revision, "log": str(log)}
+            order = request.model_dump(mode="json")
+            order |= {"job": "fly", "file": str(file), "revision": revision, "log": str(log)}
             try:
-                went_well = await self._process.ask(request.model_dump(mode="json") | about, hear)
+                went_well = await self._process.ask(order, hear)
             except asyncio.CancelledError:
                 self._show(State(phase="idle", words="the flight is no longer watched"))
                 raise
@@ -116,16 +116,20 @@ class FlightDesk:
 
 
 class BatteryGuard:
+    """Require a charged battery for the next flight of a survey on a link."""
+
     def __init__(self) -> None:
         self._link: str | None = None
         self._systems: dict[str, int] = {}
-        self._loaded = self._flown = ""
+        self._loaded = ""
+        self._flown = ""
 
     def hear(self, answer: dict[str, Any]) -> None:
         if self._link is None:
             return
         if answer["kind"] == "loaded":
-            self._loaded, self._systems[self._link] = answer["mission"], answer["system"]
+            self._loaded = answer["mission"]
+            self._systems[self._link] = answer["system"]
         elif answer["kind"] == "state" and answer["phase"] == "flying":
             self._flown = self._loaded
 
@@ -138,5 +142,6 @@ class BatteryGuard:
             words = f"expected a charged battery, not the one that flew {self._flown}"
             hint = "confirm that it is in, and that nobody is near the propellers"
             raise MissionError(words, hint=hint, code="battery-flown")
-        self._flown, self._link = "", request.link
+        self._flown = ""
+        self._link = request.link
         return request.model_copy(update={"system": request.system or self._systems.get(request.link)})

@@ -34,21 +34,27 @@ def planned_over(flight: Flight) -> HandedOver:
 
 def survey_over(survey: Survey) -> list[HandedOver]:
     """Return its flights; each digest covers all of them."""
-    flights, summary = zip(survey.names, survey.flights, strict=True), survey.summary()
-    return [HandedOver(name, each, _digest(each.mission, [n, summary])) for n, (name, each) in enumerate(flights)]
+    summary = survey.summary()
+    return [
+        HandedOver(name, forecast, _digest(forecast.mission, [n, summary]))
+        for n, (name, forecast) in enumerate(zip(survey.names, survey.flights, strict=True))
+    ]
 
 
 def mission_over(name: str, forecast: Forecast, warnings: Sequence[Finding]) -> HandedOver:
-    mission, scenario = forecast.mission, forecast.scenario
+    mission = forecast.mission
+    scenario = forecast.scenario
     remarks = [finding.message for finding in warnings]
-    about = [None if scenario is None else scenario.name, *remarks, forecast.estimate.total_s]
+    judged_by = [None if scenario is None else scenario.name, *remarks, forecast.estimate.total_s]
     if scenario is None:
         remarks.append("no scenario gives the obstacles: neither clearance nor contingencies were checked")
-    known = Forecast(replace(forecast.mission_as_read, parameters=mission.parameters), scenario, forecast.wind)
-    return HandedOver(name, known, _digest(mission, about), tuple(remarks))
+    with_parameters = replace(forecast.mission_as_read, parameters=mission.parameters)
+    handed = Forecast(with_parameters, scenario, forecast.wind)
+    return HandedOver(name, handed, _digest(mission, judged_by), tuple(remarks))
 
 
-def _digest(mission: Mission, about: object) -> str:
-    written = repr((mission.home, mission.items, mission.fence, mission.rally, sorted(mission.parameters.items())))
-    known = f"{mission.autopilot} {written} {json.dumps(about, sort_keys=True)}"
-    return hashlib.sha256(known.encode()).hexdigest()[:10]
+def _digest(mission: Mission, proof: object) -> str:
+    """Return ten hexadecimal digits of the mission and its `proof` (JSON values)."""
+    content = repr((mission.home, mission.items, mission.fence, mission.rally, sorted(mission.parameters.items())))
+    text = f"{mission.autopilot} {content} {json.dumps(proof, sort_keys=True)}"
+    return hashlib.sha256(text.encode()).hexdigest()[:10]

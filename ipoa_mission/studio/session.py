@@ -18,14 +18,11 @@ from ipoa_mission.studio.vocabulary import PageMessage, Window, as_json, place_o
 
 SETTLE_TIME_S = 0.6  # before the proved path is planned
 ALONE_LIMIT_S = 120.0  # of planners, without window and flight
-KEPT = (
-    *("area", "world", "mission", "checked", "replay", "sketch", "coarse_survey", "plan", "survey", "contingencies"),
-    *("loaded", "state", "trouble"),
-)
-FOLLOWS = (
-    *("sketch", "coarse_survey", "plan", "survey", "contingencies", "checked", "replay"),
-    *(f"trouble of {what}" for what in ("scenario", "sketch", "plan")),
-)
+#: Kinds of answers that a change of the document makes obsolete.
+OF_REVISION = ("sketch", "coarse_survey", "plan", "survey", "contingencies", "checked", "replay")
+OBSOLETE = (*OF_REVISION, "trouble of scenario", "trouble of sketch", "trouble of plan")
+#: Kinds whose latest answer a new window gets.
+LATEST = {*OF_REVISION, "area", "world", "mission", "loaded", "state", "trouble"}
 PLANNER = "ipoa_mission.studio.plan_worker"
 #: of a file, given a mission's scenario or log; returns the token
 OpenFile: TypeAlias = Callable[[Path, Path | None, Path | None], str]
@@ -41,13 +38,18 @@ class Session:
         world: Path | None = None,
         log: Path | None = None,
     ) -> None:
-        self.document, self.folder = Document(path), path.parent
-        self._open_file, self._world, self._log = open_file, world, log
+        self.document = Document(path)
+        self.folder = path.parent
+        self._open_file = open_file
+        self._world = world
+        self._log = log
         self._windows: set[Window] = set()
-        self._seed, self._flown = seed, tuple[Path, ...]()
+        self._seed = seed
+        self._flown: tuple[Path, ...] = ()
         words = "the planner ended unexpectedly; nothing of the scenario is lost"
         died = Trouble(of="plan", message=words, hint="plan again")
-        self._quick, self._thorough = Process(PLANNER, died), Process(PLANNER, died)
+        self._quick = Process(PLANNER, died)
+        self._thorough = Process(PLANNER, died)
         self._flights = FlightDesk(self.document, self.send_all)
         self._jobs: dict[str, asyncio.Task[object]] = {}
         self._drags: dict[Window, requests.Drag] = {}
@@ -69,7 +71,8 @@ class Session:
         """Send to every window; keep the latest answer of each kind for later ones."""
         answer = as_json(message)
         kind = answer["kind"]
-        if kind in KEPT and (slot := _slot(answer)) != "trouble of edit":
+        slot = _slot(answer)
+        if kind in LATEST and slot != "trouble of edit":
             self._latest[slot] = answer
         if kind == "state" and answer["phase"] in ("idle", "over"):
             self._forget("loaded")
@@ -163,7 +166,7 @@ class Session:
 
     def _follow(self) -> None:
         """Show the scenario, sketch it, and plan it once no change follows."""
-        self._forget(*FOLLOWS)
+        self._forget(*OBSOLETE)
         self._stop("plan")
         self._stop("contingencies")
         self._job("look", self._look)
@@ -245,8 +248,8 @@ class Session:
             raise MissionError(f"it cannot be flown: {checked['timeless']}", code="no-time")
 
     def _expect_proved(self) -> None:
-        plans = (self._latest.get(kind) for kind in ("plan", "survey"))
-        if not any(plan is not None and plan["revision"] == self.document.revision for plan in plans):
+        revisions = {self._latest[kind]["revision"] for kind in ("plan", "survey") if kind in self._latest}
+        if self.document.revision not in revisions:
             words = "there is no proved plan of the current scenario"
             raise MissionError(words, hint="wait for it, or correct the scenario", code="not-planned")
 
@@ -281,7 +284,7 @@ class Session:
         self._alone_s = 0.0 if self._windows or self._flights.is_busy else self._alone_s + step_s
         if ALONE_LIMIT_S <= self._alone_s < ALONE_LIMIT_S + step_s:
             await self._close_planners()
-            self._forget(*FOLLOWS, "world", "mission")
+            self._forget(*OBSOLETE, "world", "mission")
 
     async def close(self) -> None:
         await asyncio.gather(self._flights.close(), self._close_planners())
@@ -293,10 +296,12 @@ class Session:
         await asyncio.gather(*self._jobs.values(), return_exceptions=True)
 
     def _forget(self, *names: str) -> None:
-        kept = self._latest.items()
-        self._latest = {slot: answer for slot, answer in kept if not {slot, answer["kind"]} & {*names}}
+        self._latest = {
+            slot: answer for slot, answer in self._latest.items() if slot not in names and answer["kind"] not in names
+        }
 
 
 def _slot(answer: dict[str, Any]) -> str:
+    """Return the key of the latest answer of its kind: `plan`, `trouble of file`, `contingencies of 0`."""
     of = {"trouble": "of", "contingencies": "flight"}.get(answer["kind"])
     return str(answer["kind"]) if of is None else f"{answer['kind']} of {answer[of]}"
