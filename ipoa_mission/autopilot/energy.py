@@ -23,18 +23,14 @@ from ipoa_mission.wind import CALM, Wind
 
 @dataclass(frozen=True)
 class PowerCurve:
-    """Power [W] = hover + square v^2 + cube v^3 + climb w, or + descent w in a descent.
-
-    v is the airspeed, measured up to `fastest` [m/s]. The square term may be negative (translational lift), the cube
-    term not (drag).
-    """
+    """Power [W] = hover + square v^2 + cube v^3 + climb w, or + descent w in a descent, by airspeed v."""
 
     hover_w: float
-    square_w: float = 0.0
-    cube_w: float = 0.0
+    square_w: float = 0.0  # negative: translational lift
+    cube_w: float = 0.0  # drag, never negative
     climb_w: float = 0.0
     descent_w: float = 0.0
-    fastest: float = np.inf
+    fastest: float = np.inf  # measured airspeed [m/s]
 
     def level(self, airspeed: Vector) -> Vector:
         measured = np.minimum(airspeed, self.fastest)
@@ -59,18 +55,12 @@ KAPPA = 1.15  # induced over ideal power (Leishman, section 2.8)
 
 @dataclass(frozen=True)
 class PowerModel:
-    """Take-off mass [kg], area of all rotor discs [m^2], drag area C_D A [m^2].
-
-    `figure_of_merit`: ideal over real rotor power in hover. `drive_efficiency`: of motors and ESCs. `avionics_w`: all
-    else [W].
-    """
-
-    mass_kg: float
-    disc_area: float
-    drag_area: float
-    figure_of_merit: float = 0.6
-    drive_efficiency: float = 0.8
-    avionics_w: float = 10.0
+    mass_kg: float  # at take-off
+    disc_area: float  # of all rotors [m^2]
+    drag_area: float  # C_D A [m^2]
+    figure_of_merit: float = 0.6  # ideal over real rotor power in hover
+    drive_efficiency: float = 0.8  # of motors and ESCs
+    avionics_w: float = 10.0  # all else
 
     def __post_init__(self) -> None:
         for name in ("mass_kg", "disc_area"):
@@ -140,10 +130,8 @@ class Interval(NamedTuple):
 
 @dataclass(frozen=True)
 class Battery:
-    """Full capacity [Wh], and the share to keep after landing."""
-
-    capacity_wh: float
-    reserve: float = 0.2
+    capacity_wh: float  # when full
+    reserve: float = 0.2  # share to keep after landing
 
     def __post_init__(self) -> None:
         if not self.capacity_wh > 0 or not 0 <= self.reserve < 1:

@@ -25,16 +25,13 @@ class Cause(StrEnum):
 
 @dataclass(frozen=True)
 class FailsafeAction:
-    """A contingency after a hold of `after_s`, or one of its fallbacks `otherwise`; remarks in `words`.
-
-    `since`: the first series that has this value of the parameter.
-    """
+    """A contingency, or one of its fallbacks `otherwise`."""
 
     contingency: Contingency
     otherwise: tuple[Contingency, ...] = ()
-    words: str = ""
-    after_s: float = 0.0
-    since: Series = (0, 0)
+    words: str = ""  # remarks
+    after_s: float = 0.0  # of a hold before it
+    since: Series = (0, 0)  # the first with this value of the parameter
 
     def in_place(self) -> "FailsafeAction":
         first, *rest = self.otherwise or (Contingency.CONTINUE,)
@@ -49,20 +46,16 @@ GOES_ON = FailsafeAction(Contingency.CONTINUE)
 
 @dataclass(frozen=True)
 class FailsafeRule:
-    """A cause, its parameter, and the action for each of its values.
-
-    `other`: the action for values not in `actions`; always, if `parameter` is empty. The vehicle checks the cause if
-    one of `needs` (name and default) is above 0, or `needs` is empty. `until`: the first series without the rule.
-    """
+    """A cause, its parameter, and the action for each of its values."""
 
     cause: str
-    parameter: str = ""
+    parameter: str = ""  # empty: `other` in any case
     actions: Mapping[int, FailsafeAction] = field(default_factory=dict)
-    default: float = 0.0
-    other: FailsafeAction = GOES_ON
-    needs: Mapping[str, float] = field(default_factory=dict)
+    default: float = 0.0  # of the parameter
+    other: FailsafeAction = GOES_ON  # for values not in `actions`
+    needs: Mapping[str, float] = field(default_factory=dict)  # defaults; one must be above 0, unless empty
     since: Series = (0, 0)
-    until: Series = (99, 0)
+    until: Series = (99, 0)  # the first without the rule
 
     def value(self, parameters: Parameters) -> float:
         return parameters.get(self.parameter, self.default) if self.parameter else math.nan
@@ -93,17 +86,12 @@ class FailsafeRule:
 
 @dataclass(frozen=True)
 class Failsafe:
-    """The `action` for a cause in cruise, and in stages that differ.
-
-    `returns_at`: the value of `parameter` with RTL.
-    """
-
     cause: str
     parameter: str
     value: float
-    action: FailsafeAction
-    differs: Mapping[FlightStage, FailsafeAction] = field(default_factory=dict)
-    returns_at: int | None = None
+    action: FailsafeAction  # in cruise
+    differs: Mapping[FlightStage, FailsafeAction] = field(default_factory=dict)  # the actions of other stages
+    returns_at: int | None = None  # the parameter's value with RTL
 
     @property
     def lands_by_choice(self) -> bool:
@@ -116,17 +104,13 @@ class Failsafe:
 
 @dataclass(frozen=True)
 class StationLoss:
-    """When the station counts as lost: silent for `timeout`, else `default_s` [s].
+    """Parameters of a lost ground station; a tuple lists names of one parameter."""
 
-    `decided_by`: parameters of the action. `heeds`, `heeds_to`: first and last system id that count. A tuple lists
-    names of one parameter.
-    """
-
-    timeout: str
+    timeout: str  # of its silence [s]
     default_s: float
     decided_by: tuple[str | tuple[str, ...], ...]
-    heeds: tuple[str, ...] = ()
-    heeds_to: str = ""
+    heeds: tuple[str, ...] = ()  # the first system id that counts
+    heeds_to: str = ""  # the last one
 
     def words(self, failsafes: Iterable[Failsafe], parameters: Parameters, station: int) -> str:
         """Return the action for a station's id in words; empty if unknown."""

@@ -10,13 +10,10 @@ from ipoa_mission.autopilot.commands import JUMPS, Command
 
 @dataclass(frozen=True)
 class ArmingWords:
-    """Patterns of an autopilot's arming texts.
+    """Patterns of an autopilot's arming texts."""
 
-    `begin`: prefix of each reason. `passing`: reasons that clear by themselves.
-    """
-
-    begin: re.Pattern[str]
-    passing: re.Pattern[str]
+    begin: re.Pattern[str]  # prefix of each reason
+    passing: re.Pattern[str]  # reasons that clear by themselves
 
     def reasons(self, words: str) -> tuple[str, ...]:
         return tuple(reason for reason in words.split("; ") if self.begin.match(reason))
@@ -103,17 +100,13 @@ def mode_number(main: int, sub: int = 0) -> int:
 
 @dataclass(frozen=True)
 class Modes:
-    """Custom modes of one autopilot.
-
-    `arming`: armed in it. `hold`: keeps its place without a pilot. `returning`: RTL. `returns`, `lands`: all such
-    modes.
-    """
+    """Custom modes of one autopilot."""
 
     mission: int
-    arming: int
-    hold: int
-    returning: int
-    returns: frozenset[int]
+    arming: int  # armed in it
+    hold: int  # keeps its place without a pilot
+    returning: int  # RTL
+    returns: frozenset[int]  # all that return
     lands: frozenset[int]
     names: Mapping[int, str]
     has_sub_modes: bool = False
@@ -173,12 +166,7 @@ class CommandEffects:
 
 
 class FlownCircle(NamedTuple):
-    """`radius` [m], the lag `behind` at the end [rad], the way it `runs_on` until it stops [m].
-
-    `sense`: 1 clockwise, -1 counterclockwise, 0 as in the item.
-    """
-
-    radius: float
-    behind: float
-    runs_on: float
-    sense: float = 0.0
+    radius: float  # [m]
+    behind: float  # lag at the end [rad]
+    runs_on: float  # way until it stops [m]
+    sense: float = 0.0  # 1 clockwise, -1 counterclockwise, 0 as in the item

@@ -16,25 +16,20 @@ class Learned:
 
 @dataclass(frozen=True)
 class LearnedVehicle:
-    """Fitted values; None: not determined, the simulator's value holds.
-
-    `drag`: multiple. `lag`: rotors and rate loop [s]. `lift_delay`, `landing_delay`: lift-off and disarming [s,
-    signed]. Power [W]: `hover_power` + `square_power` v^2 + `cube_power` v^3 up to `airspeed` [m/s]; `climb_power` and
-    `descent_power` per m/s [W, signed]. `energy_ratio`: measured over modeled energy.
-    """
+    """Fitted values; None: not determined, the simulator's value holds. Powers as in `energy.PowerCurve`."""
 
     autopilot: Autopilot
-    drag: Learned | None = None
-    lag: Learned | None = None
-    lift_delay: Learned | None = None
-    landing_delay: Learned | None = None
-    hover_power: Learned | None = None
+    drag: Learned | None = None  # multiple
+    lag: Learned | None = None  # of rotors and rate loop [s]
+    lift_delay: Learned | None = None  # of lift-off [s, signed]
+    landing_delay: Learned | None = None  # of disarming [s, signed]
+    hover_power: Learned | None = None  # [W]
     square_power: Learned | None = None
     cube_power: Learned | None = None
-    climb_power: Learned | None = None
+    climb_power: Learned | None = None  # [W per m/s, signed]
     descent_power: Learned | None = None
-    airspeed: Learned | None = None
-    energy_ratio: Learned | None = None
+    airspeed: Learned | None = None  # the fastest measured [m/s]
+    energy_ratio: Learned | None = None  # measured over modeled
     version: str = ""
     flights: int = 0
 

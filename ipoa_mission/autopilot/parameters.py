@@ -14,18 +14,14 @@ INT8, INT16, INT32, REAL32 = 2, 4, 6, 9  # MAV_PARAM_TYPE
 
 
 class Parameter(NamedTuple):
-    """A parameter by its older name, in units of `unit` [m, s or degrees].
-
-    `default`: None: not simulated. `kind`: MAV_PARAM_TYPE. `meaning`: the same for all autopilots. `newer`: its newer
-    name, in units of 1.
-    """
+    """A parameter by its older name, in units of `unit` [m, s or degrees]."""
 
     name: str
-    default: float | None
-    kind: int = REAL32
-    meaning: str = ""
+    default: float | None  # None: not simulated
+    kind: int = REAL32  # MAV_PARAM_TYPE
+    meaning: str = ""  # the same for all autopilots
     unit: float = 1.0
-    newer: str = ""
+    newer: str = ""  # its newer name, in units of 1
 
     def spelled(self, value: float) -> float:
         return value / self.unit
@@ -37,18 +33,14 @@ def defaults(rows: Iterable[Parameter]) -> dict[str, float]:
 
 @dataclass(frozen=True)
 class ParameterTable:
-    """An autopilot's known parameters.
+    """An autopilot's known parameters."""
 
-    `affecting`: those that affect a mission. `further`, `set_up`: ground stations read them. `packs_integers`: integers
-    are sent as a float's bits.
-    """
-
-    affecting: tuple[Parameter, ...]
-    further: tuple[Parameter, ...]
-    set_up: tuple[Parameter, ...]
+    affecting: tuple[Parameter, ...]  # a mission
+    further: tuple[Parameter, ...]  # known, or read by ground stations
+    set_up: tuple[Parameter, ...]  # only read by ground stations
     surely_there: tuple[tuple[str, ...], ...]  # alternative names
     positive: tuple[str, ...] = ()  # must be above 0
-    packs_integers: bool = False
+    packs_integers: bool = False  # sent as a float's bits
     limits_speed: str = ""  # PX4: the limit MPC_XY_VEL_MAX; ArduCopter: the cruise speed WPNAV_SPEED
     fastest: float = 40.0  # twice both firmwares' documented maximum [m/s]
 

@@ -4,18 +4,9 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 from ipoa_mission.errors import MissionError
+from ipoa_mission.link import mavftp
 from ipoa_mission.link.codec import Target
-from ipoa_mission.link.mavftp import (
-    LIST_FILES,
-    LONGEST_DATA,
-    MISSION_FILE,
-    FileError,
-    FileMessage,
-    Opcode,
-    file_checksum,
-    nak,
-    unpack,
-)
+from ipoa_mission.link.mavftp import LONGEST_DATA, FileError, FileMessage, Opcode, nak
 from ipoa_mission.link.messages import FileTransfer, MissionType
 from ipoa_mission.link.mission_upload_file import HEADER, pack_mission, unpack_mission
 from ipoa_mission.link.wire import ITEM
@@ -49,7 +40,7 @@ class FileService:
         self._sessions: dict[Target, FileSession] = {}
 
     def answers(self, message: FileTransfer, client: Target) -> list[FileTransfer]:
-        question = unpack(message)
+        question = mavftp.unpack(message)
         session = self._sessions.setdefault(client, FileSession())
         while len(self._sessions) > MOST_CLIENTS:
             del self._sessions[next(iter(self._sessions))]
@@ -85,20 +76,22 @@ class FileService:
         return nak(question, FileError.UNKNOWN_COMMAND)
 
     def _open(self, question: FileMessage, session: FileSession) -> FileMessage:
-        if not self._offered or question.data.rstrip(b"\0") != MISSION_FILE.encode():
+        if not self._offered or question.data.rstrip(b"\0") != mavftp.MISSION_FILE.encode():
             return nak(question, FileError.FILE_NOT_FOUND)
         if question.opcode == Opcode.CREATE_FILE:
-            session.reading, session.writing = None, bytearray()
+            session.reading = None
+            session.writing = bytearray()
             return _ack(question)
-        session.reading, session.writing = pack_mission(self._listed(MissionType.MISSION)), None
+        session.reading = pack_mission(self._listed(MissionType.MISSION))
+        session.writing = None
         return _ack(question, len(session.reading).to_bytes(4, "little"))
 
     def _sum_up(self, question: FileMessage) -> FileMessage:
         name = question.data.rstrip(b"\0")
-        kind = next((kind for kind, path in LIST_FILES.items() if path.encode() == name), None)
+        kind = next((kind for kind, path in mavftp.LIST_FILES.items() if path.encode() == name), None)
         if not self._offered or kind is None:
             return nak(question, FileError.FAIL)
-        return _ack(question, file_checksum(pack_mission(self._listed(kind), kind)).to_bytes(4, "little"))
+        return _ack(question, mavftp.file_checksum(pack_mission(self._listed(kind), kind)).to_bytes(4, "little"))
 
     def _close(self, question: FileMessage, session: FileSession) -> FileMessage:
         written, session.writing, session.reading = session.writing, None, None
@@ -113,7 +106,8 @@ class FileService:
 
 def _pieces(question: FileMessage, session: FileSession) -> tuple[FileMessage, ...]:
     """Return one piece, or a burst up to the end of the file; past the end the error."""
-    content, is_burst = session.reading or b"", question.opcode == Opcode.BURST_READ_FILE
+    content = session.reading or b""
+    is_burst = question.opcode == Opcode.BURST_READ_FILE
     size = min(question.size or LONGEST_DATA, LONGEST_DATA)
     starts = range(question.offset, len(content), size)[: LONGEST_BURST if is_burst else 1]
     return tuple(

@@ -85,8 +85,8 @@ def board(
     mission: Mission, conditions: Conditions | None = None, faults: Faults = PERFECT, log: str | Path | None = None
 ) -> Vehicle:
     conditions = conditions or conditions_for(mission)
-    home, parameters, seed = mission.home, mission.parameters, conditions.seed
-    autopilot = BuiltInAutopilot(mission.autopilot, home, parameters, nak_at=faults.nak_at, conditions=conditions)
+    autopilot = BuiltInAutopilot(mission.autopilot, mission.home, mission.parameters, faults.nak_at, conditions)
     station = Station(autopilot)
+    seed = conditions.seed
     pipes = (None, None) if faults.is_none else (BadPipe(faults, 2 * seed), BadPipe(faults, 2 * seed + 1))
     return meet(Line(Loopback(station, *pipes), Codec(STATION_SYSTEM, STATION_COMPONENT), log))

@@ -15,7 +15,8 @@ from ipoa_mission.mission.stored_mission import values_of
 
 
 def judge(autopilot: Autopilot, firmware: Firmware, item: Item, kind: int, count: int) -> Result:
-    refusals, about = autopilot.refusals, (firmware, item.command, item.frame, values_of(item))
+    refusals = autopilot.refusals
+    about = (firmware, item.command, item.frame, values_of(item))
     if kind == MissionType.MISSION:
         refusal = refusals.mission(*about, count)
     else:

@@ -143,7 +143,8 @@ class MissionService:
         return True
 
     def _begin(self, count: int, kind: int, client: Target, now: float) -> None:
-        profile, busy = self._profile, self._incoming.get(self._slot(kind))
+        profile = self._profile
+        busy = self._incoming.get(self._slot(kind))
         if kind not in KINDS:
             return self._ack(m.Result.UNSUPPORTED, kind, client)
         if not self.booted:
@@ -183,10 +184,12 @@ class MissionService:
             self._open(range(first, last + 1), kind, client, now)
 
     def _open(self, wanted: range, kind: int, client: Target, now: float) -> None:
-        profile, store = self._profile, self.stores[m.MissionType(kind)]
+        profile = self._profile
+        store = self.stores[m.MissionType(kind)]
 
         def take(seq: int, heard: Item | bytes) -> int:
-            item, count = item_of(heard), max(wanted.stop, len(store.staged))
+            item = item_of(heard)
+            count = max(wanted.stop, len(store.staged))
             result = m.Result.ERROR if seq == self._nak_at else self._judge(item, kind, count)
             if result == m.Result.ACCEPTED:
                 store.keep(seq, item)

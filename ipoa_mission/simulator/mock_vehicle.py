@@ -3,7 +3,7 @@
 import math
 from collections.abc import Mapping
 from dataclasses import astuple
-from enum import IntEnum, IntFlag
+from enum import IntEnum
 
 from ipoa_mission.autopilot.commands import LAST_NAV, WAYPOINTS, Command
 from ipoa_mission.autopilot.parameters import Parameters
@@ -23,6 +23,8 @@ from ipoa_mission.simulator.situation import FlightMode, MissionState
 
 ERROR_LEVELS = 0x63  # of an event
 TEXT_BYTES = 50  # of a STATUSTEXT
+#: MAV_SYS_STATUS_SENSOR: gyroscopes, accelerometers, compass, barometer, GPS, fence, AHRS, battery.
+SENSORS = 1 | 2 | 4 | 8 | 32 | 0x100000 | 0x200000 | 0x2000000
 #: In ArduCopter's text at the start of an item.
 _NAMES: Mapping[int, str] = {
     Command.NAV_WAYPOINT: "WP",
@@ -46,19 +48,6 @@ _NAMES: Mapping[int, str] = {
     Command.JUMP_TAG: "Tag",
 }
 REPORTED_WHEN_REACHED = WAYPOINTS | {Command.NAV_LOITER_TIME, Command.NAV_LOITER_TURNS, Command.NAV_LOITER_TO_ALT}
-
-
-class Sensor(IntFlag):
-    """MAV_SYS_STATUS_SENSOR."""
-
-    GYRO = 1
-    ACCEL = 2
-    MAG = 4
-    PRESSURE = 8
-    GPS = 32
-    GEOFENCE = 0x100000
-    AHRS = 0x200000
-    BATTERY = 0x2000000
 
 
 class MavState(IntEnum):
@@ -88,7 +77,8 @@ class MockVehicle:
     ) -> None:
         self.profile, self.flight, self.parameters = profile, flight, parameters
         self.transfers = MissionService(profile, lambda: flight.home, self.send, self.load_list, nak_at)
-        self.now, self.powered_s = 0.0, powered_s
+        self.now = 0.0
+        self.powered_s = powered_s
         self.outbox: list[tuple[Message, Target]] = []
         self.items: tuple[Item, ...] = ()  # without home, and only a complete mission
         self.infeasible: Infeasible | None = None
@@ -160,7 +150,8 @@ class MockVehicle:
         """Return a message to send now; None: not sent."""
         profile, flight, now = self.profile, self.flight, self.now
         is_placed = self.age >= profile.start_up.origin_s
-        at, (east, north, up) = flight.position, map(float, flight.velocity)
+        at = flight.position
+        east, north, up = map(float, flight.velocity)
         roll, pitch, yaw = flight.attitude
         match name:
             case "HEARTBEAT":
@@ -170,9 +161,9 @@ class MockVehicle:
             case "PROTOCOL_VERSION" if profile.protocol is not None:
                 return m.ProtocolVersion(*profile.protocol)
             case "SYS_STATUS":  # a passed pre-arm check is healthy, on PX4 without being present
-                sensors, passed = sum(Sensor), self._passed_checks()
-                bits = sensors | (PREARM_CHECK if profile.reports_prearm else 0)
-                return m.SystemStatus(bits, bits, sensors | (PREARM_CHECK if passed else 0))
+                present = SENSORS | (PREARM_CHECK if profile.reports_prearm else 0)
+                healthy = SENSORS | (PREARM_CHECK if self._passed_checks() else 0)
+                return m.SystemStatus(present, present, healthy)
             case "MISSION_CURRENT":
                 self._repeat_reached()
                 return self.current()
@@ -181,7 +172,8 @@ class MockVehicle:
             case "GLOBAL_POSITION_INT" if not is_placed:
                 return m.Position(now, 0.0, 0.0, 0.0, 0.0) if profile.reports_prearm else None
             case "GLOBAL_POSITION_INT":
-                height, velocity = at.altitude - flight.home.altitude, (north, east, -up)
+                height = at.altitude - flight.home.altitude
+                velocity = (north, east, -up)
                 return m.Position(now, at.latitude_deg, at.longitude_deg, at.altitude, height, velocity, yaw)
             case "HOME_POSITION" | "GPS_GLOBAL_ORIGIN" if not is_placed:
                 return None
@@ -200,7 +192,8 @@ class MockVehicle:
                 half_turn = math.remainder(yaw, 2 * math.pi) if math.isfinite(yaw) else 0.0
                 return m.Attitude(now, roll, pitch, half_turn)
             case "VFR_HUD":
-                speed, heading = math.hypot(east, north), saturated(math.degrees(yaw)) % 360
+                speed = math.hypot(east, north)
+                heading = saturated(math.degrees(yaw)) % 360
                 return m.Hud(speed, speed, heading, 50 if flight.armed else 0, at.altitude, up)
             case "EXTENDED_SYS_STATE":
                 return m.ExtendedState(1 if flight.on_ground else 2)

@@ -91,7 +91,8 @@ class SimulatedFlight(Situation):
             return
         self.program = self._program(items)
         if not items:
-            self.mission, self.current = MissionState.NO_MISSION, 0
+            self.mission = MissionState.NO_MISSION
+            self.current = 0
             if self.mode is FlightMode.MISSION:
                 self.hold()
             return
@@ -109,7 +110,8 @@ class SimulatedFlight(Situation):
 
     def arm(self) -> None:
         if not self.armed:
-            self.armed, self.armed_s = True, self.time_s
+            self.armed = True
+            self.armed_s = self.time_s
             self.reached.clear()
             self._controller = self._new_controller()
             self._controller.enter()

@@ -20,18 +20,12 @@ STEP_S = 0.02  # [s]
 
 @dataclass(frozen=True)
 class Conditions:
-    """Ground is the height above home [m].
-
-    `vehicle`: properties learned from logs. `version`: None: the newest measured. `seed`: of sensor errors. `cold`:
-    powered up now, without a position.
-    """
-
     wind: Wind = CALM
-    ground: Ground = LEVEL
-    vehicle: LearnedVehicle | None = None
-    version: Version | None = None
-    seed: int = 0
-    cold: bool = False
+    ground: Ground = LEVEL  # above home [m]
+    vehicle: LearnedVehicle | None = None  # with properties learned from logs
+    version: Version | None = None  # None: the newest measured
+    seed: int = 0  # of sensor errors
+    cold: bool = False  # powered up now, without a position
 
 
 STANDARD_CONDITIONS = Conditions()
@@ -39,13 +33,11 @@ STANDARD_CONDITIONS = Conditions()
 
 @dataclass
 class SimulatedVehicle:
-    """Place [m] and motion [m/s]: east, north, up; level acceleration by tilt: g tan(angle) [m/s^2]; yaw [rad]."""
-
     conditions: Conditions = STANDARD_CONDITIONS
-    place: Place = (0.0, 0.0, 0.0)
-    motion: Place = (0.0, 0.0, 0.0)
-    tilt_accel: tuple[float, float] = (0.0, 0.0)
-    yaw: float = 0.0
+    place: Place = (0.0, 0.0, 0.0)  # east, north, up [m]
+    motion: Place = (0.0, 0.0, 0.0)  # [m/s]
+    tilt_accel: tuple[float, float] = (0.0, 0.0)  # level acceleration by tilt: g tan(angle) [m/s^2]
+    yaw: float = 0.0  # [rad]
     on_ground: bool = True
 
 
@@ -67,11 +59,9 @@ class FlightMode(IntEnum):
 
 @dataclass(frozen=True)
 class ItemDone:
-    """`announced`: by MISSION_ITEM_REACHED."""
-
     index: int
     time_s: float
-    announced: bool = True
+    announced: bool = True  # by MISSION_ITEM_REACHED
 
 
 @dataclass
@@ -114,7 +104,8 @@ class Situation:
                     change_speed(self.program.items[index])
                 self.done(index)
             if at is not None:
-                self.current, item = at, self.program.items[at]
+                self.current = at
+                item = self.program.items[at]
                 if item.command in moved:
                     return item
                 self.done(at)
