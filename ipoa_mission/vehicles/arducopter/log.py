@@ -6,7 +6,7 @@ pymavlink's reader takes a second per megabyte, and hours for a file of zeros.
 import math
 import re
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from itertools import pairwise
 from pathlib import Path
@@ -32,39 +32,36 @@ BATTERIES = {"BAT": 0, "CURR": 0, "BAT2": 1, "CUR2": 1, "BAT3": 2, "BAT4": 3}
 KINDS = frozenset({*BATTERIES, "POS", "XKF1", "NKF1", "ATT", "MODE", "ARM", "EV", "MISE", "CMD", "MSG", "PARM", "ORGN"})
 
 
+#: Struct's code by format letter.
+CODES: Mapping[str, str] = {
+    **dict(zip("bBhHiIfdqQ", "bBhHiIfdqQ", strict=True)),
+    "g": "e", "M": "B", "a": "64s", "n": "4s", "N": "16s", "Z": "64s", "c": "h", "C": "H", "e": "i", "E": "I", "L": "i",
+}  # fmt: skip
+UNITS: Mapping[str, float] = {**dict.fromkeys("cCeE", 100), "L": 1e7}  # by format letter
+
+
 def _text(raw: bytes) -> str:
     return raw.split(b"\0")[0].decode("utf-8", "replace")
 
 
-def _hundredths(value: float) -> float:
-    return value / 100
-
-
-def _unchanged(value: Any) -> Any:
-    return value
-
-
-#: By format letter: struct's code and the conversion.
-_LETTERS: Mapping[str, tuple[str, Callable[[Any], Any]]] = {
-    **{letter: (letter, _unchanged) for letter in "bBhHiIfdqQ"},
-    "g": ("e", _unchanged), "M": ("B", _unchanged), "a": ("64s", _unchanged),
-    "n": ("4s", _text), "N": ("16s", _text), "Z": ("64s", _text),
-    "c": ("h", _hundredths), "C": ("H", _hundredths), "e": ("i", _hundredths), "E": ("I", _hundredths),
-    "L": ("i", lambda value: value / 1e7),
-}  # fmt: skip
+def _converted(letter: str, value: Any) -> Any:
+    if letter in UNITS:
+        return value / UNITS[letter]
+    return _text(value) if letter in "nNZ" else value
 
 
 @dataclass(frozen=True)
 class RecordKind:
     name: str
     layout: Struct
+    letters: str
     columns: tuple[str, ...]
-    made_by: tuple[Callable[[Any], Any], ...]
 
     def read(self, data: bytes, at: int) -> dict[str, Any]:
-        """In degrees, meters and unscaled units."""
+        """Return the values by column, in degrees, meters and unscaled units."""
         values = self.layout.unpack_from(data, at)
-        return {name: make(value) for name, make, value in zip(self.columns, self.made_by, values, strict=True)}
+        rows = zip(self.columns, self.letters, values, strict=True)
+        return {name: _converted(letter, value) for name, letter, value in rows}
 
 
 def read_records(
@@ -115,10 +112,9 @@ def read_records(
 
 def _kind(name: str, letters: str, columns: str) -> RecordKind | None:
     names = tuple(columns.split(","))
-    if len(names) != len(letters) or not set(letters) <= set(_LETTERS):
+    if len(names) != len(letters) or not set(letters) <= CODES.keys():
         return None
-    codes, conversions = zip(*(_LETTERS[letter] for letter in letters), strict=True)
-    return RecordKind(name, Struct("<" + "".join(codes)), names, conversions)
+    return RecordKind(name, Struct("<" + "".join(CODES[letter] for letter in letters)), letters, names)
 
 
 @dataclass
@@ -146,7 +142,8 @@ def read_copter_log(path: Path) -> Log:
     Raises:
         BadInput: the file cannot be read, has no positions, or is of no copter.
     """
-    gathered, torn = _Gathered(), Counter[str]()
+    gathered = _Gathered()
+    torn = Counter[str]()
     for kind, values in read_records(path, KINDS, torn):
         gathered.kinds.add(kind)
         try:
@@ -291,7 +288,8 @@ def _fixes(rows: Points, velocities: Points) -> Fixes:
 def _differences(times: Vector, latitude: Vector, longitude: Vector, altitude: Vector) -> Points:
     """Derive velocities north, east, down; zero off the Earth."""
     start = Geodetic(float(latitude[0]), float(longitude[0]), float(altitude[0]))
-    places, speeds = LocalFrame(start).to_local(latitude, longitude, altitude), np.zeros((len(times), 3))
+    places = LocalFrame(start).to_local(latitude, longitude, altitude)
+    speeds = np.zeros((len(times), 3))
     sound = np.isfinite(places).all(axis=1)
     if sound.sum() > 1:
         speeds[sound] = np.gradient(places[sound], times[sound], axis=0)

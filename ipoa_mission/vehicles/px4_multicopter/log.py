@@ -98,7 +98,8 @@ def _messages(data: bytes) -> Iterator[tuple[int, int]]:
 
 
 def _remarks(path: Path, log: Any, topics: Set[str]) -> Iterator[str]:
-    data, at = read_bytes(path), HEADER
+    data = read_bytes(path)
+    at = HEADER
     for kind, end in _messages(data):
         if kind not in b"BFIMPQALCDRSO" or end > len(data):
             break
@@ -237,7 +238,8 @@ def _ground(topics: dict[str, Any], times: Vector, altitude: Vector) -> Vector:
     home = topics.get("home_position")
     if home is None:
         return np.full(len(times), altitude[0] if len(times) else 0.0)
-    set_at, to = _column(home, "timestamp") / 1e6, _column(home, "alt")
+    set_at = _column(home, "timestamp") / 1e6
+    to = _column(home, "alt")
     return to[np.maximum(np.searchsorted(set_at, times, side="right") - 1, 0)]
 
 
@@ -245,7 +247,8 @@ def _velocity(topics: dict[str, Any], axis: str, times: Vector) -> Vector:
     local = topics.get("vehicle_local_position")
     if local is None:
         return np.zeros(len(times))
-    at, speed = _column(local, "timestamp") / 1e6, _column(local, axis)
+    at = _column(local, "timestamp") / 1e6
+    speed = _column(local, axis)
     sound = np.isfinite(speed)
     return np.interp(times, at[sound], speed[sound]) if sound.any() else np.zeros(len(times))
 
@@ -258,11 +261,12 @@ def items_begun(topic: Any | None, result: Any | None) -> Iterator[tuple[float, 
     for instance in np.unique(rounds):
         first_seen: dict[int, tuple[float, Item]] = {}
         for n in np.flatnonzero(rounds == instance):
-            item, seq = _item(topic, int(n)), int(topic["sequence_current"][n])
+            item = _item(topic, int(n))
+            seq = int(topic["sequence_current"][n])
             time = float(topic["timestamp"][n]) / 1e6
             if item.command:
                 since, before = first_seen.get(seq, (time, item))
-                first_seen[seq] = since, _joined(before, item)
+                first_seen[seq] = since, _join(before, item)
         for seq, (time, item) in first_seen.items():
             at = int(np.searchsorted(np.asarray(result["timestamp"], float) / 1e6, time, side="right"))
             total = int(result["seq_total"][min(max(at, 0), len(result["seq_total"]) - 1)])
@@ -270,7 +274,7 @@ def items_begun(topic: Any | None, result: Any | None) -> Iterator[tuple[float, 
                 yield time, Begun(seq, total, item)
 
 
-def _joined(before: Item, item: Item) -> Item:
+def _join(before: Item, item: Item) -> Item:
     if before.command in TAKEOFFS and item.command == Command.NAV_WAYPOINT:
         place = (item.latitude_deg, item.longitude_deg, item.altitude)
         return Item(before.command, item.frame, before.params, *place)
