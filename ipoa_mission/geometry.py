@@ -1,6 +1,7 @@
-"""Polylines in the local frame, and unions of polygons."""
+"""Vectors and polylines in the local frame, and unions of polygons."""
 
-from typing import Any, TypeAlias
+import math
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,6 +11,42 @@ Vector: TypeAlias = NDArray[np.float64]  # (n,)
 Place: TypeAlias = tuple[float, float, float]  # east, north, up [m]
 
 GRAVITY = 9.80665  # standard [m/s^2]
+
+
+class Enu(NamedTuple):
+    """A place or vector of the local frame, for kernels."""
+
+    east: float
+    north: float
+    up: float
+
+
+ZERO = Enu(0.0, 0.0, 0.0)
+
+
+def plus(first: Enu, second: Enu) -> Enu:
+    return Enu(first.east + second.east, first.north + second.north, first.up + second.up)
+
+
+def minus(first: Enu, second: Enu) -> Enu:
+    return Enu(first.east - second.east, first.north - second.north, first.up - second.up)
+
+
+def scaled(vector: Enu, factor: float) -> Enu:
+    return Enu(vector.east * factor, vector.north * factor, vector.up * factor)
+
+
+def dot(first: Enu, second: Enu) -> float:
+    return first.east * second.east + first.north * second.north + first.up * second.up
+
+
+def norm(vector: Enu) -> float:
+    return math.sqrt(dot(vector, vector))
+
+
+def horizontal_norm(vector: Enu) -> float:
+    """Return the length of a vector's level part."""
+    return math.sqrt(vector.east * vector.east + vector.north * vector.north)
 
 
 def leg_lengths(points: Points) -> Vector:

@@ -7,19 +7,11 @@ from functools import cache
 from pkgutil import resolve_name
 from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
 
+from ipoa_mission.autopilot import guidance_profile as profile
+from ipoa_mission.autopilot import returning
 from ipoa_mission.autopilot.failsafe import Failsafe, FailsafeProfile, OwnFence
 from ipoa_mission.autopilot.firmware_tables import Firmware, FirmwareTables, Refusals
-from ipoa_mission.autopilot.guidance_profile import (
-    CommandEffects,
-    FlownCircle,
-    GuidanceProfile,
-    Modes,
-    ProtocolProfile,
-    WaypointDefaults,
-)
 from ipoa_mission.autopilot.parameters import Parameters, ParameterTable
-from ipoa_mission.autopilot.returning import IN_PLACE, Contingency, OverTerrain, ReturnOrder, ReturnRoute
-from ipoa_mission.autopilot.slow_landing import SlowedBy, SlowStretch
 from ipoa_mission.autopilot.version import Version
 from ipoa_mission.errors import BadInput, NotModeled
 from ipoa_mission.files import plug_ins
@@ -52,31 +44,23 @@ class Autopilot(metaclass=_ByName):
     PX4: ClassVar["Autopilot"]
     ARDUPILOT: ClassVar["Autopilot"]
 
-    name: ClassVar[str]
-    """In scenarios, files and the command line."""
-    rank: ClassVar[int] = 9
-    """The place in lists; the lowest is the default."""
-    model: ClassVar[str]
-    """Its display name."""
-    mav_autopilot: ClassVar[int]
-    """HEARTBEAT.autopilot (MAV_AUTOPILOT)."""
-    mav_types: ClassVar[frozenset[int]]
-    """HEARTBEAT.type (MAV_TYPE) of its vehicles."""
-    measured: ClassVar[tuple[Version, ...]]
-    """Versions verified in flight, oldest first; the last is the default."""
-    modes: ClassVar[Modes]
+    name: ClassVar[str]  # in scenarios, files and the command line
+    rank: ClassVar[int] = 9  # the place in lists; the lowest is the default
+    model: ClassVar[str]  # its display name
+    mav_autopilot: ClassVar[int]  # HEARTBEAT.autopilot (MAV_AUTOPILOT)
+    mav_types: ClassVar[frozenset[int]]  # HEARTBEAT.type (MAV_TYPE) of its vehicles
+    measured: ClassVar[tuple[Version, ...]]  # versions verified in flight, oldest first; the last is the default
+    modes: ClassVar[profile.Modes]
     parameter_table: ClassVar[ParameterTable]
     tables: ClassVar[FirmwareTables]
-    guidance: ClassVar[GuidanceProfile]
-    command_effects: ClassVar[CommandEffects] = CommandEffects()
-    protocol_profile: ClassVar[ProtocolProfile]
+    guidance: ClassVar[profile.GuidanceProfile]
+    command_effects: ClassVar[profile.CommandEffects] = profile.CommandEffects()
+    protocol_profile: ClassVar[profile.ProtocolProfile]
     refusals: ClassVar[Refusals]
-    slowed_by: ClassVar[SlowedBy]
-    own_fence_by: ClassVar[tuple[str, ...]]
-    """Parameters of the vehicle's own fence."""
+    slowed_by: ClassVar[returning.SlowedBy]
+    own_fence_by: ClassVar[tuple[str, ...]]  # parameters of the vehicle's own fence
     failsafe_profile: ClassVar[FailsafeProfile] = FailsafeProfile()
-    parts: ClassVar[Mapping[str, Any]] = {}
-    """Implementations by interface name: an object or its "module:name"."""
+    parts: ClassVar[Mapping[str, Any]] = {}  # implementations by interface name: an object or its "module:name"
 
     def __str__(self) -> str:
         return self.name
@@ -118,12 +102,12 @@ class Autopilot(metaclass=_ByName):
     def braking_distance(self, parameters: Parameters, speed: "Vector", accel: "Vector") -> "Vector":
         """Return the straight distance to a stop (n,) [m] from `speed` [m/s] and `accel` along it [m/s^2]."""
 
-    def flies_on(self, contingency: Contingency) -> float:
+    def flies_on(self, contingency: returning.Contingency) -> float:
         """Return the delay before braking for a contingency [s]."""
-        return 0.0 if contingency in IN_PLACE else self.guidance.brakes_after
+        return 0.0 if contingency in returning.IN_PLACE else self.guidance.brakes_after
 
     def stopping_offset(
-        self, parameters: Parameters, velocity: "Points", accel: "Points", contingency: Contingency
+        self, parameters: Parameters, velocity: "Points", accel: "Points", contingency: returning.Contingency
     ) -> "Points":
         """Return the level displacement (n, 2) [m]."""
         import numpy as np
@@ -135,7 +119,7 @@ class Autopilot(metaclass=_ByName):
 
     def circle(
         self, parameters: Parameters, radius: float, turn: float, speed: float | None, version: Version | None
-    ) -> FlownCircle | None:
+    ) -> profile.FlownCircle | None:
         """Return the flown circle of NAV_LOITER_TURNS; None: not supported.
 
         `radius` > 0 [m], `turn` [rad], greatest level `speed` [m/s].
@@ -143,7 +127,7 @@ class Autopilot(metaclass=_ByName):
         return None
 
     @abstractmethod
-    def slow_stretch(self, parameters: Parameters) -> SlowStretch | None:
+    def slow_stretch(self, parameters: Parameters) -> returning.SlowStretch | None:
         """Return how LAND slows down; None with a range finder."""
 
     def slowed(self, parameters: Parameters, ground: float) -> Parameters:
@@ -159,7 +143,7 @@ class Autopilot(metaclass=_ByName):
         """Return the height above home [m] of a return from `height` over a level `distance` to `goal_up`."""
 
     @abstractmethod
-    def return_route(self, parameters: Parameters, order: ReturnOrder) -> ReturnRoute:
+    def return_route(self, parameters: Parameters, order: returning.ReturnOrder) -> returning.ReturnRoute:
         """Return the route of a return; parameters by their older names."""
 
     def defaults_of(self, version: Version | None = None) -> Parameters:
@@ -173,11 +157,11 @@ class Autopilot(metaclass=_ByName):
     def complete(self, parameters: Parameters, version: Version | None = None) -> Parameters:
         return {**self.parameter_table.moving, **self.known_parameters(parameters, version)}
 
-    def waypoint_defaults(self, version: Version | None = None) -> WaypointDefaults:
+    def waypoint_defaults(self, version: Version | None = None) -> profile.WaypointDefaults:
         """Return the hold and acceptance radius that waypoints are written with."""
-        return WaypointDefaults()
+        return profile.WaypointDefaults()
 
-    def over_terrain(self, parameters: Parameters) -> OverTerrain | None:
+    def over_terrain(self, parameters: Parameters) -> returning.OverTerrain | None:
         """Return how a return follows terrain; `return_height` then counts from the ground."""
         return None
 

@@ -1,4 +1,8 @@
-"""Contingencies, and the routes of a return to home, a rally point or the mission's landing."""
+"""Contingencies, the routes of a return to home, a rally point or the mission's landing, and the speed of LAND.
+
+Touchdown depends on LAND's height above home. A range finder, terrain data or ArduCopter 4.7's LAND altitude in AUTO
+would take precedence.
+"""
 
 import math
 from collections.abc import Sequence
@@ -6,6 +10,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import TYPE_CHECKING
 
+from ipoa_mission.autopilot.parameters import Parameters, ParameterTable
 from ipoa_mission.autopilot.version import Version
 
 if TYPE_CHECKING:
@@ -62,14 +67,11 @@ class ReturnRoute:
 
 @dataclass(frozen=True)
 class MissionLanding:
-    """Place of the LAND item, and items ahead and behind.
-
-    `ahead`: from the current item to DO_LAND_START or LAND. `behind`: from the first item.
-    """
+    """Place of the LAND item, and the items on the way to it."""
 
     place: "Place"
-    ahead: int
-    behind: int
+    ahead: int  # from the current item to DO_LAND_START or LAND
+    behind: int  # from the first item to the current one
 
 
 @dataclass(frozen=True)
@@ -84,7 +86,42 @@ class ReturnOrder:
 
 @dataclass(frozen=True)
 class OverTerrain:
-    """Height error `margin` [m]; `always_over_terrain`: it never falls back to heights above home."""
+    margin: float  # of the height [m]
+    always_over_terrain: bool  # it never falls back to heights above home
 
-    margin: float
-    always_over_terrain: bool
+
+SLOWEST = 0.05  # [m/s]
+HEIGHT_UNCERTAINTY = 2.0  # of heights and terrain maps; least slow stretch [m]
+
+
+@dataclass(frozen=True)
+class SlowedBy:
+    """Parameters of LAND's slow stretch."""
+
+    names: tuple[str, ...]
+    unit: float  # [m]
+    most: float  # as documented [m]
+    decided_by: tuple[str, ...]  # all that affect the touchdown speed
+    spared_by: str = ""  # of the range finder
+
+    def raised(self, table: ParameterTable, parameters: Parameters, ground: float) -> Parameters:
+        p = table.complete(parameters)
+        higher = math.ceil(ground - 0.05)  # whole meters, with rounding
+        return {name: round(min(p[name] * self.unit + higher, self.most) / self.unit, 6) for name in self.names}
+
+
+@dataclass(frozen=True)
+class SlowStretch:
+    """LAND's slowing from `descent` to `landing` speed."""
+
+    landing: float  # [m/s]
+    descent: float
+    begins: float  # height above home [m]
+    ends: float
+
+    def touchdown(self, ground: float) -> float:
+        share = (ground - self.ends) / max(self.begins - self.ends, 1e-6)
+        return self.landing + min(max(share, 0.0), 1.0) * max(self.descent - self.landing, 0.0)
+
+    def is_fast(self, ground: float) -> bool:
+        return self.touchdown(ground) > self.landing + 0.05

@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ipoa_mission.autopilot.commands import Command, command_name
-from ipoa_mission.autopilot.returning import FlightStage
-from ipoa_mission.autopilot.slow_landing import SlowStretch
+from ipoa_mission.autopilot.returning import FlightStage, SlowStretch
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.itinerary.flown_legs import Leg
 from ipoa_mission.mission.items import Item

@@ -13,7 +13,7 @@ from ipoa_mission.link.codec import Target
 from ipoa_mission.link.definitions import message_name
 from ipoa_mission.link.orders import parameter_value, spelled_parameter
 from ipoa_mission.link.wire import degrees
-from ipoa_mission.simulator.commander import Commander, whole
+from ipoa_mission.simulator.commander import Commander, as_integer
 from ipoa_mission.simulator.file_service import FileService
 from ipoa_mission.simulator.mock_profile import mock_profile
 from ipoa_mission.simulator.simulated_flight import SimulatedFlight
@@ -103,7 +103,8 @@ class BuiltInAutopilot:
 
     def outgoing(self) -> list[tuple[m.Message, Target]]:
         """Return and forget the messages to send."""
-        messages, self.vehicle.outbox = self.vehicle.outbox, []
+        messages = self.vehicle.outbox
+        self.vehicle.outbox = []
         return messages
 
     @property
@@ -118,10 +119,11 @@ class BuiltInAutopilot:
 
     def _command(self, number: int, params: tuple[float, ...], source: Target) -> None:
         vehicle, profile = self.vehicle, self.profile
-        earlier, vehicle.outbox = vehicle.outbox, []
+        earlier = vehicle.outbox
+        vehicle.outbox = []
         result = vehicle.execute(number, params)
         caused, vehicle.outbox = vehicle.outbox, earlier
-        asked = whole(params[0])
+        asked = as_integer(params[0])
         requested = message_name(asked) if number == VehicleCommand.REQUEST_MESSAGE else OLD_REQUESTS.get(number)
         answer = vehicle.message(requested) if result == m.CommandResult.ACCEPTED and requested else None
         answers: list[m.Message] = [] if answer is None else [answer]

@@ -3,15 +3,8 @@
 import math
 from collections.abc import Sequence
 
-from ipoa_mission.autopilot.commands import (
-    LAST_NAV,
-    MAY_PRECEDE_TAKEOFF,
-    TAKEOFFS,
-    WAYPOINTS,
-    Command,
-    Frame,
-    VehicleCommand,
-)
+from ipoa_mission.autopilot import commands
+from ipoa_mission.autopilot.commands import WAYPOINTS, Command, Frame, VehicleCommand
 from ipoa_mission.link.definitions import message_name
 from ipoa_mission.link.messages import CRITICAL, INFO, WARNING, CommandResult
 from ipoa_mission.simulator.mock_vehicle import MockVehicle
@@ -39,13 +32,13 @@ class Commander(MockVehicle):
             case Command.NAV_TAKEOFF:
                 return self._climb(params[6])
             case VehicleCommand.DO_SET_MODE:  # PX4's main and sub mode, or ArduPilot's mode number
-                return self.set_mode(profile.autopilot.modes.mode_of(whole(params[1]), whole(params[2])))
+                return self.set_mode(profile.autopilot.modes.mode_of(as_integer(params[1]), as_integer(params[2])))
             case Command.DO_PAUSE_CONTINUE:
                 return self._pause(params[0])
             case VehicleCommand.DO_REPOSITION:
                 return self._reposition(params)
             case VehicleCommand.DO_SET_MISSION_CURRENT:
-                return accepted if self.set_current(whole(params[0]), params[1] == 1.0) else CommandResult.DENIED
+                return accepted if self.set_current(as_integer(params[0]), params[1] == 1.0) else CommandResult.DENIED
             case VehicleCommand.PREFLIGHT_REBOOT_SHUTDOWN:
                 return self._reboot(params[0])
             case VehicleCommand.MISSION_START:
@@ -57,7 +50,7 @@ class Commander(MockVehicle):
                     self.send_text(CRITICAL, f"PreArm: {reason}")
                 return accepted  # PX4 answers by events
             case VehicleCommand.REQUEST_MESSAGE:
-                return self._find_message(message_name(whole(params[0])))
+                return self._find_message(message_name(as_integer(params[0])))
             case (
                 Command.DO_FENCE_ENABLE
                 | VehicleCommand.REQUEST_PROTOCOL_VERSION
@@ -121,7 +114,7 @@ class Commander(MockVehicle):
         if self._armed_s is None:
             return
         if not self.flight.armed:
-            if self.profile.flight_texts and self.flight.mission is MissionState.COMPLETE:
+            if not self.profile.runs_on_ground and self.flight.mission is MissionState.COMPLETE:
                 self.send_text(INFO, "Mission finished, landed\t")
             self._stop_motors(self.profile.arm_texts[2])
         elif self.will_stop_motors and self.parameters[self.profile.disarm_delay] <= self.now - self._armed_s:
@@ -180,7 +173,7 @@ class Commander(MockVehicle):
                 self.idle_mode = self.mission_mode
                 if self.arming_refusal():
                     return CommandResult.DENIED
-            self.set_current(whole(params[0]))
+            self.set_current(as_integer(params[0]))
             self.idle_mode = self.mission_mode
             if self.flight.armed:
                 self._start()
@@ -199,13 +192,16 @@ class Commander(MockVehicle):
     def _has_takeoff_first(self) -> bool:
         """DO items and delays may precede the take-off."""
         first = 0 if self.flight.mission is MissionState.COMPLETE else self.flight.current
-        ahead = (item.command for item in self.items[first:] if item.command < LAST_NAV)
-        return next((command for command in ahead if command not in MAY_PRECEDE_TAKEOFF), None) in TAKEOFFS
+        ahead = (item.command for item in self.items[first:] if item.command < commands.LAST_NAV)
+        return (
+            next((command for command in ahead if command not in commands.MAY_PRECEDE_TAKEOFF), None)
+            in commands.TAKEOFFS
+        )
 
     def set_mode(self, custom_mode: int) -> CommandResult:
         if custom_mode not in self.profile.autopilot.modes.names:
-            if self.profile.no_such_mode_text:
-                self.send_text(WARNING, f"{self.profile.no_such_mode_text} {custom_mode}")
+            if self.profile.refuses_modes:
+                self.send_text(WARNING, f"No such mode {custom_mode}")
             return CommandResult.FAILED
         if custom_mode == self.mode:
             return CommandResult.ACCEPTED
@@ -244,13 +240,13 @@ class Commander(MockVehicle):
             return CommandResult.FAILED
         if not is_mission:
             return None
-        text = self.profile.missing_takeoff_text
-        if not self.items or (text and self.flight.on_ground and not self._has_takeoff_first()):
-            if self.items:
-                self.send_text(CRITICAL, text or "")
-            self.send_text(WARNING, f"Mode change to {name} failed: init failed")
-            return CommandResult.FAILED
-        return None
+        lacks_takeoff = self.flight.on_ground and not self._has_takeoff_first()
+        if self.items and not lacks_takeoff:
+            return None
+        if self.items:
+            self.send_text(CRITICAL, "Auto: Missing Takeoff Cmd")
+        self.send_text(WARNING, f"Mode change to {name} failed: init failed")
+        return CommandResult.FAILED
 
     def set_current(self, seq: int, restart: bool = False) -> bool:
         index = max(seq - self.first_item, 0)
@@ -312,7 +308,7 @@ class Commander(MockVehicle):
 
     def _reposition(self, params: Sequence[float]) -> CommandResult:
         """Command 192 of PX4: hold, or go there; altitude AMSL in every frame."""
-        if whole(params[1]) != MAV_DO_REPOSITION_CHANGE_MODE:
+        if as_integer(params[1]) != MAV_DO_REPOSITION_CHANGE_MODE:
             return CommandResult.UNSUPPORTED
         self.set_mode(self.profile.modes[FlightMode.HOLD])
         if self.flight.armed and not self.flight.on_ground:
@@ -333,6 +329,6 @@ class Commander(MockVehicle):
         return CommandResult.ACCEPTED
 
 
-def whole(value: float) -> int:
+def as_integer(value: float) -> int:
     """Return -1 if it is no integer."""
     return int(value) if math.isfinite(value) and abs(value) < 2**31 else -1

@@ -46,8 +46,6 @@ class StartUp:
 
 
 class FlightController(Protocol):
-    """Flies in the mode and to the item of its `Situation`, as the firmware does."""
-
     def enter(self) -> None:
         """Follow a new mode or current item."""
 
@@ -98,12 +96,9 @@ class MockProfile:
     int_frames: bool = False  # read back with `_INT`
     reports_list_id: bool = False  # in MISSION_ACK and MISSION_CURRENT
     no_total: int  # MISSION_CURRENT.total
-    missing_takeoff_text: str | None = None  # at the start on the ground
     no_item_text: str | None = None
-    runs_on_ground: bool = False  # the mission advances on the ground
-    flight_texts: bool = False  # at start, climb height and landing
+    runs_on_ground: bool = False  # the mission advances on the ground, without texts of a flight
     restores_mode: bool = False  # after return or landing
-    no_such_mode_text: str | None = None
     refuses_modes: bool = False  # when armed, with the reason
     reboots: bool = False
     unsupported: frozenset[int]  # of the commands that another firmware obeys

@@ -19,8 +19,7 @@ from ipoa_mission.autopilot.failsafe import OwnFence
 from ipoa_mission.autopilot.firmware_tables import Firmware, FirmwareTables, Refusals, Refused
 from ipoa_mission.autopilot.guidance_profile import GuidanceProfile, Modes, ProtocolProfile
 from ipoa_mission.autopilot.parameters import Parameter, Parameters, ParameterTable
-from ipoa_mission.autopilot.returning import ReturnBy, ReturnOrder, ReturnRoute
-from ipoa_mission.autopilot.slow_landing import SlowedBy, SlowStretch
+from ipoa_mission.autopilot.returning import ReturnBy, ReturnOrder, ReturnRoute, SlowedBy, SlowStretch
 from ipoa_mission.autopilot.vehicle_kind import QUADROTOR
 from ipoa_mission.autopilot.version import Version
 from ipoa_mission.forecast.deviation.law import DeviationLaw, Quantiles

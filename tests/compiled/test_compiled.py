@@ -68,7 +68,7 @@ def test_all_that_a_kernel_is_made_of_counts_for_its_hash() -> None:
     written = {path: path.read_text(encoding="utf-8") for path in library.PACKAGE.rglob("*.py")}
     modules = {part.__module__ for function in (fly_leg, fly) for part in (function, *called_by(function))}
     rooms = {".".join(module.split(".")[1:3]) for module in modules}
-    assert rooms == {"vehicles.arducopter", "vehicles.px4_multicopter", "wind"}
+    assert rooms == {"vehicles.arducopter", "vehicles.px4_multicopter", "geometry", "wind"}
     kernels = [path for path, text in written.items() if "@njit" in text or f"ipoa_mission.{name(path)}" in modules]
     assert {name(path) for path in kernels} <= counted
     imported = {

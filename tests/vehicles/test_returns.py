@@ -10,8 +10,8 @@ from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.autopilot.parameters import Parameters
 from ipoa_mission.autopilot.returning import MissionLanding, ReturnBy, ReturnOrder, ReturnRoute
 from ipoa_mission.autopilot.version import Version
+from ipoa_mission.geometry import Enu
 from ipoa_mission.vehicles.px4_multicopter.dynamics.navigator import return_orders
-from ipoa_mission.vehicles.px4_multicopter.dynamics.state import Enu
 from ipoa_mission.vehicles.px4_multicopter.limits import px4_limits
 
 AP, PX4 = Autopilot.ARDUPILOT, Autopilot.PX4

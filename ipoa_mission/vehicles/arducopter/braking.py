@@ -33,19 +33,20 @@ class Shaping(NamedTuple):
     def displacement(self, velocity: Points, accel: Points) -> Points:
         """Return the displacement to rest, (n, 2) [m]."""
         parts = (slice(n, n + BATCH_SIZE) for n in range(0, len(velocity), BATCH_SIZE))
-        ways = [self._way(velocity[part].T.copy(), accel[part].T.copy()).T for part in parts]
-        return np.concatenate([np.zeros((0, 2)), *ways])
+        displacements = [self._integrate(velocity[part].T.copy(), accel[part].T.copy()).T for part in parts]
+        return np.concatenate([np.zeros((0, 2)), *displacements])
 
-    def _way(self, velocity: Points, accel: Points) -> Points:
+    def _integrate(self, velocity: Points, accel: Points) -> Points:
         """Return `displacement` with axes first (2, n): faster."""
-        way, max_change = np.zeros_like(velocity), self.jerk * STEP
+        displacement = np.zeros_like(velocity)
+        max_change = self.jerk * STEP
         for _ in range(math.ceil(12.0 / STEP)):  # at rest within 12 s
             speed = np.hypot(*velocity)
             slowed = -velocity * (self.deceleration(speed) / np.maximum(speed, 1e-9)) - accel
             accel = accel + slowed * np.minimum(max_change / np.maximum(np.hypot(*slowed), 1e-9), 1.0)
-            way = way + velocity * STEP
+            displacement = displacement + velocity * STEP
             velocity = velocity + accel * STEP
-        return way
+        return displacement
 
 
 def circle_spin(limits: CopterLimits, radius: float, speed: float) -> float:
@@ -61,12 +62,17 @@ def flown_circle(limits: CopterLimits, radius: float, speed: float, turn: float)
 
     Level speed limit [m/s], `turn` [rad].
     """
-    spin, accel, gain = circle_spin(limits, radius, speed), limits.accel, limits.shaping_jerk / limits.accel
+    spin = circle_spin(limits, radius, speed)
+    accel = limits.accel
+    gain = limits.shaping_jerk / limits.accel
     aside = math.atan(spin / gain)
-    linear, flown, ahead = accel / gain**2, radius, 0.0
+    linear = accel / gain**2
+    flown = radius
+    ahead = 0.0
     for _ in range(60):
         pace = spin * flown
-        setpoint, closing = min(pace / math.cos(aside), speed), pace * math.cos(aside)
+        setpoint = min(pace / math.cos(aside), speed)
+        closing = pace * math.cos(aside)
         law = setpoint + closing
         if law > accel / gain:
             law = (setpoint + math.sqrt(setpoint * setpoint + 4.0 * closing * accel / gain)) / 2.0
@@ -79,7 +85,9 @@ def flown_circle(limits: CopterLimits, radius: float, speed: float, turn: float)
         # the angle from velocity to point after a turn at the speed limit
         left = max(abs(turn) - behind, 0.0)
         back = settled * math.tanh(settled * left / 2.0 + math.atanh((behind - aside) / settled))
-        flown, behind = radius * math.cos(back) / math.cos(aside), aside + back
-    pace, near = spin * flown, accel / limits.p_position**2
+        flown = radius * math.cos(back) / math.cos(aside)
+        behind = aside + back
+    pace = spin * flown
+    near = accel / limits.p_position**2
     runs_on = pace / limits.p_position if pace <= near else near / 2.0 + pace**2 / (2.0 * accel)
     return FlownCircle(flown, behind, runs_on, limits.circle_sense)

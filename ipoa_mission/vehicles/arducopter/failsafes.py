@@ -7,17 +7,8 @@ scripts.
 
 from dataclasses import replace
 
-from ipoa_mission.autopilot.failsafe import (
-    GOES_ON,
-    Cause,
-    Failsafe,
-    FailsafeAction,
-    FailsafeProfile,
-    FailsafeRule,
-    Series,
-    StationLoss,
-    order_rules,
-)
+from ipoa_mission.autopilot import failsafe
+from ipoa_mission.autopilot.failsafe import GOES_ON, Cause, Failsafe, FailsafeAction, FailsafeProfile, FailsafeRule
 from ipoa_mission.autopilot.parameters import Parameters
 from ipoa_mission.autopilot.returning import Contingency, FlightStage
 from ipoa_mission.vehicles.arducopter.limits import FENCE_SWITCHES, FenceType
@@ -108,19 +99,18 @@ FAILSAFE_RULES = (
     ),
     FailsafeRule("satellite position jumps"),
     FailsafeRule("compasses lost"),
-    *order_rules(
+    *failsafe.order_rules(
         Contingency.RTL, Contingency.LAND, Contingency.HOLD, Contingency.SMART_RTL, Contingency.LAND_START,
         Contingency.TERMINATE,
     ),
 )  # fmt: skip
 
 
-def failsafes_of(parameters: Parameters, series: Series) -> tuple[Failsafe, ...]:
+def failsafes_of(parameters: Parameters, series: failsafe.Series) -> tuple[Failsafe, ...]:
     further = (f"BATT{n}" for n in "23456789")
     monitored = [battery for battery in further if parameters.get(f"{battery}_MONITOR", 0.0) > 0.0]
     rules = (*FAILSAFE_RULES, *(_of_battery(rule, battery) for battery in monitored for rule in FAILSAFE_RULES[:2]))
-    failsafes = (_failsafe(rule, parameters, series) for rule in rules)
-    return tuple(_unless_less_urgent(failsafe, parameters, series) for failsafe in failsafes)
+    return tuple(_unless_less_urgent(_failsafe(rule, parameters, series), parameters, series) for rule in rules)
 
 
 def _of_battery(rule: FailsafeRule, battery: str) -> FailsafeRule:
@@ -128,10 +118,11 @@ def _of_battery(rule: FailsafeRule, battery: str) -> FailsafeRule:
     return replace(rule, parameter=rule.parameter.replace("BATT", battery, 1), needs=needs)
 
 
-def _failsafe(rule: FailsafeRule, parameters: Parameters, series: Series) -> Failsafe:
+def _failsafe(rule: FailsafeRule, parameters: Parameters, series: failsafe.Series) -> Failsafe:
     """Apply FS_OPTIONS: bit 0 and 1 continue a mission, bit 3 a landing."""
     action = _with_a_path(rule, rule.action(parameters, series), parameters)
-    landing, continues = action, replace(GOES_ON, words="by FS_OPTIONS")
+    landing = action
+    continues = replace(GOES_ON, words="by FS_OPTIONS")
     if action.contingency is not Contingency.CONTINUE and rule.cause != Cause.BY_HAND:
         options = int(parameters.get("FS_OPTIONS", 16.0))
         if options & {"FS_THR_ENABLE": 1, "FS_GCS_ENABLE": 2}.get(rule.parameter, 0):
@@ -155,7 +146,7 @@ def _with_a_path(rule: FailsafeRule, action: FailsafeAction, parameters: Paramet
     return replace(fallback, after_s=LAND_PAUSE) if pauses else fallback
 
 
-def _unless_less_urgent(critical: Failsafe, parameters: Parameters, series: Series) -> Failsafe:
+def _unless_less_urgent(critical: Failsafe, parameters: Parameters, series: failsafe.Series) -> Failsafe:
     """Skip the action for a critical battery if it is less urgent than for a low one.
 
     Several batteries are not compared. ArduCopter 4.7 ranks actions 6 and 7 below 0.
@@ -186,5 +177,7 @@ FAILSAFES = FailsafeProfile(
     FAILSAFE_RULES,
     failsafes_of,
     ("FS_OPTIONS", "SRTL_POINTS", "SRTL_ACCURACY", "FENCE_TYPE"),
-    StationLoss("FS_GCS_TIMEOUT", 5.0, ("FS_GCS_ENABLE", "FS_GCS_TIMEOUT", "FS_OPTIONS", *STATION_IDS), *STATION_IDS),
+    failsafe.StationLoss(
+        "FS_GCS_TIMEOUT", 5.0, ("FS_GCS_ENABLE", "FS_GCS_TIMEOUT", "FS_OPTIONS", *STATION_IDS), *STATION_IDS
+    ),
 )

@@ -1,26 +1,23 @@
-"""ArduCopter's modes in the built-in autopilot: items and orders to legs."""
+"""ArduCopter in the built-in autopilot: its modes, as legs, and its protocol."""
 
 import math
 import random
 from collections.abc import Callable, Iterator
 
-from ipoa_mission.autopilot.commands import Command
+from ipoa_mission.autopilot.commands import Command, VehicleCommand
 from ipoa_mission.autopilot.parameters import Parameters
-from ipoa_mission.geometry import GRAVITY, Place
+from ipoa_mission.geometry import GRAVITY
+from ipoa_mission.link.conversations import RequestStyle
+from ipoa_mission.link.messages import CommandResult, MissionType, Result
 from ipoa_mission.mission.items import Item
+from ipoa_mission.simulator.mock_profile import CAPABILITIES, FTP, Answer, MockProfile, StartUp, asks_every
 from ipoa_mission.simulator.situation import STEP_S, FlightMode, SimulatedVehicle, Situation
+from ipoa_mission.vehicles.arducopter.dynamics import procedures
 from ipoa_mission.vehicles.arducopter.dynamics.airframe import airframe_of
-from ipoa_mission.vehicles.arducopter.dynamics.copter import Copter, stop_at
+from ipoa_mission.vehicles.arducopter.dynamics.copter import Copter
 from ipoa_mission.vehicles.arducopter.dynamics.motion import Kind
-from ipoa_mission.vehicles.arducopter.dynamics.procedures import (
-    circle,
-    land,
-    landing_place,
-    loiter_to_alt,
-    payload_place,
-    return_home,
-)
 from ipoa_mission.vehicles.arducopter.limits import LANDED_S, copter_limits
+from ipoa_mission.vehicles.arducopter.vehicle import ARDUCOPTER
 
 
 class ArduCopterController:
@@ -50,9 +47,9 @@ class ArduCopterController:
             case FlightMode.MISSION:
                 self._begin_after(self._now.current - 1)
             case FlightMode.RETURN:
-                self._come_down(self._return())
+                self._return()
             case FlightMode.LAND:
-                self._come_down(land(self._copter, None))
+                self._fly(procedures.land(self._copter, None), self._touch)
             case FlightMode.HOLD:
                 self._stay()
 
@@ -60,14 +57,15 @@ class ArduCopterController:
         """Continue in the new mission; restart at the waypoint if the next items differ."""
         now, after = self._now.current, self._now.program.items
         ahead = slice(now, now + 3)
-        if self._on_arrival == self._arrived and before[ahead] != after[ahead] and now < len(after):
+        if self._on_arrival == self._begin_hold and before[ahead] != after[ahead] and now < len(after):
             self._begin_after(now - 1)
 
     def go_to(self, east: float, north: float, up: float, speed: float) -> None:
         """ArduCopter has no such command."""
 
-    def _return(self) -> Iterator[None]:
-        return return_home(self._copter, self._now.goal_of_return(self._copter.place, self._parameters))
+    def _return(self) -> None:
+        goal = self._now.goal_of_return(self._copter.place, self._parameters)
+        self._fly(procedures.return_home(self._copter, goal), self._touch)
 
     def climb(self, height: float) -> None:
         self._take_off(height, self._stay)
@@ -94,65 +92,59 @@ class ArduCopterController:
         else:
             self._start(self._now.current, item)
 
-    def _done(self) -> None:
+    def _finish_item(self) -> None:
         self._now.done(self._now.current)
         self._begin_after(self._now.current)
 
     def _start(self, index: int, item: Item) -> None:
         match item.command:
             case Command.NAV_TAKEOFF | Command.NAV_VTOL_TAKEOFF:
-                self._take_off(self._place(index)[2], self._done)
+                self._take_off(self._now.program.place(index, self._copter.place)[2], self._finish_item)
             case Command.NAV_DELAY:
                 self._copter.hold(self._copter.wait_at(item))
-                self._on_arrival, self._flying = self._done, True
+                self._on_arrival = self._finish_item
+                self._flying = True
             case _ if self._now.landed:
                 self._flying = False
             case Command.NAV_RETURN_TO_LAUNCH:
-                self._come_down(self._return())
-            case Command.NAV_LOITER_TURNS:
-                self._go(circle(self._copter, self._place(index), item))
-            case Command.NAV_LOITER_TO_ALT:
-                self._go(loiter_to_alt(self._copter, self._place(index)))
-            case Command.NAV_PAYLOAD_PLACE:
-                self._go(payload_place(self._copter, self._place(index) if item.has_position else None, item))
-            case Command.NAV_LAND | Command.NAV_VTOL_LAND:
-                self._come_down(land(self._copter, landing_place(self._now.program, item)))
+                self._return()
             case _:
-                program = self._now.program
-                onward, stop = program.onward(index), stop_at(program, index, self._copter.place)
-                self._copter.fly_to(stop, None if onward is None else stop_at(program, onward, stop.place))
-                self._on_arrival = self._arrived
+                self._fly_to(index, item)
 
-    def _place(self, index: int) -> Place:
-        return self._now.program.place(index, self._copter.place)
+    def _fly_to(self, index: int, item: Item) -> None:
+        legs = procedures.legs_of(self._copter, self._now.program, index, self._copter.place)
+        if legs is not None:
+            self._fly(legs, self._touch if item.command in procedures.LANDINGS else self._finish_item)
+        else:
+            procedures.begin_leg(self._copter, self._now.program, index, self._copter.place)
+            self._on_arrival = self._begin_hold
 
     def _go_on(self) -> None:
         if next(self._legs, self) is self and self._on_arrival is not None:
-            then, self._on_arrival = self._on_arrival, None
-            then()
+            on_arrival = self._on_arrival
+            self._on_arrival = None
+            on_arrival()
 
-    def _arrived(self) -> None:
+    def _begin_hold(self) -> None:
         seconds = self._copter.wait_at(self._now.program.items[self._now.current])
         if seconds > 0:
             self._copter.hold(seconds)
-            self._on_arrival = self._done
+            self._on_arrival = self._finish_item
         else:
-            self._done()
+            self._finish_item()
 
-    def _take_off(self, height: float, then: Callable[[], None]) -> None:
+    def _take_off(self, height: float, on_arrival: Callable[[], None]) -> None:
         self._copter.take_off(height)
-        self._legs, self._on_arrival = iter(()), then
-        self._now.landed, self._flying = False, True
+        self._legs = iter(())
+        self._on_arrival = on_arrival
+        self._now.landed = False
+        self._flying = True
 
-    def _go(self, legs: Iterator[None]) -> None:
-        self._legs, self._on_arrival = legs, self._done
-        next(legs)
-
-    def _come_down(self, legs: Iterator[None]) -> None:
-        if self._now.landed:
-            return
-        self._legs, self._on_arrival = legs, self._touch
-        next(legs)
+    def _fly(self, legs: Iterator[None], on_arrival: Callable[[], None]) -> None:
+        if not self._now.landed:
+            self._legs = legs
+            self._on_arrival = on_arrival
+            next(legs)
 
     def _touch(self) -> None:
         if self._copter.this.kind == Kind.DESCENT:
@@ -180,7 +172,8 @@ class ArduCopterController:
             self._floor = self._copter.state.z
 
     def _stay(self) -> None:
-        self._legs, self._on_arrival = iter(()), None
+        self._legs = iter(())
+        self._on_arrival = None
         if self._now.landed:
             self._flying = False
         elif not self._copter.passed:
@@ -197,3 +190,58 @@ class ArduCopterController:
         if state.z > self._floor:
             self._floor = -math.inf
         body.on_ground = state.z <= self._floor
+
+
+MOCK_PROFILE = MockProfile(
+    autopilot=ARDUCOPTER,
+    controller=ArduCopterController,
+    protocol_profile=RequestStyle(legacy=True, rebukes=True),
+    patience=asks_every(1.0, 8.0),
+    timeout_result=Result.OPERATION_CANCELLED,
+    timeout_text="Mission upload timeout",
+    truncating=frozenset({MissionType.MISSION, MissionType.RALLY}),
+    separate_lists=True,
+    reads_item_by_item=True,
+    count_from_stranger=Answer.DENIED,
+    count_again=Answer.OBEY,
+    read_during_upload=Answer.DENIED,
+    clear_during_upload=Answer.OBEY,
+    stray_item=Answer.ERROR,
+    partial_lists=True,
+    item_orders={2: Result.ERROR, 3: Result.ACCEPTED},
+    reached_slot_s=0.02,
+    stored_text={MissionType.MISSION: "Flight plan received"},
+    flags_kept=frozenset({MissionType.MISSION}),
+    no_total=0,
+    runs_on_ground=True,
+    refuses_modes=True,
+    reboots=True,
+    unsupported=frozenset({VehicleCommand.DO_REPOSITION, VehicleCommand.REQUEST_PROTOCOL_VERSION}),
+    start_up=StartUp(
+        3.0, 20.0, 23.5, 41.4, "Gyros inconsistent", "Need Position Estimate", no_mission="Mode requires mission"
+    ),
+    modes={FlightMode.HOLD: 5, FlightMode.MISSION: 3, FlightMode.RETURN: 6, FlightMode.LAND: 9},
+    first_mode=0,
+    placed_modes=frozenset({3, 4, 5, 6, 7, 16, 17, 21, 27}),
+    armable_modes=frozenset({0, 1, 2, 4, 5, 16}),
+    reports_prearm=True,
+    prearm_every_s=1.0,
+    refused_arming=CommandResult.FAILED,
+    arm_texts=("Arming motors", "Disarming motors", "Disarming motors", "Disarming motors"),
+    disarm_delay="DISARM_DELAY",
+    acks_first=True,
+    heartbeat_on_change=True,
+    streams={"HEARTBEAT": 1.0, "TIMESYNC": 10.0},
+    no_such_stream=CommandResult.DENIED,
+    no_such_message=CommandResult.FAILED,
+    no_such_interval=(0, CommandResult.FAILED),
+    base_mode=81,
+    capabilities=CAPABILITIES | FTP,
+    stream_groups={
+        2: frozenset({"SYS_STATUS", "MISSION_CURRENT", "GPS_RAW_INT"}),
+        6: frozenset({"GLOBAL_POSITION_INT", "LOCAL_POSITION_NED"}),
+        10: frozenset({"ATTITUDE"}),
+        11: frozenset({"VFR_HUD"}),
+        12: frozenset({"SYSTEM_TIME", "BATTERY_STATUS"}),
+    },
+)

@@ -25,19 +25,11 @@ from ipoa_mission.forecast.timing.flight_model import (
 from ipoa_mission.forecast.timing.track import Track
 from ipoa_mission.geometry import Place, Points
 from ipoa_mission.mission.items import Item, Mission
+from ipoa_mission.vehicles.arducopter.dynamics import procedures
 from ipoa_mission.vehicles.arducopter.dynamics.airframe import ARDUPILOT_SIMULATOR, airframe_of
-from ipoa_mission.vehicles.arducopter.dynamics.copter import Copter, stop_at
+from ipoa_mission.vehicles.arducopter.dynamics.copter import Copter
 from ipoa_mission.vehicles.arducopter.dynamics.legs import limits_along
 from ipoa_mission.vehicles.arducopter.dynamics.motion import Kind
-from ipoa_mission.vehicles.arducopter.dynamics.procedures import (
-    LANDINGS,
-    circle,
-    land,
-    landing_place,
-    loiter_to_alt,
-    payload_place,
-    return_home,
-)
 from ipoa_mission.vehicles.arducopter.limits import LANDED_S, copter_limits
 from ipoa_mission.vehicles.arducopter.vehicle import ARDUCOPTER
 from ipoa_mission.wind import Wind
@@ -59,7 +51,7 @@ class TimeUncertainty:
         """Return how much shorter and longer the first leg of a landing or RTL may be [s]."""
         if item.command == Command.NAV_RETURN_TO_LAUNCH:
             return self.return_leg_early_s, self.return_leg_late_s
-        if item.command in LANDINGS and item.latitude_deg != 0.0:
+        if item.command in procedures.LANDINGS and item.latitude_deg != 0.0:
             return self.landing_leg_s, self.landing_leg_s
         return 0.0, 0.0
 
@@ -82,7 +74,9 @@ class ArduCopterModel(FlightModel):
     def predicted(
         self, itinerary: Itinerary, mission: Mission, wind: Wind, fast: bool | None, noise_free: bool
     ) -> Prediction:
-        flight, times, reasons = _Flight(itinerary, mission, wind, fast), list[float](), list[str]()
+        flight = _Flight(itinerary, mission, wind, fast)
+        times = list[float]()
+        reasons = list[str]()
         for n, visit in enumerate(itinerary.visits):
             try:
                 reasons.append(flight.visit(n))
@@ -96,7 +90,8 @@ class ArduCopterModel(FlightModel):
         first_legs = np.array([UNCERTAINTY.first_leg(visit.item) for visit in itinerary.visits]).reshape(-1, 2)
         early, late = np.maximum.accumulate(first_legs).T
         doubt = UNCERTAINTY.flight_s + UNCERTAINTY.flight_share * done
-        low, high = done - np.hypot(doubt, early), done + np.hypot(doubt, late)
+        low = done - np.hypot(doubt, early)
+        high = done + np.hypot(doubt, late)
         return Prediction(done, low, high, tuple(reasons), track, tuple(flight.remarks))
 
     def predict_contingency(
@@ -113,7 +108,10 @@ class ArduCopterModel(FlightModel):
         returns = ordered.contingency is Contingency.RTL
         if returns and copter.limits.rtl_final > 0.0:
             raise self.never_lands("with an RTL_ALT_FINAL above 0 it waits over its goal and does not land")
-        flight.come_down(return_home(copter, itinerary.goal_of_return(copter.place)) if returns else land(copter, None))
+        if returns:
+            flight.go(procedures.return_home(copter, itinerary.goal_of_return(copter.place)))
+        else:
+            flight.go(procedures.land(copter, None))
         done = np.array([copter.state.time])
         doubt = UNCERTAINTY.contingency_s + UNCERTAINTY.contingency_share * (done - ordered.time)
         touched = flight.touched
@@ -139,7 +137,9 @@ class _Flight:
         height = flying_already(itinerary)
         self.copter = Copter(self.limits, wind, self.airframe, fast, itinerary.ground)
         self.copter.start_at((0.0, 0.0, height or 0.0))
-        self.airborne, self.until, self.touched = height is not None, math.inf, math.nan
+        self.airborne = height is not None
+        self.until = math.inf
+        self.touched = math.nan
         self.remarks: list[str] = []
         self.samples: list[Points] = []
         self.note()
@@ -151,36 +151,28 @@ class _Flight:
     def visit(self, n: int) -> str:
         visit = self.itinerary.visits[n]
         command, params = visit.item.command, visit.item.params
+        legs = procedures.legs_of(self.copter, self.itinerary.program, n, self.here(n))
+        if legs is not None:
+            if command == Command.NAV_LOITER_TO_ALT and visit.seq in self.itinerary.over_terrain:
+                self.remarks.append(f"item {visit.seq}: ArduCopter skips it if it has no terrain data")
+            self.go(legs)
+            return "circle" if command == Command.NAV_LOITER_TURNS else ""
         if command in TAKEOFFS:
-            self.take_off(self.target(n)[2])
+            self.take_off(self.itinerary.program.place(n, self.here(n))[2])
         elif command == Command.NAV_LOITER_UNLIM:
             raise EndlessFlight("loiters without end, so the flight has no time", place=f"item {visit.seq}")
-        elif command == Command.NAV_LOITER_TURNS:
-            self.go(circle(self.copter, self.target(n), visit.item))
-            return "circle"
-        elif command == Command.NAV_LOITER_TO_ALT:
-            if visit.seq in self.itinerary.over_terrain:
-                self.remarks.append(f"item {visit.seq}: ArduCopter skips it if it has no terrain data")
-            self.go(loiter_to_alt(self.copter, self.target(n)))
         elif command == Command.NAV_DELAY:
             self.hold(self.copter.wait_at(visit.item))
             return "hold"
         elif command == Command.DO_CHANGE_SPEED:
             self.copter.change_speed(int(params[0]), params[1])
         elif command == Command.NAV_RETURN_TO_LAUNCH:
-            self.come_down(return_home(self.copter, self.itinerary.goal_of_return(self.copter.here)))
-        elif command in LANDINGS:
-            self.come_down(land(self.copter, landing_place(self.itinerary.program, visit.item)))
-        elif command == Command.NAV_PAYLOAD_PLACE:
-            self.go(payload_place(self.copter, self.target(n) if visit.item.has_position else None, visit.item))
+            self.go(procedures.return_home(self.copter, self.itinerary.goal_of_return(self.copter.here)))
         elif command in ARDUCOPTER.guidance.flown_on_into:
             return self.fly_to(n)
         elif command <= LAST_NAV or command in UNTIMED:
             self.remarks.append(f"item {visit.seq}: command {command} is not modeled and counts as no time")
         return ""
-
-    def target(self, n: int) -> Place:
-        return self.itinerary.program.place(n, self.here(n))
 
     def here(self, n: int) -> Place:
         """Return the stopping place if visit n leaves its place open; slow."""
@@ -188,9 +180,11 @@ class _Flight:
 
     def fly_to(self, n: int) -> str:
         """Fly to visit n and hold; return why it was slow."""
-        program, visit, copter = self.itinerary.program, self.itinerary.visits[n], self.copter
-        onward, stop = program.onward(n), stop_at(program, n, self.here(n))
-        copter.fly_to(stop, None if onward is None else stop_at(program, onward, stop.place))
+        program = self.itinerary.program
+        visit = self.itinerary.visits[n]
+        copter = self.copter
+        stops = program.onward(n) is None
+        procedures.begin_leg(copter, program, n, self.here(n))
         this, following = copter.this, copter.following
         flown_speed = self.run()
         if self.is_aborted:
@@ -203,10 +197,11 @@ class _Flight:
             top=self.airframe.top_speed(self.limits.lean) + self.wind.along(this.direction[0], this.direction[1]),
             flown=flown_speed,
             corner=corner_deg(this.origin, this.target, following.target) if following.kind == Kind.STRAIGHT else 0.0,
-            stops=onward is None,
+            stops=stops,
             curved=not is_straight,
         ).why_slow()
-        if onward is None and (seconds := copter.wait_at(visit.item)) > 0:
+        seconds = copter.wait_at(visit.item) if stops else 0.0
+        if seconds > 0:
             self.hold(seconds)
             return "hold"
         return why
@@ -235,10 +230,7 @@ class _Flight:
             self.run()
             if self.is_aborted:
                 return
-
-    def come_down(self, legs: Iterator[None]) -> None:
-        self.go(legs)
-        if self.copter.this.kind == Kind.DESCENT and not self.is_aborted:
+        if self.copter.this.kind == Kind.DESCENT:
             self.touched, delay = self.copter.state.time, self.airframe.landing_delay
             self.wait_on_ground(max(LANDED_S + self.copter.limits.spool_up + delay, 0.0))
             self.airborne = False

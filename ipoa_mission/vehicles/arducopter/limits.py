@@ -53,16 +53,15 @@ def fence_limits(parameters: Parameters) -> OwnFence | None:
 
 
 class CopterReturn(NamedTuple):
-    """RTL_ALT, RTL_CLIMB_MIN [m], RTL_CONE_SLOPE, and the fence's limit [m]."""
-
-    altitude: float
-    climb: float
-    cone: float
-    ceiling: float
+    altitude: float  # RTL_ALT [m]
+    climb: float  # RTL_CLIMB_MIN
+    cone: float  # RTL_CONE_SLOPE
+    ceiling: float  # of the fence
 
     @classmethod
     def of(cls, parameters: Parameters) -> "CopterReturn":
-        p, fence = {**PARAMETER_TABLE.others, **PARAMETER_TABLE.moving, **parameters}, fence_limits(parameters)
+        p = {**PARAMETER_TABLE.others, **PARAMETER_TABLE.moving, **parameters}
+        fence = fence_limits(parameters)
         ceiling = math.inf if fence is None else fence.ceiling.value - p["FENCE_MARGIN"]
         return cls(p["RTL_ALT"] / 100, max(p["RTL_CLIMB_MIN"] / 100, 0.0), p["RTL_CONE_SLOPE"], ceiling)
 
@@ -133,9 +132,9 @@ def copter_limits(parameters: Parameters, version: Version | None = None) -> Cop
     Raises:
         BadInput: a parameter that must be positive is not.
     """
-    given = PARAMETER_TABLE.complete(parameters)
-    PARAMETER_TABLE.expect_positive(given)
-    p = {name: given[name] / (1.0 / row.unit) for name, row in PARAMETER_TABLE.by_name.items() if name in given}
+    known = PARAMETER_TABLE.complete(parameters)
+    PARAMETER_TABLE.expect_positive(known)
+    p = {name: known[name] / (1.0 / row.unit) for name, row in PARAMETER_TABLE.by_name.items() if name in known}
     turning = math.radians(min(p["ATC_RATE_R_MAX"], p["ATC_RATE_P_MAX"]))
     jerk = min(p["WPNAV_JERK"], turning * GRAVITY) if turning > 0 else p["WPNAV_JERK"]
     snap = jerk * math.pi / (2 * max(p["ATC_INPUT_TC"], 0.1))
@@ -158,7 +157,7 @@ def copter_limits(parameters: Parameters, version: Version | None = None) -> Cop
         land_speed_high=p["LAND_SPEED_HIGH"] if p["LAND_SPEED_HIGH"] > 0 else p["WPNAV_SPEED_DN"],
         land_low=max(p["LAND_ALT_LOW"], 1.0),
         payload_speed=p["PLDP_SPEED_DN"] if p["PLDP_SPEED_DN"] > 0 else p["LAND_SPEED"],
-        returning=CopterReturn.of(given),
+        returning=CopterReturn.of(known),
         rtl_speed=p["RTL_SPEED"] if p["RTL_SPEED"] > 0 else p["WPNAV_SPEED"],
         circle_rate=math.radians(abs(p["CIRCLE_RATE"])),
         circle_sense=sense,

@@ -9,22 +9,13 @@ from typing import ClassVar
 import numpy as np
 
 from ipoa_mission.autopilot import guidance_profile as profile
+from ipoa_mission.autopilot import returning
 from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.autopilot.commands import WAYPOINTS, Command, Frame
 from ipoa_mission.autopilot.failsafe import OwnFence
 from ipoa_mission.autopilot.firmware_tables import POLYGON, Firmware, FirmwareTables, Refusals, Refused, rows
 from ipoa_mission.autopilot.parameters import Parameters
-from ipoa_mission.autopilot.returning import (
-    HOME,
-    IN_PLACE,
-    Contingency,
-    OverTerrain,
-    ReturnBy,
-    ReturnOrder,
-    ReturnRoute,
-    level_distance,
-)
-from ipoa_mission.autopilot.slow_landing import SLOWEST, SlowedBy, SlowStretch
+from ipoa_mission.autopilot.returning import HOME, Contingency, ReturnBy, ReturnOrder, ReturnRoute, level_distance
 from ipoa_mission.autopilot.vehicle_kind import MULTICOPTERS
 from ipoa_mission.autopilot.version import Version
 from ipoa_mission.geometry import Place, Points, Vector
@@ -228,7 +219,7 @@ class ArduCopter(Autopilot):
         "fence); --anyway sends it all the same",
     )
     refusals = Refusals(refused, refused_in_fence, refused_in_rally)
-    slowed_by = SlowedBy(
+    slowed_by = returning.SlowedBy(
         names=("LAND_ALT_LOW",),
         unit=0.01,
         most=100.0,
@@ -239,7 +230,7 @@ class ArduCopter(Autopilot):
         "FlightModel": "ipoa_mission.vehicles.arducopter.flight_model:MODEL",
         "LogFormat": "ipoa_mission.vehicles.arducopter.log:FORMAT",
         "DeviationLaw": "ipoa_mission.vehicles.arducopter.flight_model:LAW",
-        "MockProfile": "ipoa_mission.vehicles.arducopter.mock_profile:MOCK_PROFILE",
+        "MockProfile": "ipoa_mission.vehicles.arducopter.flight_controller:MOCK_PROFILE",
     }
     own_fence_by = (*FENCE_SWITCHES, "FENCE_TYPE", "FENCE_ACTION", "FENCE_RADIUS", "FENCE_ALT_MAX", "FENCE_ALT_MIN")
     failsafe_profile = FAILSAFES
@@ -263,7 +254,7 @@ class ArduCopter(Autopilot):
         >>> ArduCopter().stopping_offset({}, np.array([[6.0, 0.0]]), np.zeros((1, 2)), Contingency.HOLD).round(1)
         array([[11.,  0.]])
         """
-        if contingency not in IN_PLACE:
+        if contingency not in returning.IN_PLACE:
             return super().stopping_offset(parameters, velocity, accel, contingency)
         p = PARAMETER_TABLE.complete(parameters)
         if contingency is Contingency.HOLD:
@@ -283,7 +274,7 @@ class ArduCopter(Autopilot):
         limits = copter_limits(parameters, version)
         return flown_circle(limits, radius, speed or limits.speed, turn)
 
-    def slow_stretch(self, parameters: Parameters) -> SlowStretch | None:
+    def slow_stretch(self, parameters: Parameters) -> returning.SlowStretch | None:
         """Return LAND_SPEED below LAND_ALT_LOW.
 
         >>> ArduCopter().slow_stretch({}).touchdown(12.0)
@@ -294,7 +285,7 @@ class ArduCopter(Autopilot):
             return None
         low = max(p["LAND_ALT_LOW"] / 100, 1.0)
         fast = (p["LAND_SPEED_HIGH"] or p["WPNAV_SPEED_DN"]) / 100
-        return SlowStretch(max(p["LAND_SPEED"] / 100, SLOWEST), fast, low, low)
+        return returning.SlowStretch(max(p["LAND_SPEED"] / 100, returning.SLOWEST), fast, low, low)
 
     def own_fence(self, parameters: Parameters) -> OwnFence | None:
         """Return FENCE_TYPE's limits if FENCE_ACTION does more than report (AC_Fence)."""
@@ -306,7 +297,8 @@ class ArduCopter(Autopilot):
         Home counts if nearer and RALLY_INCL_HOME, or if all are beyond RALLY_LIMIT_KM. Not modeled: polygon fences, and
         OA_TYPE.
         """
-        fence, home = fence_limits(parameters), ReturnRoute(ReturnBy.DIRECT)
+        fence = fence_limits(parameters)
+        home = ReturnRoute(ReturnBy.DIRECT)
         inside = [n for n, place in enumerate(order.rally) if fence is None or _is_inside(fence, place)]
         distances = {n: level_distance(order.here, order.rally[n]) for n in inside}
         if not distances:
@@ -327,7 +319,7 @@ class ArduCopter(Autopilot):
         """
         return CopterReturn.of(parameters).height(height, distance, goal_up)
 
-    def over_terrain(self, parameters: Parameters) -> OverTerrain | None:
+    def over_terrain(self, parameters: Parameters) -> returning.OverTerrain | None:
         """Return the effect of RTL_ALT_TYPE 1, which needs a range finder or terrain data.
 
         While a range finder sees no ground, it acts as RTL_ALT_TYPE 0. Arming needs terrain data without one.
@@ -340,7 +332,7 @@ class ArduCopter(Autopilot):
         follows = math.isclose(p.get("RTL_ALT_TYPE", 0.0), 1.0)
         if not (follows and (sees_ground or p.get("TERRAIN_ENABLE", 1.0) > 0.0)):
             return None
-        return OverTerrain(max(p.get("WPNAV_TER_MARGIN", 10.0), 0.1), not sees_ground)
+        return returning.OverTerrain(max(p.get("WPNAV_TER_MARGIN", 10.0), 0.1), not sees_ground)
 
 
 ARDUCOPTER = ArduCopter()

@@ -7,17 +7,8 @@ covered: VTOL, offboard, seconds after arming.
 
 from dataclasses import replace
 
-from ipoa_mission.autopilot.failsafe import (
-    GOES_ON,
-    Cause,
-    Failsafe,
-    FailsafeAction,
-    FailsafeProfile,
-    FailsafeRule,
-    Series,
-    StationLoss,
-    order_rules,
-)
+from ipoa_mission.autopilot import failsafe
+from ipoa_mission.autopilot.failsafe import GOES_ON, Cause, Failsafe, FailsafeAction, FailsafeProfile, FailsafeRule
 from ipoa_mission.autopilot.parameters import Parameters
 from ipoa_mission.autopilot.returning import Contingency, FlightStage
 
@@ -84,17 +75,17 @@ FAILSAFE_RULES = (
     FailsafeRule(
         Cause.TRAFFIC_NEAR, "NAV_TRAFF_AVOID", {**TRAFFIC_ACTIONS, 4: HOLDS, 5: FALLS}, default=1.0, since=V1_19,
     ),
-    *order_rules(Contingency.RTL, Contingency.LAND, Contingency.HOLD, Contingency.TERMINATE),
+    *failsafe.order_rules(Contingency.RTL, Contingency.LAND, Contingency.HOLD, Contingency.TERMINATE),
 )  # fmt: skip
 
 EXCEPTION_PARAMETERS = {"NAV_RCL_ACT": "COM_RCL_EXCEPT", "NAV_DLL_ACT": "COM_DLL_EXCEPT"}
 
 
-def failsafes_of(parameters: Parameters, series: Series) -> tuple[Failsafe, ...]:
+def failsafes_of(parameters: Parameters, series: failsafe.Series) -> tuple[Failsafe, ...]:
     return tuple(_failsafe(rule, parameters, series) for rule in FAILSAFE_RULES if rule.since <= series < rule.until)
 
 
-def _failsafe(rule: FailsafeRule, parameters: Parameters, series: Series) -> Failsafe:
+def _failsafe(rule: FailsafeRule, parameters: Parameters, series: failsafe.Series) -> Failsafe:
     """Apply exceptions: they continue a mission (bit 0) or, since 1.18, a return (bit 1)."""
     action = _delayed(rule, rule.action(parameters, series), parameters)
     if rule.parameter == "NAV_RCL_ACT" and parameters.get("COM_RC_IN_MODE") == 4.0:  # no radio control
@@ -102,7 +93,8 @@ def _failsafe(rule: FailsafeRule, parameters: Parameters, series: Series) -> Fai
     returning = action
     if rule.parameter in EXCEPTION_PARAMETERS and action.contingency is not Contingency.CONTINUE:
         name = EXCEPTION_PARAMETERS[rule.parameter]
-        excepted, continues = int(parameters.get(name, 0.0)), replace(GOES_ON, words=f"by {name}")
+        excepted = int(parameters.get(name, 0.0))
+        continues = replace(GOES_ON, words=f"by {name}")
         if excepted & 1:
             action = continues
         if excepted & 2 and series >= V1_18:
@@ -126,5 +118,5 @@ FAILSAFES = FailsafeProfile(
     FAILSAFE_RULES,
     failsafes_of,
     (*EXCEPTION_PARAMETERS.values(), "COM_FAIL_ACT_T", "COM_RC_IN_MODE"),
-    StationLoss("COM_DL_LOSS_T", 10.0, ("NAV_DLL_ACT", "COM_DL_LOSS_T", "COM_DLL_EXCEPT", "COM_FAIL_ACT_T")),
+    failsafe.StationLoss("COM_DL_LOSS_T", 10.0, ("NAV_DLL_ACT", "COM_DL_LOSS_T", "COM_DLL_EXCEPT", "COM_FAIL_ACT_T")),
 )

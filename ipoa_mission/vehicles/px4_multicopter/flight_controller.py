@@ -1,27 +1,23 @@
-"""PX4's modes in the built-in autopilot: items and commands to orders."""
+"""PX4 in the built-in autopilot: its modes, as orders, and its protocol."""
 
 import math
 import random
 
-from ipoa_mission.autopilot.commands import Command
+from ipoa_mission.autopilot.commands import Command, VehicleCommand
+from ipoa_mission.autopilot.guidance_profile import mode_number
 from ipoa_mission.autopilot.parameters import Parameters
-from ipoa_mission.geometry import GRAVITY
+from ipoa_mission.geometry import GRAVITY, Enu
+from ipoa_mission.link.conversations import RequestStyle
+from ipoa_mission.link.messages import CommandResult, MissionType
 from ipoa_mission.mission.items import Item
+from ipoa_mission.simulator.mock_profile import BYTEWISE, CAPABILITIES, Answer, MockProfile, StartUp, asks_every
 from ipoa_mission.simulator.situation import STEP_S, FlightMode, MissionState, SimulatedVehicle, Situation
+from ipoa_mission.vehicles.px4_multicopter.dynamics import navigator
 from ipoa_mission.vehicles.px4_multicopter.dynamics.airframe import SIH_SENSES, airframe_of
-from ipoa_mission.vehicles.px4_multicopter.dynamics.flight import at_rest, begun, is_over, step
-from ipoa_mission.vehicles.px4_multicopter.dynamics.navigator import (
-    landing_orders,
-    leg,
-    return_orders,
-    simulation_constants,
-    stay,
-    stopping_place,
-    take_off,
-    waypoint,
-)
-from ipoa_mission.vehicles.px4_multicopter.dynamics.state import Enu, Level, Order, integrate, no_errors
+from ipoa_mission.vehicles.px4_multicopter.dynamics.flight import at_rest, begin, is_over, step
+from ipoa_mission.vehicles.px4_multicopter.dynamics.state import Level, Order, integrate, no_errors
 from ipoa_mission.vehicles.px4_multicopter.limits import px4_limits
+from ipoa_mission.vehicles.px4_multicopter.vehicle import PX4_MULTICOPTER
 
 
 class Px4Controller:
@@ -36,7 +32,7 @@ class Px4Controller:
         self._limits = limits._replace(spool_up=max(limits.spool_up + airframe.lift_delay, 0.0))
         self._vehicle, self._now, self._ground = vehicle, situation, conditions.ground
         self._parameters = parameters
-        self._law = simulation_constants(self._limits, airframe, SIH_SENSES, conditions.wind, STEP_S)
+        self._law = navigator.simulation_constants(self._limits, airframe, SIH_SENSES, conditions.wind, STEP_S)
         seeds = (float(chance.randrange(1, 2_000_000_000)), float(chance.randrange(1, 2_000_000_000)))
         self._state = at_rest(Enu(*vehicle.place), situation.time_s, vehicle.yaw, no_errors(*seeds), True)
         self._orders: list[Order] = []
@@ -51,8 +47,9 @@ class Px4Controller:
             case FlightMode.RETURN:
                 self._return()
             case FlightMode.LAND:
-                stop, limits = self._stopping_place(self._over_home()), self._limits
-                self._fly(landing_orders(stop, self._down(stop), limits, limits.cruise, limits.disarm_delay))
+                stop = self._stopping_place(self._over_home())
+                limits = self._limits
+                self._fly(navigator.landing_orders(stop, self._down(stop), limits, limits.cruise, limits.disarm_delay))
             case FlightMode.HOLD:
                 self._brake()
 
@@ -60,10 +57,15 @@ class Px4Controller:
         self._begin_after(self._now.current - 1)
 
     def climb(self, height: float) -> None:
-        here, limits = self._over_home(), self._limits
+        here = self._over_home()
+        limits = self._limits
         top = self._here = here._replace(up=height)
-        rise = take_off(top, limits) if self._now.landed else leg(here, top, None, limits, limits.cruise)
-        self._carry_out([rise, *stay(top, limits, math.inf)])
+        rise = (
+            navigator.take_off(top, limits)
+            if self._now.landed
+            else navigator.leg(here, top, None, limits, limits.cruise)
+        )
+        self._carry_out([rise, *navigator.stay(top, limits, math.inf)])
 
     def go_to(self, east: float, north: float, up: float, speed: float) -> None:
         if math.isnan(east) and math.isnan(up):
@@ -72,7 +74,9 @@ class Px4Controller:
         level = self._here if math.isnan(east) else Enu(east, north, 0.0)
         height = self._state.body.place.up if math.isnan(up) else up
         self._here = Enu(level.east, level.north, max(height, self._ground.at(level.east, level.north)))
-        order = leg(self._state.body.place, self._here, None, self._limits, speed if speed > 0.0 else self._cruise)
+        order = navigator.leg(
+            self._state.body.place, self._here, None, self._limits, speed if speed > 0.0 else self._cruise
+        )
         self._carry_out([order._replace(hold_s=math.inf, follows_home=False)])
 
     @property
@@ -90,11 +94,12 @@ class Px4Controller:
         self._show()
 
     def _advance(self) -> None:
-        order, now = self._orders[0], self._now
+        order = self._orders[0]
+        now = self._now
         if now.landed:
             now.landed = False
             place, errors = self._state.body.place, self._state.errors
-            self._state = begun(at_rest(place, now.time_s, self._vehicle.yaw, errors, True), order)
+            self._state = begin(at_rest(place, now.time_s, self._vehicle.yaw, errors, True), order)
         self._state = step(self._state._replace(time=now.time_s), order, self._law)
         reached = self._state.reached
         if len(self._orders) == 1 and not self._announced and 0.0 <= reached <= self._state.time - order.hold_s:
@@ -106,7 +111,7 @@ class Px4Controller:
     def _next(self) -> None:
         ended, self._orders = self._orders[0], self._orders[1:]
         if self._orders:
-            self._state = begun(self._state, self._orders[0])
+            self._state = begin(self._state, self._orders[0])
         elif self._now.mode is FlightMode.MISSION:
             self._begin_after(self._now.current)
         else:
@@ -136,7 +141,8 @@ class Px4Controller:
         vehicle, body = self._vehicle, self._state.body
         vehicle.place, vehicle.motion = body.place, body.speed
         vehicle.tilt_accel = body.thrust.east, body.thrust.north
-        vehicle.yaw, vehicle.on_ground = self._state.nose.yaw % (2.0 * math.pi), body.on_ground
+        vehicle.yaw = self._state.nose.yaw % (2.0 * math.pi)
+        vehicle.on_ground = body.on_ground
 
     def _begin_after(self, index: int) -> None:
         """Start the next item with a duration."""
@@ -160,17 +166,18 @@ class Px4Controller:
         start, limits, cruise = self._here, self._limits, self._cruise
         goal = Enu(*self._now.program.place(index, start))
         if item.command == Command.NAV_DELAY:
-            return stay(start, limits, max(item.params[0], STEP_S))
+            return navigator.stay(start, limits, max(item.params[0], STEP_S))
         if item.command == Command.NAV_LAND:
             self._here = self._down(goal)
-            return [] if self._now.landed else landing_orders(start, self._here, limits, cruise, 0.0)
-        self._here, climb = goal, []
+            return [] if self._now.landed else navigator.landing_orders(start, self._here, limits, cruise, 0.0)
+        self._here = goal
+        climb = []
         if self._now.landed:
             start = self._over_home()._replace(up=goal.up)
-            climb = [take_off(start, limits)]
+            climb = [navigator.take_off(start, limits)]
         onward = self._now.program.onward(index)
         beyond = None if onward is None else Enu(*self._now.program.place(onward, goal))
-        order = waypoint(item, leg(start, goal, beyond, limits, cruise), limits)
+        order = navigator.waypoint(item, navigator.leg(start, goal, beyond, limits, cruise), limits)
         if item.command == Command.NAV_LOITER_UNLIM:
             order = order._replace(hold_s=math.inf, beyond=goal)
         return [*climb, order]
@@ -179,7 +186,7 @@ class Px4Controller:
         self._cruise = self._limits.cruise
         here = self._over_home()
         goal = Enu(*self._now.goal_of_return(here, self._parameters))
-        self._fly(return_orders(here, self._limits, self._down(goal), goal.up))
+        self._fly(navigator.return_orders(here, self._limits, self._down(goal), goal.up))
 
     def _down(self, place: Enu) -> Enu:
         return place._replace(up=self._ground.at(place.east, place.north))
@@ -189,11 +196,11 @@ class Px4Controller:
         return place._replace(up=place.up - self._state.errors.home)
 
     def _stopping_place(self, here: Enu) -> Enu:
-        return stopping_place(here, Level(*self._state.body.speed[:2]), self._limits)
+        return navigator.stopping_place(here, Level(*self._state.body.speed[:2]), self._limits)
 
     def _brake(self) -> None:
         self._here = self._stopping_place(here := self._state.body.place)
-        order = leg(here, self._here, None, self._limits, self._cruise)
+        order = navigator.leg(here, self._here, None, self._limits, self._cruise)
         self._fly([order._replace(hold_s=math.inf, follows_home=False)])
 
     def _fly(self, orders: list[Order]) -> None:
@@ -202,6 +209,66 @@ class Px4Controller:
         self._carry_out([] if grounded else orders)
 
     def _carry_out(self, orders: list[Order]) -> None:
-        self._announced, self._orders = False, orders
+        self._announced = False
+        self._orders = orders
         if orders:
-            self._state = begun(self._state, orders[0])
+            self._state = begin(self._state, orders[0])
+
+
+MOCK_PROFILE = MockProfile(
+    autopilot=PX4_MULTICOPTER,
+    controller=Px4Controller,
+    protocol_profile=RequestStyle(),
+    patience=asks_every(0.25, 5.0),
+    timeout_text="Operation timeout",
+    count_from_stranger=Answer.ERROR,
+    count_again=Answer.ERROR,
+    read_during_upload=Answer.TEXT,
+    clear_during_upload=Answer.TEXT,
+    obeys_cancel=True,
+    stray_item=Answer.SILENCE,
+    confirms_last_item_again=True,
+    reached_repeats=10,
+    reached_slot_s=0.1,
+    clears_all=True,
+    flags_kept=frozenset({MissionType.MISSION, MissionType.RALLY}),
+    int_frames=True,
+    reports_list_id=True,
+    no_total=65535,
+    no_item_text="WPM: WP CURR CMD: Not in list\t",
+    restores_mode=True,
+    unsupported=frozenset({
+        Command.DO_FENCE_ENABLE, Command.DO_PAUSE_CONTINUE, VehicleCommand.DO_SET_MISSION_CURRENT,
+    }),
+    start_up=StartUp(0.5, 1.0, 1.5, 1.5, *(3 * ("Resolve system health failures first",))),
+    modes={
+        FlightMode.HOLD: mode_number(4, 3),
+        FlightMode.MISSION: mode_number(4, 4),
+        FlightMode.RETURN: mode_number(4, 5),
+        FlightMode.LAND: mode_number(4, 6),
+    },
+    first_mode=mode_number(4, 3),
+    placed_modes=frozenset(mode_number(4, sub) for sub in range(2, 7)),
+    armable_modes=frozenset({mode_number(4, 2), mode_number(4, 3), mode_number(4, 4)}),
+    takeoff_mode=mode_number(4, 2),
+    mission_arms=True,
+    refused_arming=CommandResult.TEMPORARILY_REJECTED,
+    arm_texts=(
+        "Armed by external command\t", "Disarmed by external command\t", "Disarmed by landing\t",
+        "Disarmed by auto preflight disarming\t",
+    ),
+    disarm_delay="COM_DISARM_PRFLT",
+    mode_acks=2,
+    streams={
+        "HEARTBEAT": 1.0, "SYS_STATUS": 1.0, "SYSTEM_TIME": 1.0, "GPS_RAW_INT": 0.2, "GLOBAL_POSITION_INT": 0.2,
+        "LOCAL_POSITION_NED": 1.0, "ATTITUDE": 1.0 / 15, "BATTERY_STATUS": 2.0, "VFR_HUD": 0.25,
+        "EXTENDED_SYS_STATE": 1.0, "MISSION_CURRENT": 1.0, "HOME_POSITION": 2.0,
+    },
+    fixed_streams=frozenset({"HEARTBEAT", "MISSION_CURRENT"}),
+    no_such_stream=CommandResult.FAILED,
+    no_such_message=CommandResult.DENIED,
+    no_such_interval=(-1, CommandResult.ACCEPTED),
+    base_mode=29,
+    capabilities=CAPABILITIES | BYTEWISE,
+    protocol=(200, 100, 203),
+)  # fmt: skip

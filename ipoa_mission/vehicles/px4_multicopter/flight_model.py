@@ -32,16 +32,11 @@ from ipoa_mission.forecast.timing.flight_model import (
 from ipoa_mission.forecast.timing.track import Track
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.mission.items import Mission
+from ipoa_mission.vehicles.px4_multicopter.dynamics import navigator
 from ipoa_mission.vehicles.px4_multicopter.dynamics.airframe import KNOWS, SIH, SIH_SENSES, SensorModel, airframe_of
 from ipoa_mission.vehicles.px4_multicopter.dynamics.flight import at_start, fly
 from ipoa_mission.vehicles.px4_multicopter.dynamics.guidance import speed_to
-from ipoa_mission.vehicles.px4_multicopter.dynamics.navigator import (
-    FLOWN_TO,
-    contingency_orders,
-    orders_of_itinerary,
-    simulation_constants,
-    with_patience,
-)
+from ipoa_mission.vehicles.px4_multicopter.dynamics.navigator import FLOWN_TO
 from ipoa_mission.vehicles.px4_multicopter.dynamics.state import (
     NOT_BEGUN,
     FlightProgress,
@@ -49,8 +44,7 @@ from ipoa_mission.vehicles.px4_multicopter.dynamics.state import (
     SimulationConstants,
     State,
 )
-from ipoa_mission.vehicles.px4_multicopter.limits import px4_limits
-from ipoa_mission.vehicles.px4_multicopter.parameter_table import LEAST_HOLD
+from ipoa_mission.vehicles.px4_multicopter.limits import LEAST_HOLD, px4_limits
 from ipoa_mission.wind import CALM, Wind
 
 
@@ -90,11 +84,13 @@ class Px4Model(FlightModel):
         self, itinerary: Itinerary, mission: Mission, wind: Wind, fast: bool | None, noise_free: bool
     ) -> Prediction:
         flights = Flights(itinerary, mission, wind, KNOWS if noise_free else SIH_SENSES)
-        orders, ends = flights.mission_orders.orders, list(flights.mission_orders.done)
+        orders = flights.mission_orders.orders
+        ends = list(flights.mission_orders.done)
         remarks = list(flights.mission_orders.remarks)
 
         exact_run = flights.flown(orders, False, fast)(0)
-        exact_times, samples = exact_run.done[ends], exact_run.samples
+        exact_times = exact_run.done[ends]
+        samples = exact_run.samples
         times = exact_times[None, :]
         if itinerary.visits and not noise_free:
             noisy_run = flights.flown(orders, True, fast, RUNS.most * samples[-1, 0] / RUNS.step_s)
@@ -158,8 +154,11 @@ class Px4Model(FlightModel):
         flights = Flights(itinerary, mission, wind)
         if flights.limits.splits_axes or not itinerary.visits:  # it stops at each waypoint (docs/lab/kept.md)
             return None
-        orders, ends = flights.mission_orders.orders, [0, *flights.mission_orders.done]
-        once, done, runs = flights.flown(orders, True, None, math.inf, True), [0.0, *predicted.done], list[Points]()
+        orders = flights.mission_orders.orders
+        ends = [0, *flights.mission_orders.done]
+        once = flights.flown(orders, True, None, math.inf, True)
+        done = [0.0, *predicted.done]
+        runs = list[Points]()
         for seed in range(1, RUNS.of_median + 1):
             try:
                 run = once(seed)
@@ -182,7 +181,8 @@ class Px4Model(FlightModel):
         flights = Flights(itinerary, mission)
         orders = flights.mission_orders.orders
         steps = RUNS.of_median * sum(order.patience for order in orders) / RUNS.step_s
-        once, ends = flights.flown(orders, True, True, steps), list(flights.mission_orders.done)
+        once = flights.flown(orders, True, True, steps)
+        ends = list(flights.mission_orders.done)
         return np.asarray(np.median([once(seed).done[ends] for seed in range(1, RUNS.of_median + 1)], axis=0))
 
 
@@ -192,7 +192,8 @@ def _noisy_times(once: Callable[[int], Vector], share: float, remarks: list[str]
     Raises:
         MissionError: most runs have no end.
     """
-    times, lost = list[Vector](), list[str]()
+    times = list[Vector]()
+    lost = list[str]()
     for seed in range(1, RUNS.most + 1):
         if (seed - 1) % RUNS.batch == 0 and len(times) >= RUNS.least:
             ends = np.array([run[-1] for run in times])
@@ -246,7 +247,8 @@ def spread_of(path: Track, runs: list[Points]) -> Points:
     time on the path and place (m, 4).
     """
     every = 3  # samples
-    clock, places = path.times[::every], path.points[::every]
+    clock = path.times[::every]
+    places = path.points[::every]
     ahead = np.gradient(places[:, :2], axis=0)
     across = ahead[:, ::-1] * (-1.0, 1.0) / np.maximum(np.linalg.norm(ahead, axis=1), 0.01)[:, None]
     moments = clock + np.arange(-RUNS.nearest_s, RUNS.nearest_s + 0.1, 0.2)[:, None]
@@ -262,10 +264,8 @@ def spread_of(path: Track, runs: list[Points]) -> Points:
 
 
 class FlownOnce(NamedTuple):
-    """Times [s] at the start and after each order (n + 1,), samples (m, 7) of time, place and velocity, progress."""
-
-    done: Vector
-    samples: Points
+    done: Vector  # times at the start and after each order (n + 1,) [s]
+    samples: Points  # time, place and velocity (m, 7)
     progress: FlightProgress
 
 
@@ -276,17 +276,18 @@ class Flights:
         self.itinerary, self.airframe, self.wind = itinerary, airframe_of(mission.vehicle), wind
         limits = px4_limits(mission.parameters, mission.firmware_version)
         self.limits = limits._replace(spool_up=max(limits.spool_up + self.airframe.lift_delay, 0.0))
-        self.mission_orders = orders_of_itinerary(itinerary, self.limits, self.airframe.landing_delay)
+        self.mission_orders = navigator.orders_of_itinerary(itinerary, self.limits, self.airframe.landing_delay)
         turns = self.limits.turns_first or any(not math.isnan(order.heading) for order in self.mission_orders.orders)
-        with_noise = simulation_constants(self.limits, self.airframe, senses, wind, RUNS.step_s)
+        with_noise = navigator.simulation_constants(self.limits, self.airframe, senses, wind, RUNS.step_s)
         self.noise_free_constants = with_noise._replace(noisy=False, turns=turns)
 
     def flown_with(self, ordered: OrderedContingency, seed: int | None) -> tuple[FlownOnce, FlownOnce]:
         """Return a flight at an order and at its end, with a seed's noise or none."""
-        noisy, steps = seed is not None, RUNS.most * ordered.time / RUNS.step_s
+        noisy = seed is not None
+        steps = RUNS.most * ordered.time / RUNS.step_s
         until = self.flown(self.mission_orders.orders, noisy, None, steps, True)(seed or 0, until=ordered.time)
-        onward = contingency_orders(ordered.contingency, until.samples[-1], self.itinerary, self.limits)
-        then = tuple(with_patience(onward, onward[0].start, self.limits, self.airframe.landing_delay))
+        onward = navigator.contingency_orders(ordered.contingency, until.samples[-1], self.itinerary, self.limits)
+        then = tuple(navigator.with_patience(onward, onward[0].start, self.limits, self.airframe.landing_delay))
         begins = until._replace(done=until.done[-1:], progress=until.progress._replace(steps=NOT_BEGUN))
         return until, self.flown(then, noisy, None, steps)(begins)
 
@@ -297,10 +298,12 @@ class Flights:
 
         `steps`: expected number. It raises MissionError without progress.
         """
-        machine, constants = jit_if_faster(fly, fast, steps), [self.noise_free_constants._replace(noisy=noisy)]
+        machine = jit_if_faster(fly, fast, steps)
+        constants = [self.noise_free_constants._replace(noisy=noisy)]
         inputs: Any = orders
         if machine is not fly:
-            inputs, constants = records(orders, Order), records(constants, SimulationConstants)
+            inputs = records(orders, Order)
+            constants = records(constants, SimulationConstants)
 
         every = RUNS.sample_steps if sampled or not noisy else 0
 
@@ -308,7 +311,8 @@ class Flights:
             flight = self.at_start(begun) if isinstance(begun, int) else begun
             left = inputs[len(flight.done) - 1 :]
             times, places, (state, of_order, touched) = machine(left, constants, flight.progress, until, every)
-            done, progress = np.append(flight.done, times), FlightProgress(State(*state), of_order, touched)
+            done = np.append(flight.done, times)
+            progress = FlightProgress(State(*state), of_order, touched)
             if len(done) > len(orders) or progress.state.time >= until:
                 return FlownOnce(done, np.vstack([flight.samples, places]), progress)
             raise MissionError(
@@ -334,7 +338,8 @@ class Flights:
 
     def why_slow(self, n: int, done: Vector, clock: Vector, samples: Points) -> str:
         """Return why visit n was slow, by samples at these times (m,) [s]."""
-        command, params = self.itinerary.visits[n].item.command, self.itinerary.visits[n].item.params
+        command = self.itinerary.visits[n].item.command
+        params = self.itinerary.visits[n].item.params
         if command == Command.NAV_DELAY:
             return "hold" if params[0] > 0 else ""
         if command not in FLOWN_TO:

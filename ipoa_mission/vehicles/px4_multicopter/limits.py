@@ -9,18 +9,13 @@ from typing import Annotated, NamedTuple, TypeVar
 from ipoa_mission.autopilot.parameters import Parameters, parameters_of_fields
 from ipoa_mission.autopilot.version import Version
 from ipoa_mission.geometry import GRAVITY, Vector
-from ipoa_mission.vehicles.px4_multicopter.parameter_table import (
-    DEFAULTS,
-    MEASURED,
-    PARAMETER_TABLE,
-    SINCE_SPLIT,
-    SPLITS_AXES,
-)
+from ipoa_mission.vehicles.px4_multicopter.parameter_table import MEASURED, PARAMETER_TABLE, SINCE_SPLIT, SPLITS_AXES
 
 RANGE_LAG_S = 0.14  # of the height over the ground by a range finder [s]
 NO_RANGE_FINDER = 10_000.0  # SIH_DISTSNSR_OVR of a vehicle without one [m]
 RELAXED_THRUST = 0.6  # low thrust, from least to hover thrust, if that is learned
 BRAKES_LATE = 0.6  # from the order of LAND or hold to braking, as flown [s]
+LEAST_HOLD = 0.1  # at which PX4 is to stop [s]
 STAGES = 3  # contact, maybe landed, landed
 
 TURN_FIRST = 4.0  # MPC_YAW_MODE: yaw first
@@ -29,17 +24,15 @@ Speed = TypeVar("Speed", float, Vector)
 
 
 class Px4Return(NamedTuple):
-    """RTL_RETURN_ALT, RTL_MIN_DIST, NAV_ACC_RAD [m], RTL_CONE_ANG [deg]."""
-
-    altitude: float
-    least_distance: float
-    radius: float
-    cone_deg: float
+    altitude: float  # RTL_RETURN_ALT [m]
+    least_distance: float  # RTL_MIN_DIST
+    radius: float  # NAV_ACC_RAD
+    cone_deg: float  # RTL_CONE_ANG
 
     @classmethod
     def of(cls, parameters: Parameters) -> "Px4Return":
         names = ("RTL_RETURN_ALT", "RTL_MIN_DIST", "NAV_ACC_RAD", "RTL_CONE_ANG")
-        return cls(*(parameters.get(name, DEFAULTS[name]) for name in names))
+        return cls(*(parameters.get(name, PARAMETER_TABLE.moving[name]) for name in names))
 
     def height(self, above: float, distance: float) -> float:
         """Return the return height above the goal [m] at a level `distance` [m].
@@ -58,13 +51,7 @@ class Px4Return(NamedTuple):
 
 
 class Px4Limits(NamedTuple):
-    """Motion limits in m, s, rad; gains in 1/s.
-
-    LAND slows down from `sinks_from` [m/s], perhaps above its descent rate. Each of the `STAGES` of the land detector
-    takes a part of `land_detector_s`, three times as long if the range finder lost the ground. `low_thrust`: over hover
-    thrust. `splits_axes`: the vertical setpoint waits separately, up to `most_height_error` ahead, and a passed item is
-    not flown back to.
-    """
+    """Motion limits in m, s, rad; gains in 1/s."""
 
     cruise: Annotated[float, "MPC_XY_CRUISE"]
     most_speed: Annotated[float, "MPC_XY_VEL_MAX"]
@@ -96,7 +83,7 @@ class Px4Limits(NamedTuple):
     land_speed: float
     land_high: float
     land_low: Annotated[float, "MPC_LAND_ALT2"]
-    sinks_from: Annotated[float, "MPC_Z_VEL_MAX_DN"]
+    sinks_from: Annotated[float, "MPC_Z_VEL_MAX_DN"]  # LAND slows down from it, perhaps above its descent rate
     crawl_below: Annotated[float, "MPC_LAND_ALT3"]
     crawl_speed: Annotated[float, "MPC_LAND_CRWL"]
     yaw_rate: float
@@ -107,11 +94,11 @@ class Px4Limits(NamedTuple):
     land_delay: Annotated[float, "RTL_LAND_DELAY"]
     land_delay_height: Annotated[float, "RTL_DESCEND_ALT"]
     disarm_delay: float
-    land_detector_s: Annotated[float, "LNDMC_TRIG_TIME"]
+    land_detector_s: Annotated[float, "LNDMC_TRIG_TIME"]  # of all STAGES; of each if the range finder lost the ground
     most_touchdown: float
-    low_thrust: float
+    low_thrust: float  # over hover thrust
     has_range_finder: bool
-    splits_axes: bool
+    splits_axes: bool  # the vertical setpoint waits separately, and no passed item is flown back to
     most_height_error: Annotated[float, "MPC_Z_ERR_MAX"]
 
     def stopping_time(self, speed: Speed) -> Speed:
@@ -132,7 +119,7 @@ def px4_limits(parameters: Parameters, version: Version | None = None) -> Px4Lim
         BadInput: a parameter that must be positive is not.
     """
     splits = (version or MEASURED[-1]).series >= SPLITS_AXES
-    p = {**DEFAULTS, **(SINCE_SPLIT if splits else {}), **parameters}
+    p = {**PARAMETER_TABLE.moving, **(SINCE_SPLIT if splits else {}), **parameters}
     PARAMETER_TABLE.expect_positive(p)
     climb = min(p["MPC_Z_V_AUTO_UP"], p["MPC_Z_VEL_MAX_UP"])
     descent = min(p["MPC_Z_V_AUTO_DN"], p["MPC_Z_VEL_MAX_DN"])

@@ -7,7 +7,6 @@ from ipoa_mission.autopilot.version import Version
 #: (d0004403a3).
 SPLITS_AXES = (1, 18)
 MEASURED = (Version(1, 17), Version(1, 18, 0, "beta"))  # docs/lab/flown.md, px4-1.18.md
-LEAST_HOLD = 0.1  # at which PX4 is to stop [s]
 SINCE_SPLIT: Parameters = {"NAV_ACC_RAD": 10.0}  # c05cc47b75
 
 #: PX4 1.17's for a multicopter (SI units, degrees); `rc.mc_defaults` has precedence over its reference.
@@ -112,4 +111,3 @@ PARAMETER_TABLE = ParameterTable(
     packs_integers=True,
     limits_speed="MPC_XY_VEL_MAX",
 )
-DEFAULTS = PARAMETER_TABLE.moving

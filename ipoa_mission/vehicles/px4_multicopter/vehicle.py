@@ -10,35 +10,20 @@ from typing import ClassVar
 import numpy as np
 
 from ipoa_mission.autopilot import guidance_profile as profile
+from ipoa_mission.autopilot import returning
 from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.autopilot.commands import FLOWN_TO, Command, Frame
 from ipoa_mission.autopilot.failsafe import FenceLimit, OwnFence
 from ipoa_mission.autopilot.firmware_tables import POLYGON, Firmware, FirmwareTables, Refusals, Refused, rows
 from ipoa_mission.autopilot.guidance_profile import mode_number
 from ipoa_mission.autopilot.parameters import Parameters
-from ipoa_mission.autopilot.returning import (
-    HOME,
-    IN_PLACE,
-    Contingency,
-    ReturnBy,
-    ReturnOrder,
-    ReturnRoute,
-    level_distance,
-)
-from ipoa_mission.autopilot.slow_landing import SLOWEST, SlowedBy, SlowStretch
+from ipoa_mission.autopilot.returning import HOME, Contingency, ReturnBy, ReturnOrder, ReturnRoute, level_distance
 from ipoa_mission.autopilot.vehicle_kind import MULTICOPTERS
 from ipoa_mission.autopilot.version import Version
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.vehicles.px4_multicopter.failsafes import FAILSAFES
-from ipoa_mission.vehicles.px4_multicopter.limits import Px4Return, px4_limits
-from ipoa_mission.vehicles.px4_multicopter.parameter_table import (
-    DEFAULTS,
-    LEAST_HOLD,
-    MEASURED,
-    PARAMETER_TABLE,
-    SINCE_SPLIT,
-    SPLITS_AXES,
-)
+from ipoa_mission.vehicles.px4_multicopter.limits import LEAST_HOLD, Px4Return, px4_limits
+from ipoa_mission.vehicles.px4_multicopter.parameter_table import MEASURED, PARAMETER_TABLE, SINCE_SPLIT, SPLITS_AXES
 
 
 def refused(firmware: Firmware, command: int, frame: int, values: Sequence[float], _count: int) -> Refused | None:
@@ -46,7 +31,8 @@ def refused(firmware: Firmware, command: int, frame: int, values: Sequence[float
         return wrong
     where, table = ("plain", firmware.plain) if frame == Frame.MISSION else ("placed", firmware.placed)
     if command in table:
-        modes, is_roi = firmware.roi_modes[where], command in {Command.NAV_ROI, Command.DO_SET_ROI}
+        modes = firmware.roi_modes[where]
+        is_roi = command in {Command.NAV_ROI, Command.DO_SET_ROI}
         if is_roi and not (math.isfinite(values[0]) and int(values[0]) in modes):
             listed = " or ".join(map(str, sorted(modes)))
             return Refused("INVALID_PARAM1", 1, f"expected a mode of {listed}, not {values[0]:g}")
@@ -192,7 +178,7 @@ class Px4Multicopter(Autopilot):
         widen_fence="give the vehicle a wider fence (0: no limit); --anyway sends it all the same",
     )
     refusals = Refusals(refused, refused_in_fence, refused_in_rally)
-    slowed_by = SlowedBy(
+    slowed_by = returning.SlowedBy(
         names=("MPC_LAND_ALT1", "MPC_LAND_ALT2"),
         unit=1.0,
         most=122.0,
@@ -202,14 +188,15 @@ class Px4Multicopter(Autopilot):
         "FlightModel": "ipoa_mission.vehicles.px4_multicopter.flight_model:MODEL",
         "LogFormat": "ipoa_mission.vehicles.px4_multicopter.log:FORMAT",
         "DeviationLaw": "ipoa_mission.vehicles.px4_multicopter.flight_model:LAW",
-        "MockProfile": "ipoa_mission.vehicles.px4_multicopter.mock_profile:MOCK_PROFILE",
+        "MockProfile": "ipoa_mission.vehicles.px4_multicopter.flight_controller:MOCK_PROFILE",
     }
     own_fence_by = ("GF_ACTION", "GF_MAX_HOR_DIST", "GF_MAX_VER_DIST")
     failsafe_profile = FAILSAFES
 
     def braking_distance(self, parameters: Parameters, speed: Vector, accel: Vector) -> Vector:
         limits = px4_limits(parameters)
-        brakes, gains = limits.accel, np.clip(accel, 0.0, limits.accel)
+        brakes = limits.accel
+        gains = np.clip(accel, 0.0, limits.accel)
         turns = (gains + brakes) / limits.jerk  # [s]
         slowed = np.maximum(speed + (gains - brakes) * turns / 2, 0.0)
         turning = turns * (speed + turns * (gains / 2 - limits.jerk * turns / 6))
@@ -224,11 +211,11 @@ class Px4Multicopter(Autopilot):
         >>> Px4Multicopter().stopping_offset({}, np.array([[6.0, 0.0]]), np.zeros((1, 2)), Contingency.HOLD).round(1)
         array([[9.6, 0. ]])
         """
-        if contingency not in IN_PLACE:
+        if contingency not in returning.IN_PLACE:
             return super().stopping_offset(parameters, velocity, accel, contingency)
         return np.asarray(velocity * px4_limits(parameters).stopping_time(np.hypot(*velocity.T))[:, None])
 
-    def slow_stretch(self, parameters: Parameters) -> SlowStretch | None:
+    def slow_stretch(self, parameters: Parameters) -> returning.SlowStretch | None:
         """Return MPC_LAND_ALT1 to MPC_LAND_ALT2.
 
         >>> Px4Multicopter().slowed({}, 12.0)
@@ -237,7 +224,9 @@ class Px4Multicopter(Autopilot):
         p = PARAMETER_TABLE.complete(parameters)
         descent = min(p["MPC_Z_V_AUTO_DN"], p["MPC_Z_VEL_MAX_DN"])
         low = p["MPC_LAND_ALT2"]
-        return SlowStretch(max(p["MPC_LAND_SPEED"], SLOWEST), descent, max(p["MPC_LAND_ALT1"], low), low)
+        return returning.SlowStretch(
+            max(p["MPC_LAND_SPEED"], returning.SLOWEST), descent, max(p["MPC_LAND_ALT1"], low), low
+        )
 
     def own_fence(self, parameters: Parameters) -> OwnFence | None:
         """Return the limits other than 0, unless GF_ACTION does nothing (0) or warns (1)."""
@@ -259,7 +248,9 @@ class Px4Multicopter(Autopilot):
         >>> str(Px4Multicopter().return_route({"RTL_TYPE": 2.0}, ReturnOrder((100.0, 0.0, 20.0))).by)
         'back along the mission'
         """
-        here, landing, kind = order.here, order.landing, parameters.get("RTL_TYPE", ReturnType.HOME_OR_RALLY)
+        here = order.here
+        landing = order.landing
+        kind = parameters.get("RTL_TYPE", ReturnType.HOME_OR_RALLY)
         if kind in {ReturnType.LANDING_OR_BACK, ReturnType.SHORTER_WAY}:
             ahead = landing is not None and (kind == ReturnType.LANDING_OR_BACK or landing.ahead < landing.behind)
             return ReturnRoute(ReturnBy.MISSION_FORWARD if ahead else ReturnBy.MISSION_REVERSED)
@@ -289,7 +280,7 @@ class Px4Multicopter(Autopilot):
         """
         if (version or self.newest).series < SPLITS_AXES:
             return profile.WaypointDefaults()
-        return profile.WaypointDefaults(LEAST_HOLD, DEFAULTS["NAV_ACC_RAD"])
+        return profile.WaypointDefaults(LEAST_HOLD, PARAMETER_TABLE.moving["NAV_ACC_RAD"])
 
     def return_height(self, parameters: Parameters, height: float, distance: float, goal_up: float = 0.0) -> float:
         return goal_up + Px4Return.of(parameters).height(height - goal_up, distance)

@@ -13,16 +13,11 @@ THINNING = 9.6e-5  # of air density with height [1/m]
 
 
 class Airframe(NamedTuple):
-    """Drag per mass, `lag` of rotors and rate loop, delays of lift-off and disarming [s].
-
-    `rotor_drag` [1/s] at one g, grows with thrust's square root. `body_drag` [1/m] acts along each body axis.
-    """
-
-    rotor_drag: float
-    body_drag: float
-    lag: float
-    lift_delay: float = 0.0
-    landing_delay: float = 0.0
+    rotor_drag: float  # per mass at one g [1/s]; grows with thrust's square root
+    body_drag: float  # per mass, along each body axis [1/m]
+    lag: float  # of rotors and rate loop [s]
+    lift_delay: float = 0.0  # of lift-off [s]
+    landing_delay: float = 0.0  # of disarming [s]
 
     def at_altitude(self, altitude: float) -> "Airframe":
         """Return the airframe at an altitude of home [m].
@@ -36,7 +31,8 @@ class Airframe(NamedTuple):
 
     def top_speed(self, lean: float) -> float:
         """Solve (r + q v) v = g tan(lean) for v [m/s], lean [rad]."""
-        pull, q = GRAVITY * math.tan(lean), self.body_drag * math.cos(lean)
+        pull = GRAVITY * math.tan(lean)
+        q = self.body_drag * math.cos(lean)
         r = self.rotor_drag / math.sqrt(math.cos(lean))
         if r <= 0 and q <= 0:
             return math.inf
@@ -65,7 +61,8 @@ def airframe_of(vehicle: LearnedVehicle | None) -> Airframe:
     """
     if vehicle is None:
         return ARDUPILOT_SIMULATOR
-    drag, same = vehicle.value("drag", 1.0), ARDUPILOT_SIMULATOR
+    drag = vehicle.value("drag", 1.0)
+    same = ARDUPILOT_SIMULATOR
     return Airframe(
         same.rotor_drag * drag,
         same.body_drag * drag,

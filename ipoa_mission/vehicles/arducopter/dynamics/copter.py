@@ -10,7 +10,7 @@ from ipoa_mission.autopilot.commands import Command
 from ipoa_mission.compiled import jit_if_faster, records
 from ipoa_mission.errors import MissionError
 from ipoa_mission.forecast.itinerary.copter_curves import bearing_from, place_after, turn_of
-from ipoa_mission.geometry import Place, Points
+from ipoa_mission.geometry import Enu, Place, Points
 from ipoa_mission.ground import LEVEL, Ground
 from ipoa_mission.mission.items import Item
 from ipoa_mission.mission.program import Program
@@ -25,9 +25,9 @@ from ipoa_mission.vehicles.arducopter.dynamics.motion import (
     MotionLimits,
     Orbit,
     State,
-    Vector,
     tuning,
 )
+from ipoa_mission.vehicles.arducopter.dynamics.shaping import rest_target
 from ipoa_mission.vehicles.arducopter.dynamics.steps import SAMPLE_STEPS, fly_leg, step
 from ipoa_mission.vehicles.arducopter.limits import CopterLimits
 from ipoa_mission.wind import CALM, Wind
@@ -51,7 +51,8 @@ SLOWEST_SPIN_UP = math.radians(2.0)  # [rad/s^2]
 
 def stop_at(program: Program, n: int, here: Place) -> Stop:
     """Return item n as a stop; open coordinates as `here`."""
-    item, place = program.items[n], program.place(n, here)
+    item = program.items[n]
+    place = program.place(n, here)
     if item.command != Command.NAV_SPLINE_WAYPOINT:
         return Stop(place, turn=turn_of(item))
     following = program.shaped_by(n)
@@ -84,7 +85,8 @@ class Copter:
         self.start_at((0.0, 0.0, 0.0))
 
     def start_at(self, here: Place) -> None:
-        self.state, self.this = _at_rest(here, 0.0), legs.hold_leg(here, 0.0)
+        self.state = _at_rest(here, 0.0)
+        self.this = legs.hold_leg(here, 0.0)
 
     @property
     def place(self) -> Place:
@@ -125,7 +127,8 @@ class Copter:
         room = int((60 + 4 * self._least_time() + self.this.length / self._slowest) / (STEP * SAMPLE_STEPS))
         breaks = until < self.state.time + room * STEP * SAMPLE_STEPS
         room = max(int((until - self.state.time) / (STEP * SAMPLE_STEPS)), 0) if breaks else room
-        samples, all_legs = np.empty((room, 7)), (self._before, self.this, self.following)
+        samples = np.empty((room, 7))
+        all_legs = (self._before, self.this, self.following)
         before, this, following = [[leg] for leg in all_legs]
         states: Any = [self.state]
         if self._fly_leg is not fly_leg:
@@ -166,7 +169,8 @@ class Copter:
         self.face(yaw)
 
     def face(self, yaw: float) -> None:
-        self.state.yaw, self.state.nose = yaw, complex(math.sin(yaw), math.cos(yaw))
+        self.state.yaw = yaw
+        self.state.nose = complex(math.sin(yaw), math.cos(yaw))
 
     def fly_to(self, stop: Stop, following: Stop | None = None, turns: bool = True, ends_near: bool = False) -> None:
         """Start a leg to `stop`, as planned before or from `here`; with `following` it passes the stop.
@@ -184,11 +188,12 @@ class Copter:
             this = self._as_begun(planned)
         else:
             this = self._unplanned(stop)
-            state.clock, self._before = 0.0, NO_LEG
+            state.clock = 0.0
+            self._before = NO_LEG
         onward = NO_LEG
         if following is not None:
             onward = self._leg(following, stop.place, this)
-            this = legs.joined(this, onward, self.limits, self._left)
+            this = legs.join(this, onward, self.limits, self._left)
             if onward.kind == Kind.SPLINE:
                 self._left = legs.speed_left(onward)
         elif this.kind == Kind.SPLINE:
@@ -222,7 +227,9 @@ class Copter:
         return legs.straight_leg(planned.origin, planned.target, self.speeds, self.limits, course)
 
     def _begin(self, this: CopterLeg, following: CopterLeg = NO_LEG) -> None:
-        self.this, self.following, self.passed = this, following, False
+        self.this = this
+        self.following = following
+        self.passed = False
         self.state.clock_next = self.state.share = self.state.az = 0.0
 
     def change_speed(self, kind: int, speed: float) -> None:
@@ -250,21 +257,23 @@ class Copter:
 
     def _restart(self) -> None:
         state = self.state
-        state.integral, state.error = state.asked, 0j
+        state.integral = state.asked
+        state.error = 0j
         state.rate = 1.0
 
     def orbit(self, center: Place, radius: float, turn: float) -> None:
         self._restart()
-        state, here = self.state, self.stopping_place()
-        state.target, state.target_z = complex(*here[:2]), here[2]
-        state.aim, state.aim_z, state.push = 0j, 0.0, 0j
-        state.bearing, state.spin, state.turned = bearing_from(center, here), 0.0, 0.0
+        here = self.stopping_place()
+        rest_target(self.state, Enu(*here))
+        self.state.bearing = bearing_from(center, here)
+        self.state.spin = self.state.turned = 0.0
         spin = spin_up = self.limits.circle_rate
         if radius > 0.0:
-            spin, spin_up = circle_spin(self.limits, radius, self.speeds.level), self.limits.accel / radius
-        around, length = Orbit(radius, spin, max(spin_up, SLOWEST_SPIN_UP)), radius * abs(turn)
+            spin = circle_spin(self.limits, radius, self.speeds.level)
+            spin_up = self.limits.accel / radius
+        orbit = Orbit(radius, spin, max(spin_up, SLOWEST_SPIN_UP))
         leg = legs.leg_between(Kind.ORBIT, here, here, self.speeds)
-        self._begin_over(leg._replace(length=length, turn=turn, center=Vector(*center), orbit=around))
+        self._begin_over(leg._replace(length=radius * abs(turn), turn=turn, center=Enu(*center), orbit=orbit))
 
     def level_off(self, up: float) -> None:
         self.state.above = 0.0
@@ -278,7 +287,8 @@ class Copter:
     def sink(self, most: float) -> bool:
         """Descend by at most `most` [m]; return whether to the ground."""
         x, y, z = self.here
-        ground, speed = self._ground.at(x, y), min(self.limits.payload_speed, self.limits.descent)
+        ground = self._ground.at(x, y)
+        speed = min(self.limits.payload_speed, self.limits.descent)
         end = max(ground, z - most) if most > 0.0 else ground
         limits = self._tuning.limits._replace(land_speed=speed, land_speed_high=speed)
         self._tuning = self._tuning._replace(limits=limits)
@@ -308,10 +318,11 @@ class Copter:
         self._begin_over(leg._replace(leave=self._still_moving))
 
     def _begin_over(self, leg: CopterLeg) -> None:
-        self._before, self.state.clock = NO_LEG, 0.0
+        self._before = NO_LEG
+        self.state.clock = 0.0
         self._begin(leg)
 
 
 def _at_rest(place: Place, time: float) -> State:
-    level, z = complex(*place[:2]), place[2]
-    return State(time, level, z, target=level, target_z=z)
+    level = complex(*place[:2])
+    return State(time, level, place[2], target=level, target_z=place[2])

@@ -5,8 +5,8 @@ from functools import lru_cache
 from typing import NamedTuple
 
 import ipoa_mission.forecast.itinerary.copter_curves as curves
-from ipoa_mission.geometry import Place
-from ipoa_mission.vehicles.arducopter.dynamics.motion import ZERO, CopterLeg, Kind, MotionLimits, Vector
+from ipoa_mission.geometry import ZERO, Enu, Place
+from ipoa_mission.vehicles.arducopter.dynamics.motion import CopterLeg, Kind, MotionLimits
 from ipoa_mission.vehicles.arducopter.dynamics.scurve import AT_REST, SCurveLimits, change, profile
 from ipoa_mission.vehicles.arducopter.dynamics.steps import along_limit, bend
 from ipoa_mission.vehicles.arducopter.limits import CopterLimits
@@ -20,27 +20,25 @@ def limits_along(origin: Place, target: Place, speeds: MotionLimits, copter: Cop
     length = math.dist(origin, target)
     if length < 1e-9:
         return SCurveLimits(speeds.level, copter.accel, copter.jerk, copter.snap)
-    x, y, z = ((b - a) / length for a, b in zip(origin, target, strict=True))
-    accel = along_limit(x, y, z, MotionLimits(copter.accel, copter.accel_z, copter.accel_z))
-    return SCurveLimits(along_limit(x, y, z, speeds), accel, copter.jerk, copter.snap)
+    direction = Enu(*((b - a) / length for a, b in zip(origin, target, strict=True)))
+    accel = along_limit(direction, MotionLimits(copter.accel, copter.accel_z, copter.accel_z))
+    return SCurveLimits(along_limit(direction, speeds), accel, copter.jerk, copter.snap)
 
 
 class Stop(NamedTuple):
-    """A destination: straight, an arc by `turn` [rad, clockwise], or a `spline` towards `after` (True: a spline)."""
+    """The destination of a straight leg, an arc or a spline."""
 
     place: Place
     spline: bool = False
-    after: tuple[Place, bool] | None = None
-    turn: float = 0.0
+    after: tuple[Place, bool] | None = None  # where a spline goes on to; True: as a spline
+    turn: float = 0.0  # of an arc [rad, clockwise]
 
 
 class Course(NamedTuple):
-    """Speeds at the ends of a leg [m/s]; the `turn` of an arc [rad]; `is_changed`: its speed, after planning."""
-
-    enter: float = 0.0
+    enter: float = 0.0  # speed at its start [m/s]
     leave: float = 0.0
-    turn: float = 0.0
-    is_changed: bool = False
+    turn: float = 0.0  # of an arc [rad]
+    is_changed: bool = False  # its speed, after planning
 
 
 REST_TO_REST = Course()
@@ -51,11 +49,12 @@ def straight_leg(
     origin: Place, target: Place, speeds: MotionLimits, copter: CopterLimits, course: Course = REST_TO_REST
 ) -> CopterLeg:
     """Return a straight leg, or an arc."""
-    leg, turn = leg_between(Kind.STRAIGHT, origin, target, speeds), course.turn
+    leg = leg_between(Kind.STRAIGHT, origin, target, speeds)
+    turn = course.turn
     if leg.length <= ZERO_LENGTH:
         return leg
     if curves.is_arc(origin, target, turn):
-        center = Vector(*curves.arc_center(origin, target, turn), 0.0)
+        center = Enu(*curves.arc_center(origin, target, turn), 0.0)
         leg = leg._replace(turn=turn, center=center, length=curves.arc_length(origin, target, turn))
     limits = _limits_of(leg, copter, course.is_changed)
     return leg._replace(profile=profile(leg.length, limits, course.enter, course.leave))
@@ -71,21 +70,22 @@ def _limits_of(leg: CopterLeg, copter: CopterLimits, is_changed: bool) -> SCurve
     if not is_changed:
         return limits
     rise = (leg.target[2] - leg.origin[2]) / leg.length
-    return limits._replace(speed=along_limit(math.sqrt(1.0 - rise * rise), 0.0, rise, leg.speeds))
+    return limits._replace(speed=along_limit(Enu(math.sqrt(1.0 - rise * rise), 0.0, rise), leg.speeds))
 
 
 def spline_leg(
     origin: Place, stop: Stop, previous: CopterLeg | None, speeds: MotionLimits, copter: CopterLimits
 ) -> CopterLeg:
     """Return a spline that starts tangent to the previous leg (`spline_tangents`)."""
-    flown_in, target = None, stop.place
+    flown_in = None
+    target = stop.place
     if previous is not None:
         flown_in = previous.end if previous.kind == Kind.SPLINE else curves.minus(previous.target, previous.origin)
     tangents = curves.spline_tangents(origin, target, flown_in, stop.after)
     level, vertical = SPLINE_SHARE * copter.accel, SPLINE_SHARE * copter.accel_z
     return leg_between(Kind.SPLINE, origin, target, speeds)._replace(
-        cubic=[Vector(*coefficient) for coefficient in curves.cubic(origin, target, tangents)],
-        end=Vector(*tangents[1]),
+        cubic=[Enu(*coefficient) for coefficient in curves.cubic(origin, target, tangents)],
+        end=Enu(*tangents[1]),
         accel=MotionLimits(level, vertical, vertical),
     )
 
@@ -98,7 +98,7 @@ def hold_leg(place: Place, lasts: float) -> CopterLeg:
     return leg_between(Kind.HOLD, place, place, MotionLimits(0.0, 0.0, 0.0))._replace(lasts=lasts)
 
 
-def joined(this: CopterLeg, following: CopterLeg, copter: CopterLimits, left: float = math.inf) -> CopterLeg:
+def join(this: CopterLeg, following: CopterLeg, copter: CopterLimits, left: float = math.inf) -> CopterLeg:
     """Return `this` with its end speed matched to a spline before or after.
 
     `left`: the leave speed of the last spline [m/s].
@@ -107,7 +107,7 @@ def joined(this: CopterLeg, following: CopterLeg, copter: CopterLimits, left: fl
         return this
     speed = _speed_at(following, 0.0)
     if following.kind == Kind.SPLINE:
-        brakes = along_limit(*bend(following, 0.0)[1], following.accel)
+        brakes = along_limit(bend(following, 0.0)[1], following.accel)
         speed = min(speed, math.sqrt(2 * brakes * following.length + left**2))
     if this.kind == Kind.SPLINE:
         return this._replace(leave=min(speed, _speed_at(this, 1.0)))
@@ -132,8 +132,8 @@ def at_speeds(leg: CopterLeg, speeds: MotionLimits, elapsed: float, copter: Copt
 
 def leg_between(kind: Kind, origin: Place, target: Place, speeds: MotionLimits) -> CopterLeg:
     length = math.dist(origin, target)
-    direction = Vector(*(x / length for x in curves.minus(target, origin))) if length > 1e-9 else ZERO
-    return CopterLeg(kind, Vector(*origin), Vector(*target), direction, length, speeds)
+    direction = Enu(*(x / length for x in curves.minus(target, origin))) if length > 1e-9 else ZERO
+    return CopterLeg(kind, Enu(*origin), Enu(*target), direction, length, speeds)
 
 
 def _speed_at(leg: CopterLeg, end: float) -> float:

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from enum import IntEnum
 from typing import Annotated, NamedTuple
 
-from ipoa_mission.geometry import GRAVITY
+from ipoa_mission.geometry import GRAVITY, ZERO, Enu
 from ipoa_mission.vehicles.arducopter.dynamics.airframe import Airframe
 from ipoa_mission.vehicles.arducopter.dynamics.scurve import AT_REST, Profile
 from ipoa_mission.vehicles.arducopter.limits import CopterLimits
@@ -29,15 +29,6 @@ class Kind(IntEnum):
     LEVEL_OFF = 6
 
 
-class Vector(NamedTuple):
-    x: float
-    y: float
-    z: float
-
-
-ZERO = Vector(0.0, 0.0, 0.0)
-
-
 class MotionLimits(NamedTuple):
     """Greatest level, upward and downward values [m/s or m/s^2]."""
 
@@ -47,10 +38,8 @@ class MotionLimits(NamedTuple):
 
 
 class Orbit(NamedTuple):
-    """A circle: `radius` [m], final turn rate `spin` [rad/s]."""
-
-    radius: float
-    spin: float
+    radius: float  # [m]
+    spin: float  # final turn rate [rad/s]
     spin_up: float
 
 
@@ -58,29 +47,24 @@ NO_ORBIT = Orbit(0.0, 0.0, 0.0)
 
 
 class CopterLeg(NamedTuple):
-    """A leg at up to `speeds`: straight with a `profile`, along a `cubic`, or vertical.
-
-    A spline leaves at up to `leave` [m/s] with the tangent `end`. A HOLD `lasts` [s]. A `turn` [rad, clockwise] makes
-    an arc around `center`. `ends_near` (1): it ends within the acceptance radius. A DESCENT with a `leave` speed starts
-    in motion.
-    """
+    """A leg at up to `speeds`: straight with a `profile`, along a `cubic`, or vertical."""
 
     kind: int
-    origin: Vector
-    target: Vector
-    direction: Vector
+    origin: Enu
+    target: Enu
+    direction: Enu
     length: float
     speeds: MotionLimits
     profile: Profile = AT_REST
-    cubic: Annotated[list[Vector], 4] = [ZERO] * 4
-    end: Vector = ZERO
+    cubic: Annotated[list[Enu], 4] = [ZERO] * 4
+    end: Enu = ZERO  # tangent of a spline
     accel: MotionLimits = MotionLimits(0.0, 0.0, 0.0)
-    leave: float = 0.0
-    lasts: float = 0.0
-    turn: float = 0.0
-    center: Vector = ZERO
+    leave: float = 0.0  # greatest speed at the end of a spline [m/s]; of a DESCENT: it starts in motion
+    lasts: float = 0.0  # of a HOLD [s]
+    turn: float = 0.0  # of an arc around `center` [rad, clockwise]
+    center: Enu = ZERO
     orbit: Orbit = NO_ORBIT
-    ends_near: float = 0.0
+    ends_near: float = 0.0  # 1: it ends within the acceptance radius
 
 
 NO_LEG = CopterLeg(Kind.NOTHING, ZERO, ZERO, ZERO, 0.0, MotionLimits(0.0, 0.0, 0.0))

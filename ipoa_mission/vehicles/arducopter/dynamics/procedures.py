@@ -9,7 +9,7 @@ from ipoa_mission.forecast.itinerary.copter_curves import NEAR_CIRCLE, circle_en
 from ipoa_mission.geometry import Place
 from ipoa_mission.mission.items import Item
 from ipoa_mission.mission.program import Program
-from ipoa_mission.vehicles.arducopter.dynamics.copter import SAME_PLACE, Copter
+from ipoa_mission.vehicles.arducopter.dynamics.copter import SAME_PLACE, Copter, stop_at
 from ipoa_mission.vehicles.arducopter.dynamics.legs import Stop, straight_leg
 from ipoa_mission.vehicles.arducopter.dynamics.motion import MotionLimits
 from ipoa_mission.vehicles.arducopter.limits import CENTIMETER
@@ -23,9 +23,30 @@ PLACED = 0.65  # PAYLOAD_PLACE on the ground [s]
 LANDINGS = frozenset({Command.NAV_LAND, Command.NAV_VTOL_LAND})
 
 
-def landing_place(program: Program, item: Item) -> Place | None:
-    """None: land in place."""
-    return None if (item.latitude_deg, item.longitude_deg) == (0.0, 0.0) else program.place_of(item)
+def legs_of(copter: Copter, program: Program, n: int, here: Place) -> Iterator[None] | None:
+    """Return the legs of a circle, a change of height, a delivery or a landing; None: item n is none of these.
+
+    `here` replaces open coordinates.
+    """
+    item = program.items[n]
+    match item.command:
+        case Command.NAV_LOITER_TURNS:
+            return circle(copter, program.place(n, here), item)
+        case Command.NAV_LOITER_TO_ALT:
+            return loiter_to_alt(copter, program.place(n, here))
+        case Command.NAV_PAYLOAD_PLACE:
+            return payload_place(copter, program.place(n, here) if item.has_position else None, item)
+        case Command.NAV_LAND | Command.NAV_VTOL_LAND:
+            is_in_place = (item.latitude_deg, item.longitude_deg) == (0.0, 0.0)
+            return land(copter, None if is_in_place else program.place_of(item))
+    return None
+
+
+def begin_leg(copter: Copter, program: Program, n: int, here: Place) -> None:
+    """Begin the leg to item n, and pass it if the program does; `here` replaces open coordinates."""
+    stop = stop_at(program, n, here)
+    onward = program.onward(n)
+    copter.fly_to(stop, None if onward is None else stop_at(program, onward, stop.place))
 
 
 def land(copter: Copter, place: Place | None) -> Iterator[None]:
@@ -43,7 +64,9 @@ def land(copter: Copter, place: Place | None) -> Iterator[None]:
 
 
 def return_home(copter: Copter, goal: Place = HOME) -> Iterator[None]:
-    limits, (x, y, z), (east, north, _) = copter.limits, copter.brake(), goal
+    limits = copter.limits
+    (x, y, z) = copter.brake()
+    (east, north, _) = goal
     far = math.hypot(x - east, y - north)
     height = limits.returning.height(z, far, goal[2])
     copter.speeds = MotionLimits(limits.rtl_speed, limits.climb, limits.descent)

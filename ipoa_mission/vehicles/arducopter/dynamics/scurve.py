@@ -34,35 +34,27 @@ class Segment(NamedTuple):
 
 
 class Profile(NamedTuple):
-    """A leg's segments: it accelerates until `risen` and brakes from `falls` [s].
-
-    Segments that never start pad it to `MOST_SEGMENTS`.
-    """
-
-    segments: Annotated[list[Segment], MOST_SEGMENTS]
+    segments: Annotated[list[Segment], MOST_SEGMENTS]  # some never start
     lasts: float
-    risen: float
-    falls: float
+    risen: float  # it accelerates until then [s]
+    falls: float  # it brakes from then on [s]
     peak: float
     leave: float = 0.0
 
 
-def _filled(segments: list[Segment]) -> list[Segment]:
+def _fill(segments: list[Segment]) -> list[Segment]:
     return segments + [Segment(math.inf, *[0.0] * 6)] * (MOST_SEGMENTS - len(segments))
 
 
-AT_REST = Profile(_filled([Segment(0.0, 0.0, CONSTANT, 0.0, 0.0, 0.0, 0.0)]), 0.0, 0.0, 0.0, 0.0)
+AT_REST = Profile(_fill([Segment(0.0, 0.0, CONSTANT, 0.0, 0.0, 0.0, 0.0)]), 0.0, 0.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True)
 class Ramp:
-    """Jerk ramps of `ramp` s, `hold` s at `jerk`, `coast` s at full acceleration."""
-
-    gain: float
-    ramp: float
+    ramp: float  # of the jerk [s]
     jerk: float
-    hold: float
-    coast: float
+    hold: float  # at this jerk [s]
+    coast: float  # at full acceleration [s]
 
     @property
     def lasts(self) -> float:
@@ -72,19 +64,19 @@ class Ramp:
 def ramp_for(gain: float, limits: SCurveLimits, from_rest: bool = True) -> Ramp:
     """Return the fastest change by `gain`; small ones get shorter ramps from rest, softer ones in motion."""
     if gain <= 1e-9:
-        return Ramp(0.0, 0.0, 0.0, 0.0, 0.0)
+        return Ramp(0.0, 0.0, 0.0, 0.0)
     jerk, accel = limits.jerk, limits.accel
     ramp = min(jerk * math.pi / (2 * limits.snap), math.sqrt(accel * math.pi / (2 * limits.snap)))
     jerk = min(jerk, 2 * limits.snap * ramp / math.pi)
     full = accel / jerk + ramp
     if gain >= accel * full:
-        return Ramp(gain, ramp, jerk, accel / jerk - ramp, gain / accel - full)
+        return Ramp(ramp, jerk, accel / jerk - ramp, gain / accel - full)
     reached = (-jerk * ramp + math.sqrt((jerk * ramp) ** 2 + 4 * jerk * gain)) / 2
     if reached >= jerk * ramp:
-        return Ramp(gain, ramp, jerk, reached / jerk - ramp, 0.0)
+        return Ramp(ramp, jerk, reached / jerk - ramp, 0.0)
     if from_rest:
         ramp = (math.pi * gain / (4 * limits.snap)) ** (1 / 3)
-    return Ramp(gain, ramp, gain / (2 * ramp * ramp), 0.0, 0.0)
+    return Ramp(ramp, gain / (2 * ramp * ramp), 0.0, 0.0)
 
 
 def profile(length: float, limits: SCurveLimits, enter: float = 0.0, leave: float = 0.0) -> Profile:
@@ -92,15 +84,15 @@ def profile(length: float, limits: SCurveLimits, enter: float = 0.0, leave: floa
     peak = _peak(length, limits)
     enter, leave = min(enter, peak), min(leave, peak)
     if enter > 0 or leave > 0:
-        if _covers(max(enter, leave), enter, leave, limits) > length:
+        if _distance(max(enter, leave), enter, leave, limits) > length:
             enter, leave = (enter, 0.0) if enter > 0 else (0.0, 0.0)  # no room for the change: stop
-        peak = _fitting(peak, enter, leave, length, limits)
+        peak = _fit_peak(peak, enter, leave, length, limits)
     segments: list[Segment] = []
     up = ramp_for(peak - enter, limits, from_rest=enter <= 0)
     state = _append(segments, up, 1.0, (0.0, 0.0, enter, 0.0))
     down = ramp_for(peak - leave, limits, from_rest=leave <= 0)
     falls, lasts = _cruise_and_brake(segments, state, (peak, leave), down, length)
-    return Profile(_filled(segments), lasts, state[0], falls, peak, leave)
+    return Profile(_fill(segments), lasts, state[0], falls, peak, leave)
 
 
 def _cruise_and_brake(
@@ -114,19 +106,19 @@ def _cruise_and_brake(
     return falls, _append(segments, down, -1.0, (falls, 0.0, peak, way + peak * cruise))[0]
 
 
-def _covers(peak: float, enter: float, leave: float, limits: SCurveLimits) -> float:
+def _distance(peak: float, enter: float, leave: float, limits: SCurveLimits) -> float:
     up = ramp_for(abs(peak - enter), limits, from_rest=enter <= 0)
     down = ramp_for(peak - leave, limits, from_rest=leave <= 0)
     return (peak + enter) / 2 * up.lasts + (peak + leave) / 2 * down.lasts
 
 
-def _fitting(peak: float, enter: float, leave: float, length: float, limits: SCurveLimits) -> float:
+def _fit_peak(peak: float, enter: float, leave: float, length: float, limits: SCurveLimits) -> float:
     low, high = max(enter, leave), peak
-    if _covers(high, enter, leave, limits) <= length:
+    if _distance(high, enter, leave, limits) <= length:
         return high
     for _ in range(50):
         middle = (low + high) / 2
-        low, high = (middle, high) if _covers(middle, enter, leave, limits) <= length else (low, middle)
+        low, high = (middle, high) if _distance(middle, enter, leave, limits) <= length else (low, middle)
     return low
 
 
@@ -142,14 +134,14 @@ def change(current: Profile, at: float, length: float, limits: SCurveLimits) -> 
     segments = [s for s in current.segments if s.begin + s.lasts <= current.risen]
     cruise = next(s for s in current.segments if s.begin >= current.risen)
     way = cruise.way + before * (begin - current.risen)
-    if limits.speed < before and _covers(limits.speed, before, 0.0, limits) > length - way:
+    if limits.speed < before and _distance(limits.speed, before, 0.0, limits) > length - way:
         return current
-    peak = _fitting(limits.speed, before, 0.0, length - way, limits)
+    peak = _fit_peak(limits.speed, before, 0.0, length - way, limits)
     segments.append(Segment(current.risen, begin - current.risen, CONSTANT, 0.0, 0.0, before, cruise.way))
     over = ramp_for(abs(peak - before), limits, from_rest=False)
     state = _append(segments, over, math.copysign(1.0, peak - before), (begin, 0.0, before, way))
     falls, lasts = _cruise_and_brake(segments, state, (peak, 0.0), ramp_for(peak, limits), length)
-    return Profile(_filled(segments), lasts, current.risen, falls, max(peak, before))
+    return Profile(_fill(segments), lasts, current.risen, falls, max(peak, before))
 
 
 def _peak(length: float, limits: SCurveLimits) -> float:
@@ -186,12 +178,12 @@ def _append(segments: list[Segment], ramp: Ramp, sign: float, state: Moment) -> 
     ):
         segment = Segment(state[0], lasts, shape, j, *state[1:])
         segments.append(segment)
-        accel, speed, way = _moved(segment, lasts)
+        accel, speed, way = _motion_after(segment, lasts)
         state = (state[0] + lasts, state[1] + accel, state[2] + speed, state[3] + way)
     return state
 
 
-def _moved(segment: Segment, t: float) -> tuple[float, float, float]:
+def _motion_after(segment: Segment, t: float) -> tuple[float, float, float]:
     j, a, v = segment.jerk, segment.accel, segment.speed
     accel, speed, way = j * t, a * t + j * t * t / 2, v * t + a * t * t / 2 + j * t**3 / 6
     if segment.shape == CONSTANT or segment.lasts <= 0:

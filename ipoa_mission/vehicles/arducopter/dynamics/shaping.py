@@ -5,6 +5,7 @@ Read in 4.8.0-dev (AC_PosControl, control.cpp: shape_pos_vel_accel_xy, shape_vel
 
 import math
 
+from ipoa_mission.geometry import Enu
 from ipoa_mission.vehicles.arducopter.dynamics.motion import STEP, CopterLeg, State, Tuning
 
 Triple = tuple[float, float, float]
@@ -43,19 +44,21 @@ def on_way(
     The place is relative to the origin, or with the length as `way_back` to the target.
     """
     if leg.turn == 0.0:
-        level, up = complex(leg.direction.x, leg.direction.y), leg.direction.z
+        level, up = complex(leg.direction.east, leg.direction.north), leg.direction.up
         s -= way_back
         return s * level, s * up, v * level, v * up, a * level, a * up
-    center = complex(leg.center.x, leg.center.y)
-    from_center = complex(leg.origin.x, leg.origin.y) - center
-    angle, radius = leg.turn * s / leg.length, size(from_center)
+    center = complex(leg.center.east, leg.center.north)
+    from_center = complex(leg.origin.east, leg.origin.north) - center
+    angle = leg.turn * s / leg.length
+    radius = size(from_center)
     arm = from_center * complex(math.cos(angle), -math.sin(angle))
     tangent = complex(arm.imag, -arm.real)
     start = leg.target if way_back > 0.0 else leg.origin
-    rise = (leg.target.z - leg.origin.z) / leg.length
+    rise = (leg.target.up - leg.origin.up) / leg.length
     upward = rise / math.sqrt(1.0 + rise * rise)
     onward = (1.0 if leg.turn > 0.0 else -1.0) / (radius * math.sqrt(1.0 + rise * rise))
-    place, inward = arm + center - complex(start.x, start.y), (v / radius) ** 2
+    place = arm + center - complex(start.east, start.north)
+    inward = (v / radius) ** 2
     accel = a * onward * tangent - inward * arm
     return place, (s - way_back) * rise, v * onward * tangent, v * upward, accel, a * upward
 
@@ -84,25 +87,27 @@ def orbit(state: State, this: CopterLeg, tuning: Tuning) -> bool:
     state.spin = min(state.spin + way.spin_up * STEP, way.spin)
     state.turned += state.spin * STEP
     angle = state.bearing + math.copysign(state.turned, this.turn)
-    x, y = this.center.x + way.radius * math.sin(angle), this.center.y + way.radius * math.cos(angle)
+    x, y = this.center.east + way.radius * math.sin(angle), this.center.north + way.radius * math.cos(angle)
     shape_to_place(state, complex(x, y), this.speeds.level, tuning)
-    state.target_z, state.aim_z, state.rate = this.target.z, 0.0, 1.0
+    state.target_z, state.aim_z, state.rate = this.target.up, 0.0, 1.0
     return state.turned >= abs(this.turn)
 
 
 def level_off(state: State, this: CopterLeg, tuning: Tuning) -> bool:
     """Return whether the height is reached."""
-    before = state.z - this.target.z
+    before = state.z - this.target.up
     shape_to_rest(state, tuning)
     wanted = square_root_law(-before, tuning.limits.accel_z, tuning.limits.p_height)
     climb_at(state, min(max(wanted, -this.speeds.down), this.speeds.up), tuning)
     state.rate = 1.0
-    passed, state.above = before * state.above < 0.0, before
+    passed = before * state.above < 0.0
+    state.above = before
     return passed or abs(before) < LEVEL
 
 
 def climb_at(state: State, wanted: float, tuning: Tuning) -> None:
-    jerk, gain = tuning.limits.jerk_z * STEP, tuning.limits.jerk_z / tuning.limits.accel_z
+    jerk = tuning.limits.jerk_z * STEP
+    gain = tuning.limits.jerk_z / tuning.limits.accel_z
     accel = min(max(gain * (wanted - state.vz), -tuning.limits.accel_z), tuning.limits.accel_z)
     state.az += min(max(accel - state.az, -jerk), jerk)
     state.aim_z = state.vz + state.az * STEP
@@ -119,8 +124,10 @@ def square_root_law(error: float, accel: float, gain: float) -> float:
 
 def shape_to_place(state: State, place: complex, fastest: float, tuning: Tuning) -> None:
     advance(state)
-    gain, accel = tuning.limits.shaping_jerk / tuning.limits.accel, tuning.limits.accel
-    error, wanted = place - state.target, 0j
+    gain = tuning.limits.shaping_jerk / tuning.limits.accel
+    accel = tuning.limits.accel
+    error = place - state.target
+    wanted = 0j
     far = size(error)
     if far > 0.0:
         closing = dot(state.aim, error) / far
@@ -134,9 +141,17 @@ def shape_to_place(state: State, place: complex, fastest: float, tuning: Tuning)
 
 def shape_to_rest(state: State, tuning: Tuning) -> None:
     advance(state)
-    speed, jerk = math.sqrt(square(state.aim)), tuning.limits.shaping_jerk
+    speed = math.sqrt(square(state.aim))
+    jerk = tuning.limits.shaping_jerk
     slowed = square_root_law(speed, jerk, jerk / tuning.limits.accel) / speed if speed > 0.0 else 0.0
     shape(state, -slowed * state.aim, tuning)
+
+
+def rest_target(state: State, place: Enu) -> None:
+    state.target = complex(place.east, place.north)
+    state.target_z = place.up
+    state.aim = state.push = 0j
+    state.aim_z = 0.0
 
 
 def advance(state: State) -> None:

@@ -3,7 +3,8 @@
 import math
 from collections.abc import Sequence
 
-from ipoa_mission.geometry import GRAVITY, Points, Vector
+from ipoa_mission.geometry import GRAVITY, ZERO, Enu, Points, Vector, horizontal_norm, minus, norm, plus, scaled
+from ipoa_mission.geometry import dot as enu_dot
 from ipoa_mission.vehicles.arducopter.dynamics.airframe import THINNING
 from ipoa_mission.vehicles.arducopter.dynamics.motion import STEP, CopterLeg, Kind, MotionLimits, State, Tuning
 from ipoa_mission.vehicles.arducopter.dynamics.shaping import (
@@ -13,6 +14,7 @@ from ipoa_mission.vehicles.arducopter.dynamics.shaping import (
     level_off,
     on_way,
     orbit,
+    rest_target,
     shape_to_rest,
     size,
     square,
@@ -20,48 +22,52 @@ from ipoa_mission.vehicles.arducopter.dynamics.shaping import (
 )
 from ipoa_mission.wind import wind_at
 
-Triple = tuple[float, float, float]
-
 SAMPLE_STEPS = 5  # between samples
 SETTLED_S, STEADY = 30.0, 1e-6  # age and acceleration of a steady cruise [s, m/s^2]
 
 
-def along_limit(x: float, y: float, z: float, limits: MotionLimits) -> float:
-    level, vertical = math.sqrt(x * x + y * y), limits.up if z > 0.0 else limits.down
+def along_limit(direction: Enu, limits: MotionLimits) -> float:
+    """Return the limit along a unit vector."""
+    level = horizontal_norm(direction)
+    vertical = limits.up if direction.up > 0.0 else limits.down
     if level < 1e-9:
         return vertical
-    if abs(z) < 1e-9:
+    if abs(direction.up) < 1e-9:
         return limits.level / level
-    return min(limits.level / level, vertical / abs(z))
+    return min(limits.level / level, vertical / abs(direction.up))
 
 
-def bend(leg: CopterLeg, u: float) -> tuple[Triple, Triple, float, float]:
+def bend(leg: CopterLeg, u: float) -> tuple[Enu, Enu, float, float]:
     """Return place, direction, length of the derivative, and speed limit at parameter u."""
     a, b, c, d = leg.cubic[0], leg.cubic[1], leg.cubic[2], leg.cubic[3]
-    px, vx, ax = a.x + u * (b.x + u * (c.x + u * d.x)), b.x + u * (2 * c.x + 3 * u * d.x), 2 * c.x + 6 * u * d.x
-    py, vy, ay = a.y + u * (b.y + u * (c.y + u * d.y)), b.y + u * (2 * c.y + 3 * u * d.y), 2 * c.y + 6 * u * d.y
-    pz, vz, az = a.z + u * (b.z + u * (c.z + u * d.z)), b.z + u * (2 * c.z + 3 * u * d.z), 2 * c.z + 6 * u * d.z
-    rate = math.sqrt(vx * vx + vy * vy + vz * vz)
+    place = plus(a, scaled(plus(b, scaled(plus(c, scaled(d, u)), u)), u))
+    derivative = plus(b, scaled(plus(scaled(c, 2.0), scaled(d, 3.0 * u)), u))
+    second = plus(scaled(c, 2.0), scaled(d, 6.0 * u))
+    rate = norm(derivative)
     if rate < 1e-6:  # at rest: along its second derivative
-        size = math.sqrt(ax * ax + ay * ay + az * az)
+        size = norm(second)
         if size < 1e-9:
-            return (px, py, pz), (0.0, 0.0, 0.0), 0.0, 0.0
-        vx, vy, vz = ax / size, ay / size, az / size
-        return (px, py, pz), (vx, vy, vz), 0.0, along_limit(vx, vy, vz, leg.speeds)
-    vx, vy, vz = vx / rate, vy / rate, vz / rate
-    top = along_limit(vx, vy, vz, leg.speeds)
-    inward = ax * vx + ay * vy + az * vz
-    ax, ay, az = ax - inward * vx, ay - inward * vy, az - inward * vz
-    across = math.sqrt(ax * ax + ay * ay + az * az)
+            return place, ZERO, 0.0, 0.0
+        direction = over(second, size)
+        return place, direction, 0.0, along_limit(direction, leg.speeds)
+    direction = over(derivative, rate)
+    top = along_limit(direction, leg.speeds)
+    inward = minus(second, scaled(direction, enu_dot(second, direction)))
+    across = norm(inward)
     if across > 1e-9:
-        most = along_limit(ax / across, ay / across, az / across, leg.accel)
+        most = along_limit(over(inward, across), leg.accel)
         top = min(top, rate * math.sqrt(most / across))
-    return (px, py, pz), (vx, vy, vz), rate, top
+    return place, direction, rate, top
+
+
+def over(vector: Enu, divisor: float) -> Enu:
+    return Enu(vector.east / divisor, vector.north / divisor, vector.up / divisor)
 
 
 def clock_step(state: State, tuning: Tuning) -> float:
     """Slow the path's clock if the vehicle lags; return its step [s]."""
-    wanted, fast = 1.0, square(state.aim) + state.aim_z**2
+    wanted = 1.0
+    fast = square(state.aim) + state.aim_z**2
     if fast > 1e-12:
         flown = dot(state.velocity, state.aim) + state.rate * state.aim_z**2
         behind = dot(state.target - state.place, state.aim)
@@ -95,8 +101,7 @@ def along_legs(state: State, before: CopterLeg, this: CopterLeg, following: Copt
     """Sum all three legs; return whether this one is over."""
     h = clock_step(state, tuning)
     state.clock += h
-    state.target, state.target_z = complex(this.origin.x, this.origin.y), this.origin.z
-    state.aim, state.aim_z, state.push = 0j, 0.0, 0j
+    rest_target(state, this.origin)
     add_leg(state, this, state.clock, 0.0)
     if before.kind == Kind.STRAIGHT:
         state.clock_before += h
@@ -122,21 +127,23 @@ def along_legs(state: State, before: CopterLeg, this: CopterLeg, following: Copt
 def along_spline(state: State, this: CopterLeg, h: float) -> bool:
     """Return whether the spline is over."""
     state.clock += h
-    (x, y, z), (dx, dy, dz), length, top = bend(this, min(state.share, 1.0))
-    left = math.sqrt((this.target.x - x) ** 2 + (this.target.y - y) ** 2 + (this.target.z - z) ** 2)
-    most = along_limit(dx, dy, dz, this.accel)
-    top, speed = min(top, math.sqrt(2 * most * left + this.leave**2)), state.speed
+    place, direction, length, top = bend(this, min(state.share, 1.0))
+    left = norm(minus(this.target, place))
+    most = along_limit(direction, this.accel)
+    top = min(top, math.sqrt(2 * most * left + this.leave**2))
+    speed = state.speed
     speed = max(speed - most * h, top) if speed > top else min(speed + most * h, top)
     if state.share >= 1.0:  # waits for the vehicle
         speed = 0.0
-    state.target, state.target_z = complex(x, y), z
-    state.aim, state.aim_z, state.push = complex(speed * dx, speed * dy), speed * dz, 0j
+    state.target, state.target_z = complex(place.east, place.north), place.up
+    state.aim = complex(speed * direction.east, speed * direction.north)
+    state.aim_z = speed * direction.up
+    state.push = 0j
     state.speed = speed
     if length > 1e-6:
         state.share += speed * h / length
     else:
-        c = this.cubic[2]
-        size = 2 * math.sqrt(c.x * c.x + c.y * c.y + c.z * c.z)
+        size = 2 * norm(this.cubic[2])
         state.share += math.sqrt(2 * speed * h / size) if size > 1e-9 else 1.0
     return state.share >= 1.0
 
@@ -153,11 +160,11 @@ def braked(error: float, speed: float, accel: float, gain: float) -> float:
 
 def upright(state: State, this: CopterLeg, tuning: Tuning) -> bool:
     """Return whether the climb or descent is over."""
-    top = this.target.z
+    top = this.target.up
     if this.leave > 0.0:
         shape_to_rest(state, tuning)
     else:
-        state.target, state.aim, state.push = complex(this.target.x, this.target.y), 0j, 0j
+        state.target, state.aim, state.push = complex(this.target.east, this.target.north), 0j, 0j
     state.rate = 1.0
     if this.kind == Kind.HOLD:
         state.clock += STEP
@@ -179,7 +186,7 @@ def upright(state: State, this: CopterLeg, tuning: Tuning) -> bool:
     slow = 0.1 * this.speeds.up
     if tuning.limits.brakes_climb:
         return state.target_z >= top - 0.5 * slow * slow / tuning.limits.accel_z and state.aim_z < slow
-    return state.target_z >= this.origin.z + 0.9 * (top - this.origin.z) and state.aim_z < slow
+    return state.target_z >= this.origin.up + 0.9 * (top - this.origin.up) and state.aim_z < slow
 
 
 def control(state: State, tuning: Tuning) -> None:
@@ -239,22 +246,29 @@ def turn_nose(state: State, tuning: Tuning) -> None:
 
 
 def drag(state: State, tuning: Tuning) -> tuple[complex, float]:
-    east, north = wind_at(state.z, tuning.wind)
-    x, y, z = state.velocity.real - east, state.velocity.imag - north, state.vz
+    """Return the level and upward acceleration by drag [m/s^2]."""
+    wind_east, wind_north = wind_at(state.z, tuning.wind)
+    air = Enu(state.velocity.real - wind_east, state.velocity.imag - wind_north, state.vz)
     length = math.sqrt(GRAVITY**2 + state.lean.real**2 + state.lean.imag**2)
-    nx, ny, nz = state.lean.real / length, state.lean.imag / length, GRAVITY / length  # axes: up, forward, left
-    fx, fy = state.nose.real, state.nose.imag
-    tilt = fx * nx + fy * ny
+    upward = Enu(state.lean.real / length, state.lean.imag / length, GRAVITY / length)
+    nose = state.nose
+    tilt = nose.real * upward.east + nose.imag * upward.north
     length = math.sqrt(1.0 - tilt * tilt)
-    fx, fy, fz = (fx - tilt * nx) / length, (fy - tilt * ny) / length, -tilt * nz / length
-    sx, sy, sz = ny * fz - nz * fy, nz * fx - nx * fz, nx * fy - ny * fx
-    up, on, aside = x * nx + y * ny + z * nz, x * fx + y * fy + z * fz, x * sx + y * sy + z * sz
+    east = (nose.real - tilt * upward.east) / length
+    forward = Enu(east, (nose.imag - tilt * upward.north) / length, -tilt * upward.up / length)
+    left = Enu(
+        upward.north * forward.up - upward.up * forward.north,
+        upward.up * forward.east - upward.east * forward.up,
+        upward.east * forward.north - upward.north * forward.east,
+    )
     thinner = THINNING * state.z
-    k = tuning.airframe.body_drag * (1.0 - thinner)
-    up, on, aside = k * up * abs(up), k * on * abs(on), k * aside * abs(aside)
-    k = tuning.airframe.rotor_drag * (1.0 - thinner / 2.0) * math.sqrt(state.load / nz)
-    level = complex(-k * x - up * nx - on * fx - aside * sx, -k * y - up * ny - on * fy - aside * sy)
-    return level, -k * z - up * nz - on * fz - aside * sz
+    rotors = tuning.airframe.rotor_drag * (1.0 - thinner / 2.0) * math.sqrt(state.load / upward.up)
+    body = tuning.airframe.body_drag * (1.0 - thinner)
+    slowing = scaled(air, -rotors)
+    for axis in (upward, forward, left):
+        speed = enu_dot(air, axis)
+        slowing = minus(slowing, scaled(axis, body * speed * abs(speed)))
+    return complex(slowing.east, slowing.north), slowing.up
 
 
 def step(state: State, before: CopterLeg, this: CopterLeg, following: CopterLeg, tuning: Tuning) -> bool:
@@ -273,7 +287,7 @@ def step(state: State, before: CopterLeg, this: CopterLeg, following: CopterLeg,
     move(state, tuning)
     if this.kind > Kind.SPLINE or following.kind > Kind.NOTHING or this.leave > 0.0:
         return finished
-    left = complex(this.target.x, this.target.y) - state.place
+    left = complex(this.target.east, this.target.north) - state.place
     return (finished or this.ends_near > 0.0) and dot(left, left) <= tuning.limits.radius**2
 
 
@@ -287,10 +301,10 @@ def pass_over_cruise(state: State, this: CopterLeg) -> None:
         or state.rate <= 0.0
     ):
         return
-    if this.direction.z != 0.0 or abs(state.accel.real) + abs(state.accel.imag) > STEADY:
+    if this.direction.up != 0.0 or abs(state.accel.real) + abs(state.accel.imag) > STEADY:
         return
     way = left * along(this, state.clock)[1]
-    skipped = complex(way * this.direction.x, way * this.direction.y)
+    skipped = complex(way * this.direction.east, way * this.direction.north)
     state.place, state.target = state.place + skipped, state.target + skipped
     state.time, state.clock = state.time + left / state.rate, state.clock + left
 
@@ -307,7 +321,11 @@ def fly_leg(
 
     -1: no room for more samples, -2: blown off. States and legs are sequences of one.
     """
-    state, leg, used, count, passed = states[0], this[0], 0, 0, False
+    state = states[0]
+    leg = this[0]
+    used = 0
+    count = 0
+    passed = False
     while not passed:
         passed = step(state, before[0], leg, following[0], tuning)
         pass_over_cruise(state, leg)

@@ -8,12 +8,10 @@ from ipoa_mission.geometry import GRAVITY, Points
 
 
 class Airframe(NamedTuple):
-    """Drag per mass [1/s], lag of rotors and rate loop [s], delays of lift-off and disarming [s]."""
-
-    drag: float
-    lag: float
-    lift_delay: float = 0.0
-    landing_delay: float = 0.0
+    drag: float  # per mass [1/s]
+    lag: float  # of rotors and rate loop [s]
+    lift_delay: float = 0.0  # of lift-off [s]
+    landing_delay: float = 0.0  # of disarming [s]
 
     def top_speed(self, lean: float) -> float:
         """Return the level speed [m/s] held by a lean [rad] in calm air."""
@@ -25,18 +23,14 @@ class Airframe(NamedTuple):
 
 
 class SensorModel(NamedTuple):
-    """Errors of the position estimate; standard deviations.
+    """Errors of the position estimate; standard deviations."""
 
-    Each `every` s a GNSS height with `height_noise` [m]. Speed errors `drift` (level axes) and `drift_up` [m/s],
-    correlated over `drift_lasts` [s]. `sees_ground`: a range finder.
-    """
-
-    every: float
-    height_noise: float
-    drift: float
+    every: float  # between GNSS heights [s]
+    height_noise: float  # [m]
+    drift: float  # of the speed, level axes [m/s]
     drift_up: float
-    drift_lasts: float
-    sees_ground: bool
+    drift_lasts: float  # correlation time [s]
+    sees_ground: bool  # a range finder
 
 
 #: SIH's quadrotor (1 kg, drag 1 N s/m): 9.8 m/s at a lean of 45 degrees.

@@ -10,34 +10,26 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ipoa_mission.geometry import GRAVITY, Points, Vector
+from ipoa_mission.geometry import GRAVITY, ZERO, Enu, Points, Vector, horizontal_norm
 from ipoa_mission.vehicles.px4_multicopter.dynamics import state as px4
 from ipoa_mission.vehicles.px4_multicopter.dynamics.guidance import (
     climb_limits,
     detect_contact,
-    guided,
+    guide,
     heading_error,
-    horizontal_norm,
     is_low_take_off,
     touches_down,
-    turned,
+    turn_nose,
     velocity_setpoint,
 )
-from ipoa_mission.vehicles.px4_multicopter.dynamics.state import (
-    Enu,
-    Order,
-    State,
-    add_sensor_errors,
-    as_tuple,
-    integrate,
-)
+from ipoa_mission.vehicles.px4_multicopter.dynamics.state import Order, State, add_sensor_errors, as_tuple, integrate
 from ipoa_mission.vehicles.px4_multicopter.limits import STAGES, Px4Limits
 
 SETTLED_S = 30.0  # of steady flight before a part of a leg is skipped [s]
 HOVER_SURE, HOVER_SURE_UP = 10.0, 2.0  # of good hover thrust estimates: HTE_VXY_THR, HTE_VZ_THR [m/s]
 
 
-def controlled(
+def control_velocity(
     state: State, trajectory: px4.Trajectory, order: Order, constants: px4.SimulationConstants
 ) -> tuple[Enu, px4.Control]:
     """Return the acceleration setpoint: level as lean, upwards as thrust over weight.
@@ -45,19 +37,20 @@ def controlled(
     A take-off ramps up the climb limit, without acceleration feed-forward.
     """
     limits, body, was, dt = constants.limits, state.body, state.control, constants.dt
-    east, north = level_velocity(trajectory, body, limits, dt)
-    east, north = (
-        east - body.speed.east - body.acceleration.east * dt,
-        north - body.speed.north - body.acceleration.north * dt,
-    )
+    velocity = level_velocity(trajectory, body, limits, dt)
+    east = velocity.east - body.speed.east - body.acceleration.east * dt
+    north = velocity.north - body.speed.north - body.acceleration.north * dt
     ask_east = trajectory.east.acceleration + limits.p_velocity * east + was.integral.east
     ask_north = trajectory.north.acceleration + limits.p_velocity * north + was.integral.north
     ask_east -= limits.d_velocity * body.acceleration.east
     ask_north -= limits.d_velocity * body.acceleration.north
-    most_climb, foreseen, ramp = limits.most_climb, trajectory.up.acceleration, state.time - state.begun
+    most_climb = limits.most_climb
+    foreseen = trajectory.up.acceleration
+    ramp = state.time - state.begun
     if order.kind == px4.TAKE_OFF and ramp < limits.takeoff_ramp:
         none = -GRAVITY / limits.p_climb
-        most_climb, foreseen = none + ramp / limits.takeoff_ramp * (most_climb - none), 0.0
+        most_climb = none + ramp / limits.takeoff_ramp * (most_climb - none)
+        foreseen = 0.0
     climb = trajectory.up.speed + limits.p_height * (trajectory.up.place - body.place.up)
     up = min(max(climb, -limits.most_descent), most_climb) - body.speed.up
     thrust = max(foreseen + limits.p_climb * up + was.integral.up, -GRAVITY)
@@ -73,17 +66,17 @@ def controlled(
     return Enu(ask_east * share, ask_north * share, thrust), px4.Control(integral, was.hover, thrust)
 
 
-def level_velocity(trajectory: px4.Trajectory, body: px4.Body, limits: Px4Limits, dt: float) -> tuple[float, float]:
+def level_velocity(trajectory: px4.Trajectory, body: px4.Body, limits: Px4Limits, dt: float) -> px4.Level:
     x: px4.Axis = trajectory.east
     y: px4.Axis = trajectory.north
     east = x.speed + limits.p_position * (x.place - body.place.east - body.speed.east * dt)
     north = y.speed + limits.p_position * (y.place - body.place.north - body.speed.north * dt)
     size = math.sqrt(east * east + north * north)
     share = 1.0 if size <= limits.most_speed else limits.most_speed / size
-    return east * share, north * share
+    return px4.Level(east * share, north * share)
 
 
-def hover_learned(control: px4.Control, body: px4.Body, constants: px4.SimulationConstants, time: float) -> px4.Control:
+def learn_hover(control: px4.Control, body: px4.Body, constants: px4.SimulationConstants, time: float) -> px4.Control:
     """Update the learned hover thrust, which counts drag in a climb as weight."""
     fast = horizontal_norm(body.speed)
     doubt = 1.0 + 10.0 * max(abs(body.speed.up) - HOVER_SURE_UP, fast - HOVER_SURE, 0.0)
@@ -93,15 +86,13 @@ def hover_learned(control: px4.Control, body: px4.Body, constants: px4.Simulatio
 
 
 class Profile(NamedTuple):
-    """Jerk j [m/s^3, signed], durations of j, 0 and -j [s]."""
-
-    jerk: float
-    rise: float
-    coast: float
-    fall: float
+    jerk: float  # [m/s^3, signed]
+    rise: float  # duration of the jerk [s]
+    coast: float  # of none
+    fall: float  # of the opposite jerk
 
 
-def quickest(axis: px4.Axis, goal: float, accel: float, jerk: float) -> Profile:
+def quickest_change(axis: px4.Axis, goal: float, accel: float, jerk: float) -> Profile:
     """Return the fastest change to speed `goal`: peak acceleration p^2 = j (goal - v) + a^2/2."""
     v, a = axis.speed, axis.acceleration
     miss = goal - v - a * abs(a) / (2.0 * jerk)
@@ -119,7 +110,7 @@ def quickest(axis: px4.Axis, goal: float, accel: float, jerk: float) -> Profile:
     return Profile(j, rise, coast, p / j)
 
 
-def stretched(axis: px4.Axis, goal: float, accel: float, profile: Profile, lasts: float) -> Profile:
+def stretch(axis: px4.Axis, goal: float, accel: float, profile: Profile, lasts: float) -> Profile:
     """Return the change stretched to `lasts` s.
 
     Peak p: the smaller root in the direction of j of `p^2 - (j T + a) p + j (goal - v) + a^2/2 = 0`.
@@ -135,40 +126,33 @@ def stretched(axis: px4.Axis, goal: float, accel: float, profile: Profile, lasts
     return Profile(j, rise, max(lasts - rise - fall, 0.0), fall)
 
 
-def moved(axis: px4.Axis, profile: Profile, t: float) -> px4.Axis:
-    x, v, a, j = axis.place, axis.speed, axis.acceleration, profile.jerk
-    d = min(t, profile.rise)
-    if d > 0.0:
-        x, v, a = x + d * (v + d * (a / 2.0 + d * j / 6.0)), v + d * (a + d * j / 2.0), a + d * j
-        t -= d
-    d = min(t, profile.coast)
-    if d > 0.0:
-        x, v = x + d * (v + d * a / 2.0), v + d * a
-        t -= d
-    d = min(t, profile.fall)
-    if d > 0.0:
-        x, v, a = x + d * (v + d * (a / 2.0 - d * j / 6.0)), v + d * (a - d * j / 2.0), a - d * j
-        t -= d
-    if t > 0.0:
-        x, a = x + t * v, 0.0
-    return px4.Axis(x, v, a)
+def move(axis: px4.Axis, profile: Profile, t: float) -> px4.Axis:
+    """Return the axis `t` s later; after the profile its speed is constant."""
+    for lasts, jerk in ((profile.rise, profile.jerk), (profile.coast, 0.0), (profile.fall, -profile.jerk)):
+        d = min(t, lasts)
+        if d > 0.0:
+            a = axis.acceleration
+            place = axis.place + d * (axis.speed + d * (a / 2.0 + d * jerk / 6.0))
+            axis = px4.Axis(place, axis.speed + d * (a + d * jerk / 2.0), a + d * jerk)
+            t -= d
+    return px4.Axis(axis.place + t * axis.speed, axis.speed, 0.0) if t > 0.0 else axis
 
 
-def smoothed(
+def smooth(
     trajectory: px4.Trajectory, velocity: Enu, limits: Px4Limits, accel_up: float, times: tuple[float, float]
 ) -> px4.Trajectory:
     """Return the trajectory later by `times` [s], level and upwards."""
     x, y, z = trajectory
     t, t_up = times
     accel, jerk = limits.accel, limits.jerk
-    east, north = quickest(x, velocity.east, accel, jerk), quickest(y, velocity.north, accel, jerk)
-    up = quickest(z, velocity.up, accel_up, jerk)
+    east, north = quickest_change(x, velocity.east, accel, jerk), quickest_change(y, velocity.north, accel, jerk)
+    up = quickest_change(z, velocity.up, accel_up, jerk)
     longest = max(east.rise + east.coast + east.fall, north.rise + north.coast + north.fall)
     longest = max(longest, up.rise + up.coast + up.fall)
     return px4.Trajectory(
-        moved(x, stretched(x, velocity.east, accel, east, longest), t),
-        moved(y, stretched(y, velocity.north, accel, north, longest), t),
-        moved(z, stretched(z, velocity.up, accel_up, up, longest), t_up),
+        move(x, stretch(x, velocity.east, accel, east, longest), t),
+        move(y, stretch(y, velocity.north, accel, north, longest), t),
+        move(z, stretch(z, velocity.up, accel_up, up, longest), t_up),
     )
 
 
@@ -178,12 +162,13 @@ GROUND_SINK = 0.7  # [m/s]
 
 
 def step(state: State, order: Order, constants: px4.SimulationConstants) -> State:
-    limits, standing = constants.limits, touches_down(state, order)
-    velocity, guidance = velocity_setpoint(state, order, constants, guided(state, order, limits))
+    limits = constants.limits
+    standing = touches_down(state, order)
+    velocity, guidance = velocity_setpoint(state, order, constants, guide(state, order, limits))
     trajectory = track_setpoint(state, order, constants, velocity)
-    asked, control = controlled(state, trajectory, order, constants)
+    asked, control = control_velocity(state, trajectory, order, constants)
     if not (standing or state.body.on_ground):
-        control = hover_learned(control, state.body, constants, state.time)
+        control = learn_hover(control, state.body, constants, state.time)
     body = integrate(state, asked, constants, standing)
     errors = add_sensor_errors(state, constants)
     if errors.reported != state.errors.reported:
@@ -194,7 +179,7 @@ def step(state: State, order: Order, constants: px4.SimulationConstants) -> Stat
     reached = state.reached
     if there and reached < 0.0 and (math.isnan(order.heading) or abs(heading_error(state, order)) <= limits.yaw_error):
         reached = time
-    nose = turned(state, order, limits, constants.dt) if constants.turns else state.nose
+    nose = turn_nose(state, order, limits, constants.dt) if constants.turns else state.nose
     return State(time, body, nose, trajectory, guidance, control, errors, contact, state.begun, reached, there)
 
 
@@ -211,16 +196,19 @@ def track_setpoint(state: State, order: Order, constants: px4.SimulationConstant
         min(max(velocity.north, -most), most),
         min(max(velocity.up, -climb.rate), climb.rate),
     )
-    east, north, behind = was.east.place - at.east, was.north.place - at.north, 0.0
+    east = was.east.place - at.east
+    north = was.north.place - at.north
+    behind = 0.0
     standing = math.sqrt(was.east.speed * was.east.speed + was.north.speed * was.north.speed) < STANDING
     if standing or east * was.east.speed + north * was.north.speed >= 0.0:
         behind = math.sqrt(east * east + north * north)
     pace = pace_up = 1.0 - min(behind / limits.most_lag, 1.0)
     if limits.splits_axes:
-        pace_up, lead = 1.0, was.up.place - at.up
+        pace_up = 1.0
+        lead = was.up.place - at.up
         if limits.most_height_error > 0.0 and lead * was.up.speed >= 0.0:
             pace_up = 1.0 - min(abs(lead) / limits.most_height_error, 1.0)
-    now = smoothed(was, within, limits, climb.accel, (constants.dt * pace, constants.dt * pace_up))
+    now = smooth(was, within, limits, climb.accel, (constants.dt * pace, constants.dt * pace_up))
     if order.kind != px4.LAND:
         return now
     return px4.Trajectory(in_single(now.east), in_single(now.north), now.up)
@@ -249,14 +237,18 @@ def is_over(state: State, order: Order) -> bool:
 
 
 def at_rest(place: Enu, time: float, yaw: float, errors: px4.Errors, on_ground: bool) -> State:
-    body = px4.Body(place, px4.ZERO, px4.Level(0.0, 0.0), px4.Level(0.0, 0.0), px4.ZERO, on_ground, time)
-    east, north, up = px4.Axis(place.east, 0.0, 0.0), px4.Axis(place.north, 0.0, 0.0), px4.Axis(place.up, 0.0, 0.0)
-    trajectory, guidance = px4.Trajectory(east, north, up), px4.Guidance(px4.ON_LINE, place, 0.0, True)
-    nose, control, contact = px4.Yaw(yaw, 0.0), px4.Control(px4.ZERO, 1.0, 0.0), px4.Contact(False, False, 0, time)
+    body = px4.Body(place, ZERO, px4.Level(0.0, 0.0), px4.Level(0.0, 0.0), ZERO, on_ground, time)
+    east = px4.Axis(place.east, 0.0, 0.0)
+    north = px4.Axis(place.north, 0.0, 0.0)
+    trajectory = px4.Trajectory(east, north, px4.Axis(place.up, 0.0, 0.0))
+    guidance = px4.Guidance(px4.ON_LINE, place, 0.0, True)
+    control = px4.Control(ZERO, 1.0, 0.0)
+    contact = px4.Contact(False, False, 0, time)
+    nose = px4.Yaw(yaw, 0.0)
     return State(time, body, nose, trajectory, guidance, control, errors, contact, time, px4.NOT_YET, False)
 
 
-def begun(state: State, order: Order) -> State:
+def begin(state: State, order: Order) -> State:
     trajectory, body = state.trajectory, state.body
     on_ground = body.on_ground and order.kind == px4.TAKE_OFF
     if on_ground:
@@ -313,20 +305,25 @@ def fly(
     Samples (m, 7): time, place, estimated speed, each `every` steps (0: none). The flight starts at rest over home, or
     takes off. It ends at the time `until` [s], or early if an order's patience ends.
     """
-    constants, state = laws[0], flight.state
+    constants = laws[0]
+    state = flight.state
     steps, touched = flight.steps, flight.touched
-    done, samples, taken = np.zeros(len(orders)), np.zeros((64, 7)), 0
+    done = np.zeros(len(orders))
+    samples = np.zeros((64, 7))
+    taken = 0
     for n in range(len(orders)):
         order = orders[n]
         if steps == px4.NOT_BEGUN:
             if order.kind == px4.TAKE_OFF and (state.body.on_ground or state.contact.on_ground):
                 lifts = state.time + constants.limits.spool_up
                 state = at_rest(state.body.place, lifts, state.nose.yaw, state.errors, True)
-            state, steps = begun(state, order), 0
+            state = begin(state, order)
+            steps = 0
         while state.time < until and not is_over(state, order):
             if state.reached < 0.0 and state.time - state.begun > order.patience:
                 break
-            state, steps = step(state, order, constants), steps + 1
+            state = step(state, order, constants)
+            steps = steps + 1
             if until == math.inf:
                 state = past_cruise(state, order, constants)
             if order.kind == px4.LAND and not state.contact.on_ground:
@@ -334,7 +331,9 @@ def fly(
             if every > 0 and steps % every == 0:
                 if taken == len(samples):
                     samples = np.concatenate((samples, np.zeros((taken, 7))))
-                at, speed, row = state.body.place, state.body.speed, samples[taken]
+                at = state.body.place
+                speed = state.body.speed
+                row = samples[taken]
                 row[0], row[1], row[2], row[3] = state.time, at.east, at.north, at.up
                 row[4], row[5], row[6] = speed.east, speed.north, speed.up
                 taken += 1

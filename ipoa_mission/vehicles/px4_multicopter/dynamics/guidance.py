@@ -3,9 +3,9 @@
 import math
 from typing import NamedTuple
 
-from ipoa_mission.geometry import GRAVITY
+from ipoa_mission.geometry import GRAVITY, ZERO, Enu, dot, horizontal_norm, minus, norm, plus, scaled
 from ipoa_mission.vehicles.px4_multicopter.dynamics import state as px4
-from ipoa_mission.vehicles.px4_multicopter.dynamics.state import Enu, Order, State, Trajectory, as_tuple
+from ipoa_mission.vehicles.px4_multicopter.dynamics.state import Order, State, as_tuple
 from ipoa_mission.vehicles.px4_multicopter.limits import RANGE_LAG_S, STAGES, Px4Limits
 
 
@@ -23,24 +23,23 @@ def half_tangent(cosine: float) -> float:
     return math.sqrt(max(1.0 - cosine, 0.0) / max(1.0 + cosine, 1e-14))
 
 
-def corner_speed(at: Trajectory, goal: Enu, beyond: Enu, order: Order, limits: Px4Limits) -> float:
-    """Return the level speed before a goal towards `beyond`.
+def corner_speed(ahead: Enu, onward: Enu, order: Order, limits: Px4Limits) -> float:
+    """Return the level speed [m/s] with the way `ahead` to a goal [m], and `onward` to the next one.
 
     At the goal: that of the circle touching both legs at the acceptance radius, with MPC_XY_TRAJ_P of the acceleration.
     It is 0 if the next leg is shorter than that.
     """
-    to_east, to_north = goal.east - at.east.place, goal.north - at.north.place
-    on_east, on_north = beyond.east - goal.east, beyond.north - goal.north
-    distance = math.sqrt(to_east * to_east + to_north * to_north)
-    accel, jerk, leave = limits.accel, limits.jerk, 0.0
-    if speed_to(distance, leave, accel, jerk) >= order.cruise:
+    distance = horizontal_norm(ahead)
+    next_distance = horizontal_norm(onward)
+    leave = 0.0
+    if speed_to(distance, leave, limits.accel, limits.jerk) >= order.cruise:
         return order.cruise
-    onward = math.sqrt(on_east * on_east + on_north * on_north)
-    if onward > 0.001 and onward >= order.radius:
-        cosine = 0.0 if distance < 1e-9 else -(to_east * on_east + to_north * on_north) / (distance * onward)
-        turn = math.sqrt(limits.corner_gain * accel * order.radius * half_tangent(cosine))
-        leave = min(turn, speed_to(onward, 0.0, accel, jerk), order.cruise)
-    return min(order.cruise, speed_to(distance, leave, accel, jerk))
+    if next_distance > 0.001 and next_distance >= order.radius:
+        product = ahead.east * onward.east + ahead.north * onward.north
+        cosine = 0.0 if distance < 1e-9 else -product / (distance * next_distance)
+        turn = math.sqrt(limits.corner_gain * limits.accel * order.radius * half_tangent(cosine))
+        leave = min(turn, speed_to(next_distance, 0.0, limits.accel, limits.jerk), order.cruise)
+    return min(order.cruise, speed_to(distance, leave, limits.accel, limits.jerk))
 
 
 class Triplet(NamedTuple):
@@ -59,19 +58,20 @@ def vertical_speed(at: Enu, to: Triplet, climb: Climb, limits: Px4Limits) -> flo
 
     As in PX4 the angle is in the plane of height and distance from the origin.
     """
-    leave, goal, beyond = 0.0, to.goal, to.beyond
-    if abs(beyond.up - goal.up) > 0.001:
-        now, then, next_then = horizontal_norm(at), horizontal_norm(goal), horizontal_norm(beyond)
-        back, down, on, up = then - now, goal.up - at.up, then - next_then, goal.up - beyond.up
-        size = math.sqrt((back * back + down * down) * (on * on + up * up))
-        cosine = (back * on + down * up) / size if size > 1e-9 else 0.0
+    leave = 0.0
+    goal = to.goal
+    if abs(to.beyond.up - goal.up) > 0.001:
+        from_here = horizontal_norm(goal) - horizontal_norm(at)
+        from_beyond = horizontal_norm(goal) - horizontal_norm(to.beyond)
+        up_from_here = goal.up - at.up
+        up_from_beyond = goal.up - to.beyond.up
+        here_squared = from_here * from_here + up_from_here * up_from_here
+        beyond_squared = from_beyond * from_beyond + up_from_beyond * up_from_beyond
+        size = math.sqrt(here_squared * beyond_squared)
+        product = from_here * from_beyond + up_from_here * up_from_beyond
+        cosine = product / size if size > 1e-9 else 0.0
         leave = min(math.sqrt(climb.accel * limits.height_radius * half_tangent(cosine)), climb.rate)
     return min(climb.rate, speed_to(abs(goal.up - at.up), leave, climb.accel, limits.jerk))
-
-
-def horizontal_norm(place: Enu) -> float:
-    """Return the level length of a vector."""
-    return math.sqrt(place.east * place.east + place.north * place.north)
 
 
 def sink_rate(state: State, order: Order, constants: px4.SimulationConstants) -> float:
@@ -97,8 +97,9 @@ def detect_contact(state: State, body: px4.Body, thrust: float, constants: px4.S
 
     The range finder loses the ground below an estimated height of 0.
     """
-    was, limits = state.contact, constants.limits
-    sees, on_ground = constants.senses.sees_ground, body.on_ground
+    was = state.contact
+    limits, sees = constants.limits, constants.senses.sees_ground
+    on_ground = body.on_ground
     lost = was.lost or (was.on_ground and (state.errors.drift.up > 0.0 or not sees))
     low = was.stages > 0 or thrust <= GRAVITY * (limits.low_thrust - 1.0)
     if not on_ground or abs(body.speed.up) >= limits.most_touchdown or not low:
@@ -123,11 +124,12 @@ def heading_error(state: State, order: Order) -> float:
     return 0.0 if math.isnan(error) else error - 2.0 * math.pi * math.floor(error / (2.0 * math.pi) + 0.5)
 
 
-def turned(state: State, order: Order, limits: Px4Limits, dt: float) -> px4.Yaw:
+def turn_nose(state: State, order: Order, limits: Px4Limits, dt: float) -> px4.Yaw:
     nose = state.nose
     if math.isnan(nose.yaw):
         return px4.Yaw(heading_wanted(state, order), 0.0)
-    error, accel = heading_error(state, order), limits.yaw_accel
+    error = heading_error(state, order)
+    accel = limits.yaw_accel
     most = min(limits.yaw_rate, math.sqrt(2.0 * accel * abs(error)), abs(error) / dt)
     rate = nose.rate + min(max(math.copysign(most, error) - nose.rate, -accel * dt), accel * dt)
     return px4.Yaw(nose.yaw + rate * dt, rate)
@@ -140,11 +142,13 @@ MOVING = 0.2  # least speed of a turn [m/s]
 SEPARATE_AXES_SPEED = 0.5  # below, level and vertical parts are cut separately [m/s]
 
 
-def guided(state: State, order: Order, limits: Px4Limits) -> px4.Guidance:
+def guide(state: State, order: Order, limits: Px4Limits) -> px4.Guidance:
     """Return the guidance, restarted from the present place after a change."""
     if limits.splits_axes:
         return state.guidance
-    place, was, home = state.body.place, state.guidance, reported_home_error(state, order)
+    place = state.body.place
+    was = state.guidance
+    home = reported_home_error(state, order)
     at = Enu(place.east, place.north, place.up - home)
     ahead, along, across = beside_leg(at, as_tuple(order.start), as_tuple(order.goal))
     if ahead <= 1e-6:
@@ -163,28 +167,28 @@ def guided(state: State, order: Order, limits: Px4Limits) -> px4.Guidance:
 
 def beside_leg(at: Enu, start: Enu, goal: Enu) -> tuple[float, float, float]:
     """Return the leg's length, and the place along and lateral to it [m]."""
-    leg_east, leg_north, leg_up = goal.east - start.east, goal.north - start.north, goal.up - start.up
-    length = math.sqrt(leg_east * leg_east + leg_north * leg_north + leg_up * leg_up)
+    leg = minus(goal, start)
+    length = norm(leg)
     if length <= 1e-6:
         return 0.0, 0.0, 0.0
-    off_east, off_north, off_up = at.east - start.east, at.north - start.north, at.up - start.up
-    along = (off_east * leg_east + off_north * leg_north + off_up * leg_up) / length
-    square = off_east * off_east + off_north * off_north + off_up * off_up - along * along
-    return length, along, math.sqrt(max(square, 0.0))
+    flown = minus(at, start)
+    along = dot(flown, leg) / length
+    return length, along, math.sqrt(max(dot(flown, flown) - along * along, 0.0))
 
 
 def triplet(guidance: px4.Guidance, order: Order) -> Triplet:
     """Return the leg's waypoints, or the way back to its end, start or nearest point."""
-    start, goal, beyond, at = as_tuple(order.start), as_tuple(order.goal), as_tuple(order.beyond), guidance.anchor
+    at = guidance.anchor
+    start = as_tuple(order.start)
+    goal = as_tuple(order.goal)
+    beyond = as_tuple(order.beyond)
     if guidance.side == px4.BEYOND:
         return Triplet(at, goal, beyond)
     if guidance.side == px4.BEFORE:
         return Triplet(at, start, goal)
     if guidance.side == px4.OFF_LINE:
         length, along, _ = beside_leg(at, start, goal)
-        share = along / length
-        east, north = start.east + share * (goal.east - start.east), start.north + share * (goal.north - start.north)
-        return Triplet(at, Enu(east, north, start.up + share * (goal.up - start.up)), goal)
+        return Triplet(at, plus(start, scaled(minus(goal, start), along / length)), goal)
     return Triplet(start, goal, beyond)
 
 
@@ -212,44 +216,48 @@ def velocity_setpoint(
 
     In a turn it aims ahead on the leg and does not accelerate.
     """
-    limits, x, y, z = constants.limits, state.trajectory.east, state.trajectory.north, state.trajectory.up
+    limits = constants.limits
+    x, y = state.trajectory.east, state.trajectory.north
     to = triplet(guidance, order)
-    at = Enu(x.place, y.place, z.place - reported_home_error(state, order))
-    aim = Enu(to.goal.east - at.east, to.goal.north - at.north, to.goal.up - at.up)
-    far, speed = horizontal_norm(aim), math.sqrt(x.speed * x.speed + y.speed * y.speed)
-    fast, held = corner_speed(state.trajectory, to.goal, to.beyond, order, limits), guidance.held
-    if speed > MOVING and far > order.radius and x.speed * aim.east + y.speed * aim.north < TURNING * speed * far:
+    at = Enu(x.place, y.place, state.trajectory.up.place - reported_home_error(state, order))
+    aim = minus(to.goal, at)
+    distance = horizontal_norm(aim)
+    fast = corner_speed(aim, minus(to.beyond, to.goal), order, limits)
+    held = fast
+    speed = math.sqrt(x.speed * x.speed + y.speed * y.speed)
+    is_turning = x.speed * aim.east + y.speed * aim.north < TURNING * speed * distance
+    if speed > MOVING and distance > order.radius and is_turning:
+        held = guidance.held
         fast = min(held, fast)
         aim = ahead_on_leg(at, to, aim, order.radius)
-    else:
-        held = fast
     if order.kind == px4.LAND:
-        share = fast / far if far > AT_GOAL else 0.0
+        share = fast / distance if distance > AT_GOAL else 0.0
         velocity = Enu(aim.east * share, aim.north * share, -sink_rate(state, order, constants))
     else:
         climb = climb_limits(guidance.rising, is_low_take_off(state, order, limits), limits)
         rise = vertical_speed(at, to, climb, limits)
         velocity = apart(aim, fast, rise) if limits.splits_axes else within(aim, fast, rise)
     if limits.turns_first and order.may_turn_first and abs(heading_error(state, order)) > limits.yaw_error:
-        velocity = px4.ZERO
+        velocity = ZERO
     return velocity, px4.Guidance(guidance.side, guidance.anchor, held, velocity.up > 0.0)
 
 
 def ahead_on_leg(at: Enu, to: Triplet, aim: Enu, radius: float) -> Enu:
-    east, north, up = to.goal.east - to.start.east, to.goal.north - to.start.north, to.goal.up - to.start.up
-    size = math.sqrt(east * east + north * north + up * up)
-    if size <= 1e-6:
+    """Return the way from `at` to a point of the leg, `radius` or LEAST_AHEAD away [m]."""
+    leg = minus(to.goal, to.start)
+    length = norm(leg)
+    if length <= 1e-6:
         return aim
-    east, north, up = east / size, north / size, up / size
-    onto = (at.east - to.start.east) * east + (at.north - to.start.north) * north + (at.up - to.start.up) * up
-    off_east, off_north = to.start.east + onto * east - at.east, to.start.north + onto * north - at.north
-    off_up = to.start.up + onto * up - at.up
+    direction = Enu(leg.east / length, leg.north / length, leg.up / length)
+    nearest = plus(to.start, scaled(direction, dot(minus(at, to.start), direction)))
+    aside = minus(nearest, at)
     reach = max(radius, LEAST_AHEAD)
-    ahead = math.sqrt(max(reach * reach - off_east * off_east - off_north * off_north - off_up * off_up, 0.0))
-    return Enu(off_east + ahead * east, off_north + ahead * north, off_up + ahead * up)
+    squared = reach * reach - aside.east * aside.east - aside.north * aside.north - aside.up * aside.up
+    return plus(aside, scaled(direction, math.sqrt(max(squared, 0.0))))
 
 
 def apart(aim: Enu, fast: float, rise: float) -> Enu:
+    """Return a velocity along `aim`, of a level and a vertical speed [m/s]."""
     far = horizontal_norm(aim)
     share = fast / far if far > 0.0 else 0.0
     up = 0.0 if aim.up == 0.0 else math.copysign(rise, aim.up)
@@ -257,11 +265,11 @@ def apart(aim: Enu, fast: float, rise: float) -> Enu:
 
 
 def within(aim: Enu, fast: float, rise: float) -> Enu:
-    size = math.sqrt(aim.east * aim.east + aim.north * aim.north + aim.up * aim.up)
-    if size <= AT_GOAL:
-        return px4.ZERO
-    share = math.sqrt(fast * fast + rise * rise) / size
-    east, north, up = aim.east * share, aim.north * share, aim.up * share
+    """Return a velocity along `aim`, cut to a level and a vertical speed [m/s]."""
+    length = norm(aim)
+    if length <= AT_GOAL:
+        return ZERO
+    east, north, up = scaled(aim, math.sqrt(fast * fast + rise * rise) / length)
     flat = math.sqrt(east * east + north * north)
     if flat > fast:
         east, north = east * fast / flat, north * fast / flat

@@ -8,18 +8,10 @@ from ipoa_mission.autopilot.commands import HOLDING, LAST_NAV, Command, Frame, p
 from ipoa_mission.autopilot.returning import Contingency
 from ipoa_mission.errors import EndlessFlight
 from ipoa_mission.forecast.itinerary.itinerary import UNTIMED, Itinerary, flying_already
-from ipoa_mission.geometry import GRAVITY, Vector
+from ipoa_mission.geometry import GRAVITY, Enu, Vector
 from ipoa_mission.mission.items import Item
 from ipoa_mission.vehicles.px4_multicopter.dynamics.airframe import Airframe, SensorModel
-from ipoa_mission.vehicles.px4_multicopter.dynamics.state import (
-    GO,
-    LAND,
-    TAKE_OFF,
-    Enu,
-    Level,
-    Order,
-    SimulationConstants,
-)
+from ipoa_mission.vehicles.px4_multicopter.dynamics.state import GO, LAND, TAKE_OFF, Level, Order, SimulationConstants
 from ipoa_mission.vehicles.px4_multicopter.limits import Px4Limits
 from ipoa_mission.wind import Wind, wind_table
 
@@ -89,7 +81,8 @@ def return_orders(here: Enu, limits: Px4Limits, home: Enu, up: float = 0.0) -> l
     within NAV_LOITER_RAD.
     """
     far = math.hypot(here.east - home.east, here.north - home.north)
-    height, cruise = up + limits.returning.height(here.up - up, far), limits.cruise
+    height = up + limits.returning.height(here.up - up, far)
+    cruise = limits.cruise
     top = here._replace(up=height) if height > here.up + limits.height_radius else here
     climb = [leg(top, top, None, limits, cruise)._replace(radius=ANY_RADIUS)] if top != here else []
     *legs, down = landing_orders(top, home, limits, cruise, limits.disarm_delay)
@@ -101,7 +94,9 @@ def return_orders(here: Enu, limits: Px4Limits, home: Enu, up: float = 0.0) -> l
 
 
 def contingency_orders(contingency: Contingency, at: Vector, itinerary: Itinerary, limits: Px4Limits) -> list[Order]:
-    here, speed, ground = Enu(*map(float, at[1:4])), Level(float(at[4]), float(at[5])), itinerary.ground
+    here = Enu(*map(float, at[1:4]))
+    speed = Level(float(at[4]), float(at[5]))
+    ground = itinerary.ground
     if contingency is Contingency.RTL:
         goal = Enu(*itinerary.goal_of_return((here.east, here.north, here.up)))
         return return_orders(here, limits, goal._replace(up=ground.at(goal.east, goal.north)), goal.up)
@@ -111,7 +106,8 @@ def contingency_orders(contingency: Contingency, at: Vector, itinerary: Itinerar
 
 
 def orders_along(here: Enu, places: Sequence[Enu], limits: Px4Limits, ground: Enu) -> list[Order]:
-    legs, at = list[Order](), here
+    legs = list[Order]()
+    at = here
     for n, place in enumerate(places):
         beyond = places[n + 1] if n + 1 < len(places) else None
         if math.dist(at, place) > limits.radius:
@@ -122,10 +118,8 @@ def orders_along(here: Enu, places: Sequence[Enu], limits: Px4Limits, ground: En
 
 
 class Planned(NamedTuple):
-    """Orders, how many are done after each visit, and remarks."""
-
     orders: tuple[Order, ...]
-    done: tuple[int, ...]
+    done: tuple[int, ...]  # number of orders done after each visit
     remarks: tuple[str, ...]
 
 
@@ -137,7 +131,9 @@ def orders_of_itinerary(itinerary: Itinerary, limits: Px4Limits, landing_delay: 
     Raises:
         BadInput: an item never ends.
     """
-    navigator, orders, done = _Navigator(itinerary, limits), list[Order](), list[int]()
+    navigator = _Navigator(itinerary, limits)
+    orders = list[Order]()
+    done = list[int]()
     for n in range(len(itinerary.visits)):
         begins = orders[-1].goal if orders else navigator.here
         orders += with_patience(navigator.visit(n), begins, limits, landing_delay)
@@ -149,7 +145,8 @@ def with_patience(orders: Sequence[Order], at: Enu, limits: Px4Limits, landing_d
     """Yield orders flown from `at`, with the time after which each has failed."""
     slowest = min(limits.climb, limits.descent, limits.takeoff_speed, limits.land_speed, limits.crawl_speed)
     for order in orders:
-        level, rise = math.dist(at[:2], order.goal[:2]), abs(order.goal.up - at.up)
+        level = math.dist(at[:2], order.goal[:2])
+        rise = abs(order.goal.up - at.up)
         lasts = (300 if order.kind == LAND else 120) + 6 * level * max(1.0, 1 / order.cruise) + 4 * rise / slowest
         late = landing_delay if order.kind == LAND else 0.0
         yield order._replace(hold_s=order.hold_s + late, patience=lasts * max(1.0, 1 / order.radius))
@@ -160,7 +157,8 @@ class _Navigator:
     def __init__(self, itinerary: Itinerary, limits: Px4Limits) -> None:
         self.itinerary, self.limits, self.cruise = itinerary, limits, limits.cruise
         height = flying_already(itinerary)
-        self.here, self.airborne = Enu(0.0, 0.0, height or 0.0), height is not None
+        self.here = Enu(0.0, 0.0, height or 0.0)
+        self.airborne = height is not None
         self.remarks: list[str] = []
 
     def visit(self, n: int) -> list[Order]:
@@ -201,7 +199,8 @@ class _Navigator:
         return []
 
     def down(self, orders: list[Order]) -> list[Order]:
-        self.here, self.airborne = orders[-1].goal, False
+        self.here = orders[-1].goal
+        self.airborne = False
         return orders
 
     def ground(self, place: Enu) -> Enu:

@@ -8,7 +8,7 @@ guidance later.
 import math
 from typing import NamedTuple
 
-from ipoa_mission.geometry import GRAVITY
+from ipoa_mission.geometry import GRAVITY, ZERO, Enu, plus, scaled
 from ipoa_mission.vehicles.px4_multicopter.dynamics.airframe import Airframe, SensorModel
 from ipoa_mission.vehicles.px4_multicopter.limits import Px4Limits
 from ipoa_mission.wind import WindTable, wind_at
@@ -23,48 +23,33 @@ ON_LINE, BEYOND, BEFORE, OFF_LINE, UNKNOWN = 0, 1, 2, 3, 4
 NOT_YET, NOT_BEGUN = -1.0, -1
 
 
-class Enu(NamedTuple):
-    east: float
-    north: float
-    up: float
-
-
 class Order(NamedTuple):
-    """Fly from `start` to `goal`, and on to `beyond` (the goal: stop).
-
-    Done `hold_s` after arrival: `radius`, `height_radius`, `heading` [rad] unless NaN. `follows_home`: above the
-    estimated home. `may_turn_first`: MPC_YAW_MODE 4. Lost after `patience` s.
-    """
+    """Fly from `start` to `goal`: to its radii and heading, and hold."""
 
     kind: int
     start: Enu
     goal: Enu
-    beyond: Enu
+    beyond: Enu  # the next goal; this goal: stop
     radius: float
     height_radius: float
     cruise: float
     hold_s: float = 0.0
-    heading: float = math.nan
-    may_turn_first: bool = False
-    follows_home: bool = True
-    patience: float = math.inf
+    heading: float = math.nan  # [rad]; NaN: any
+    may_turn_first: bool = False  # by MPC_YAW_MODE 4
+    follows_home: bool = True  # heights count from the estimated home
+    patience: float = math.inf  # lost after this time [s]
 
 
 class SimulationConstants(NamedTuple):
-    """Constants of a flight: limits, vehicle, sensors, wind, step.
-
-    `most_lean`: g tan. `leaning`, `turning`: shares per step. `turns`: the yaw matters.
-    """
-
     limits: Px4Limits
     airframe: Airframe
     senses: SensorModel
     wind: WindTable
-    dt: float
-    most_lean: float
-    leaning: float
+    dt: float  # of a step [s]
+    most_lean: float  # g tan(lean)
+    leaning: float  # shares per step
     turning: float
-    turns: bool
+    turns: bool  # the yaw matters
     noisy: bool
 
 
@@ -83,20 +68,16 @@ class Trajectory(NamedTuple):
 
 
 class Guidance(NamedTuple):
-    """`held`: speed limit in a turn. `rising`: the last setpoint."""
-
     side: int
     anchor: Enu
-    held: float
-    rising: bool
+    held: float  # speed limit in a turn
+    rising: bool  # by the last setpoint
 
 
 class Control(NamedTuple):
-    """Velocity integrators, estimated over true hover thrust, upward setpoint."""
-
-    integral: Enu
-    hover: float
-    thrust: float
+    integral: Enu  # of the velocity
+    hover: float  # estimated over true hover thrust
+    thrust: float  # upward setpoint
 
 
 class Level(NamedTuple):
@@ -105,46 +86,35 @@ class Level(NamedTuple):
 
 
 class Body(NamedTuple):
-    """Place, estimated speed, level acceleration, lean setpoint, lean, thrust.
-
-    Lean is acceleration at one g; thrust counts above weight.
-    """
-
     place: Enu
-    speed: Enu
+    speed: Enu  # estimated
     acceleration: Level
-    asked: Level
-    thrust: Enu
+    asked: Level  # lean setpoint: acceleration at one g
+    thrust: Enu  # lean, and thrust above weight
     on_ground: bool
     airborne_since: float
 
 
 class Yaw(NamedTuple):
-    """Clockwise from north [rad], NaN: unknown; and its rate."""
-
-    yaw: float
+    yaw: float  # clockwise from north [rad]; NaN: unknown
     rate: float
 
 
 class Errors(NamedTuple):
-    """Error of `home`'s height, now and as `reported` to guidance; `drift`; next fix [s]."""
-
     seed_1: float
     seed_2: float
-    next_in: float
-    home: float
-    reported: float
+    next_in: float  # time until the next fix [s]
+    home: float  # error of home's height
+    reported: float  # the same, as the guidance knows it
     reported_at: float
     drift: Enu
 
 
 class Contact(NamedTuple):
-    """A landing: stages of the land detector and the last one's time."""
-
     on_ground: bool
-    lost: bool
-    stages: int
-    since: float
+    lost: bool  # the range finder lost the ground
+    stages: int  # of the land detector
+    since: float  # time of the last one
 
 
 class State(NamedTuple):
@@ -162,14 +132,9 @@ class State(NamedTuple):
 
 
 class FlightProgress(NamedTuple):
-    """A flight's state, steps of its order or NOT_BEGUN, touchdown [s] or NOT_YET."""
-
     state: State
-    steps: int
-    touched: float
-
-
-ZERO = Enu(0.0, 0.0, 0.0)
+    steps: int  # of its order, or NOT_BEGUN
+    touched: float  # time of touchdown [s], or NOT_YET
 
 
 def as_tuple(place: Enu) -> Enu:
@@ -194,7 +159,8 @@ def no_errors(seed_1: float, seed_2: float) -> Errors:
 
 
 def add_sensor_errors(state: State, constants: SimulationConstants) -> Errors:
-    was, time = state.errors, state.time + constants.dt
+    was = state.errors
+    time = state.time + constants.dt
     if not constants.noisy:
         return was
     reported, reported_at = was.reported, was.reported_at
@@ -212,7 +178,9 @@ def add_sensor_errors(state: State, constants: SimulationConstants) -> Errors:
         kept * was.drift.north + fresh * senses.drift * n_north,
         kept * was.drift.up + fresh * senses.drift_up * n_up,
     )
-    home, measured, flown = was.home, senses.height_noise * n_height, time - state.body.airborne_since
+    home = was.home
+    measured = senses.height_noise * n_height
+    flown = time - state.body.airborne_since
     if flown < CORRECTED_FOR and abs(measured - home) > CORRECTED_BEYOND:
         home = measured
         reported_at = time + NOTICED_S if reported_at < 0.0 else reported_at
@@ -228,21 +196,20 @@ def integrate(state: State, asked: Enu, constants: SimulationConstants, is_held:
         body.thrust.north + (asked_north - body.thrust.north) * constants.turning,
         body.thrust.up + (asked.up - body.thrust.up) * constants.turning,
     )
-    lift, place, speed, since = 1.0 + thrust.up / GRAVITY, body.place, body.speed, body.airborne_since
+    lift = 1.0 + thrust.up / GRAVITY
+    place = body.place
+    speed = body.speed
+    since = body.airborne_since
     blows_east, blows_north = wind_at(place.up, constants.wind)
     felt_east = thrust.east * lift - drag * (speed.east - blows_east)
     felt_north = thrust.north * lift - drag * (speed.north - blows_north)
     on_ground = is_held or (body.on_ground and thrust.up <= 0.0)
     if is_held:
-        speed = Enu(-drift.east, -drift.north, -drift.up)
+        speed = scaled(drift, -1.0)
     elif on_ground:
         since = state.time
     else:
         rise = speed.up + (thrust.up - drag * speed.up) * dt
         speed = Enu(speed.east + felt_east * dt, speed.north + felt_north * dt, rise)
-        place = Enu(
-            place.east + (speed.east + drift.east) * dt,
-            place.north + (speed.north + drift.north) * dt,
-            place.up + (speed.up + drift.up) * dt,
-        )
+        place = plus(place, scaled(plus(speed, drift), dt))
     return Body(place, speed, Level(felt_east, felt_north), Level(asked_east, asked_north), thrust, on_ground, since)
