@@ -259,3 +259,13 @@ def test_ardupilot_reports_reached_items_once_but_no_final_landing() -> None:
     assert reached(flown) == [1, 3, 4]
     assert flown.current.seq == 1  # the mission rewinds
     assert reached(arm_and_start(Flown(ARDUPILOT, [takeoff(HOME, 10.0), north(20.0), return_to_launch()]))) == [1, 2, 3]
+
+
+def test_ardupilot_flies_its_mission_on_after_an_interrupted_return() -> None:
+    items = [takeoff(HOME, 10.0), north(100.0), north(160.0), land(HOME)]
+    flown = arm_and_start(Flown(ARDUPILOT, items))
+    flown.fly(18.0)
+    assert flown.command(Command.NAV_RETURN_TO_LAUNCH) == OK
+    flown.fly(3.0)
+    assert flown.command(176, 1.0, 3.0) == OK
+    assert reached(flown) == [2, 3]

@@ -102,6 +102,7 @@ class ArduCopterController:
                 self._take_off(self._now.program.place(index, self._copter.place)[2], self._finish_item)
             case Command.NAV_DELAY:
                 self._copter.hold(self._copter.wait_at(item))
+                self._legs = iter(())
                 self._on_arrival = self._finish_item
                 self._flying = True
             case _ if self._now.landed:
@@ -117,6 +118,7 @@ class ArduCopterController:
             self._fly(legs, self._touch if item.command in procedures.LANDINGS else self._finish_item)
         else:
             procedures.begin_leg(self._copter, self._now.program, index, self._copter.place)
+            self._legs = iter(())
             self._on_arrival = self._begin_hold
 
     def _go_on(self) -> None:
