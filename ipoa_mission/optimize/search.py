@@ -72,6 +72,39 @@ class Optimum:
     history: NDArray[np.float64]
 
 
+class CountedCost:
+    """A cost that counts its evaluations, keeps the best candidate, and is infinite beyond a budget."""
+
+    def __init__(self, cost: Callable[[Candidates], Costs], box: Box, budget: int | None = None) -> None:
+        self.spent = 0
+        self.best = np.inf
+        self._cost = cost
+        self._budget = budget
+        self._best_x = np.full(box.dimension, np.nan)
+        self._evaluations: list[int] = []
+        self._history: list[float] = []
+
+    def __call__(self, candidates: Candidates) -> Costs:
+        """Return the costs (n,) of `candidates` (n, D)."""
+        costs = np.full(len(candidates), np.inf)
+        counted = len(candidates)
+        if self._budget is not None:
+            counted = min(counted, self._budget - self.spent)
+        if counted > 0:
+            costs[:counted] = self._cost(np.ascontiguousarray(candidates[:counted]))
+            self.spent += counted
+            winner = int(np.argmin(costs))
+            if costs[winner] < self.best:
+                self.best = float(costs[winner])
+                self._best_x = np.array(candidates[winner])
+            self._evaluations.append(self.spent)
+            self._history.append(self.best)
+        return costs
+
+    def optimum(self) -> Optimum:
+        return Optimum(self._best_x, self.best, np.array(self._evaluations), np.array(self._history))
+
+
 def minimize(
     cost: Callable[[Candidates], Costs],
     box: Box,
@@ -101,25 +134,19 @@ def minimize(
         >>> bool(best.cost < 1e-3)
         True
     """
+    counted = CountedCost(cost, box)
     search = optimizer.search(box, rng)
-    best_x, best = np.full(box.dimension, np.nan), np.inf
-    spent, evaluations, history = 0, [], []
     candidates = next(search)
-    while budget is None or spent + len(candidates) <= budget:
-        costs = cost(candidates)
-        spent += len(candidates)
-        winner = int(np.argmin(costs))
-        if costs[winner] < best:
-            best_x, best = candidates[winner].copy(), float(costs[winner])
-        evaluations.append(spent)
-        history.append(best)
-        progress(spent / (budget or spent + 30_000), f"{spent} evaluations, cost {best:.1f}")
+    while budget is None or counted.spent + len(candidates) <= budget:
+        costs = counted(candidates)
+        spent = counted.spent
+        progress(spent / (budget or spent + 30_000), f"{spent} evaluations, cost {counted.best:.1f}")
         try:
             candidates = search.send(costs)
         except StopIteration:
             break
     search.close()
-    return Optimum(best_x, best, np.array(evaluations), np.array(history))
+    return counted.optimum()
 
 
 def keep_better(x: Candidates, f: Costs, trial: Candidates, g: Costs) -> tuple[Candidates, Costs]:

@@ -15,39 +15,10 @@ from threadpoolctl import threadpool_info, threadpool_limits
 
 from ipoa_mission.errors import BadInput, UnknownName, imported
 from ipoa_mission.optimize.registry import build_optimizer, optimizer_names
-from ipoa_mission.optimize.search import Box, Candidates, Costs, Optimum, minimize
+from ipoa_mission.optimize.search import Box, Candidates, Costs, CountedCost, Optimum, minimize
 from ipoa_mission.paper.problems import Problem, campus_problem, cec2022, map_problem
 from ipoa_mission.paper.rows import Trial, TrialRow, line_of, open_to_append, read_rows
 from ipoa_mission.progress import Progress, count, silent
-
-
-class Counted:
-    """Counts the candidates, and keeps the best of the first `budget`."""
-
-    def __init__(self, cost: Callable[[Candidates], Costs], box: Box, budget: int) -> None:
-        self._cost, self._budget = cost, budget
-        self.spent, self.best = 0, np.inf
-        self.best_x = np.full(box.dimension, np.nan)
-        self._evaluations: list[int] = []
-        self._history: list[float] = []
-
-    def __call__(self, candidates: Candidates) -> Costs:
-        """Return the costs (n,) of `candidates` (n, D); infinite beyond the budget."""
-        costs = np.full(len(candidates), np.inf)
-        counted = max(min(len(candidates), self._budget - self.spent), 0)
-        if counted:
-            costs[:counted] = self._cost(np.ascontiguousarray(candidates[:counted]))
-            self.spent += counted
-            winner = int(np.argmin(costs))
-            if costs[winner] < self.best:
-                self.best, self.best_x = float(costs[winner]), np.array(candidates[winner])
-            self._evaluations.append(self.spent)
-            self._history.append(self.best)
-        return costs
-
-    def optimum(self) -> Optimum:
-        return Optimum(self.best_x, self.best, np.array(self._evaluations), np.array(self._history))
-
 
 Rival = Callable[[Callable[[Candidates], Costs], Box, int, np.random.Generator], Optimum]
 
@@ -55,8 +26,9 @@ Rival = Callable[[Callable[[Candidates], Costs], Box, int, np.random.Generator],
 def _by_minionpy(
     name: str, cost: Callable[[Candidates], Costs], box: Box, budget: int, rng: np.random.Generator
 ) -> Optimum:
+    """Minimize with the algorithm `name` of minionpy and its defaults."""
     algorithms = imported("minionpy.algorithms", f"{name} needs minionpy, which is not installed", "paper")
-    counted = Counted(cost, box, budget)
+    counted = CountedCost(cost, box, budget)
 
     def call(candidates: Any) -> list[float]:
         costs = counted(np.asarray(candidates, dtype=np.float64))
@@ -72,7 +44,7 @@ def _by_scipy(cost: Callable[[Candidates], Costs], box: Box, budget: int, rng: n
     """Minimize with scipy's defaults, a population of 5 D, and no polish."""
     from scipy.optimize import differential_evolution
 
-    counted = Counted(cost, box, budget)
+    counted = CountedCost(cost, box, budget)
     population = 5 * box.dimension
     differential_evolution(
         lambda x: counted(x.T),
@@ -104,6 +76,12 @@ PROBLEMS: dict[str, Callable[[str, int], Problem]] = {"cec2022": cec2022, "map":
 
 
 def run_trial(trial: Trial) -> TrialRow:
+    """Run one trial and measure its optimum.
+
+    Raises:
+        UnknownName: the trial's problem, case or algorithm does not exist.
+        BadInput: a rival and a registered optimizer have the same name.
+    """
     if trial.problem not in PROBLEMS:
         raise UnknownName(f"expected {' or '.join(PROBLEMS)}, not {trial.problem!r}", place="problem")
     if trial.algorithm in RIVALS and trial.algorithm in optimizer_names():

@@ -223,7 +223,7 @@ def _lists(
 ) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
     """Return the begin of each cell's list (cells + 1,), and the lists of bodies.
 
-    `bounds` (k, 2, 3) and plan radii `reached` (k,) [m], which include `reach`, are of the bodies; `cell` is a size [m].
+    `bounds` (k, 2, 3) and plan radii `reached` (k,) [m], which include `reach`, are of the bodies. `cell`: a side [m].
     """
     corner = np.array([cells.east, cells.north])
     last = (cells.columns - 1, cells.rows - 1)
