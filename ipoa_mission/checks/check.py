@@ -5,7 +5,6 @@ from collections.abc import Iterable
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from ipoa_mission.autopilot.commands import TAKEOFFS
 from ipoa_mission.autopilot.vehicle_kind import NO_AIRCRAFT
 from ipoa_mission.checks.firmware_check import (
     check_firmware,
@@ -55,23 +54,29 @@ def check_mission(
 
 def check(forecast: Forecast, ignore: Iterable[str] = (), read: Iterable[Finding] = ()) -> tuple[Finding, ...]:
     """Return the findings; `read` has those of reading the file."""
-    mission, scenario = forecast.mission_as_read, forecast.scenario
+    mission = forecast.mission_as_read
+    scenario = forecast.scenario
     ignored = expect_ignorable(ignore) | (frozenset() if scenario is None else scenario.safety.ignored)
     positions = tuple(check_positions(mission))
-    version = check_version(mission.autopilot, mission.firmware_version, mission.unmeasured_version)
-    findings = [*read, *version, *check_firmware(mission), *positions]
+    findings = list(read)
+    findings += check_version(mission.autopilot, mission.firmware_version, mission.unmeasured_version)
+    findings += check_firmware(mission)
+    findings += positions
+
     if mission.vehicle_type in NO_AIRCRAFT:
         message = f"the mission is for {mission.other_vehicle}, which does not fly: only flights are judged"
         findings.append(Finding("no-aircraft", Severity.ERROR, None, message))
     elif mission.other_vehicle:
         message = f"the mission is for {mission.other_vehicle}: its legs are judged as a multicopter flies them"
         findings.append(Finding("other-vehicle", Severity.WARNING, None, message))
+
     elsewhere = None if scenario is None else scenario.why_elsewhere(mission.home)
     if elsewhere is not None:
         findings.append(Finding("another-place", Severity.ERROR, 0, str(elsewhere), elsewhere.hint))
     is_sound = not unsound(positions)
     if is_sound and mission.vehicle_type not in NO_AIRCRAFT:
         findings += check_known_path(forecast)
+
     flown = None if elsewhere else sound_part(forecast, positions)
     if flown is not None:
         findings += check_passing(flown)
@@ -91,7 +96,8 @@ def check(forecast: Forecast, ignore: Iterable[str] = (), read: Iterable[Finding
 
 def sound_part(forecast: Forecast, positions: Iterable[Finding]) -> Forecast | None:
     """Return the flight without wrong items, None if home is wrong; a take-off without a place is one from home."""
-    mission, wrong = forecast.mission_as_read, {finding.seq for finding in unsound(positions)}
+    mission = forecast.mission_as_read
+    wrong = {finding.seq for finding in unsound(positions)}
     if 0 in wrong:
         return None
     if not wrong:
@@ -103,7 +109,7 @@ def sound_part(forecast: Forecast, positions: Iterable[Finding]) -> Forecast | N
     for seq in wrong - {None}:
         assert seq is not None
         item = items[seq - 1]
-        if item.command in TAKEOFFS and not item.has_position and 0 < mission.altitude_above_home(item) < math.inf:
+        if item.is_takeoff and not item.has_position and 0 < mission.altitude_above_home(item) < math.inf:
             home = mission.home
             items[seq - 1] = replace(item, latitude_deg=home.latitude_deg, longitude_deg=home.longitude_deg)
         else:

@@ -6,20 +6,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 from ipoa_mission.autopilot.autopilot import Autopilot
-from ipoa_mission.autopilot.commands import (
-    FLOWN_TO,
-    HOLDING,
-    JUMPS,
-    LANDINGS,
-    LAST_NAV,
-    MAY_PRECEDE_TAKEOFF,
-    TAKEOFFS,
-    WAYPOINTS,
-    Command,
-    Frame,
-    command_name,
-    plain_frame,
-)
+from ipoa_mission.autopilot.commands import FLOWN_TO, HOLDING, LANDINGS, LAST_NAV, MAY_PRECEDE_TAKEOFF, Command, Frame
 from ipoa_mission.autopilot.firmware_tables import Firmware, param_name
 from ipoa_mission.autopilot.guidance_profile import JumpProfile
 from ipoa_mission.autopilot.parameters import SINGLE_MAX
@@ -79,23 +66,24 @@ def _limits(mission: Mission, firmware: Firmware, count: int) -> Iterator[Findin
 def _command_and_frame(
     at: Numbered, autopilot: Autopilot, firmware: Firmware, is_development: bool
 ) -> Iterator[Finding]:
-    item, name = at.item, command_name(at.item.command)
-    placed, plain = item.command in firmware.placed, item.command in firmware.plain
-    if not placed and not plain:
+    item = at.item
+    has_place = item.command in firmware.placed
+    has_none = item.command in firmware.plain
+    if not has_place and not has_none:
         is_of_a_fence = item.command in firmware.fence or item.command in firmware.rally
         where = " in a mission: it belongs into the fence or rally list" if is_of_a_fence else ""
         newer = (series for series in autopilot.tables.series if series > firmware.version.series)
         takers = (series for series in newer if autopilot.firmware(Version(*series)).takes(item.command))
         hint = next((f"{firmware.name} {major}.{minor} takes it" for major, minor in takers), None)
-        yield at.error("command-not-taken", f"{firmware} does not take {name}{where}", hint)
+        yield at.error("command-not-taken", f"{firmware} does not take {item.name}{where}", hint)
     elif item.command in firmware.never_flown:
-        yield at.error("command-never-flown", f"{firmware} stores {name}, and flies no mission that has it")
+        yield at.error("command-never-flown", f"{firmware} stores {item.name}, and flies no mission that has it")
     elif is_development and not _before(autopilot, firmware).takes(item.command):
-        yield at.warning("command-of-development", f"not every development version of {firmware} takes {name}")
-    elif placed and item.frame not in firmware.frames:
-        frame = "an altitude above terrain" if item.frame in (10, 11) else f"frame {item.frame}"
+        yield at.warning("command-of-development", f"not every development version of {firmware} takes {item.name}")
+    elif has_place and item.frame not in firmware.frames:
+        frame = "an altitude above terrain" if item.is_over_terrain else f"frame {item.frame}"
         yield at.error("frame-not-taken", f"expected an altitude above home (frame 3) or AMSL (frame 0), not {frame}")
-    elif placed and not plain and item.frame == Frame.MISSION:
+    elif has_place and not has_none and item.frame == Frame.MISSION:
         message = "expected a frame with a position, not frame 2"
         if firmware.frame_2_is_amsl:
             yield at.warning("frame-without-place", f"{message}, which {firmware.name} takes for AMSL")
@@ -157,11 +145,12 @@ def _takeoff(mission: Mission) -> Iterator[Finding]:
     moving = [at for at in _flown(mission) if at.item.command not in MAY_PRECEDE_TAKEOFF]
     if not moving:
         return
-    first, guidance = moving[0], mission.autopilot.guidance
-    if first.item.command not in TAKEOFFS:
-        later = any(at.item.command in TAKEOFFS for at in moving)
+    first = moving[0]
+    guidance = mission.autopilot.guidance
+    if not first.item.is_takeoff:
+        later = any(at.item.is_takeoff for at in moving)
         if guidance.needs_takeoff or later:
-            words = f"expected the take-off first, not {command_name(first.item.command)}"
+            words = f"expected the take-off first, not {first.item.name}"
             yield first.error("takeoff-not-first", words)
         else:
             words = "the mission has no take-off: it is for a vehicle that already flies"
@@ -178,7 +167,7 @@ def _takeoff(mission: Mission) -> Iterator[Finding]:
         least = mission.autopilot.parameter_table.moving[name] + more
     for at in moving:
         height = mission.altitude_above_home(at.item)
-        if at.item.command in TAKEOFFS and height <= least:
+        if at.item.is_takeoff and height <= least:
             if guidance.own_takeoff > 0.0:
                 climbs = f"{mission.autopilot.model} climbs {guidance.own_takeoff:g} m anyway"
                 yield at.warning("takeoff-low", f"a take-off to {height:g} m above home: {climbs}")
@@ -192,7 +181,7 @@ def _flown(mission: Mission) -> list[Numbered]:
 
 
 def _terrain(mission: Mission) -> Iterator[Finding]:
-    over = [seq for seq, item in enumerate(mission.items, 1) if plain_frame(item.frame) == Frame.GLOBAL_TERRAIN_ALT]
+    over = [seq for seq, item in enumerate(mission.items, 1) if item.is_over_terrain]
     sensor = mission.autopilot.guidance.terrain_by
     if over and sensor and not mission.parameters.get(sensor):
         message = (
@@ -220,7 +209,7 @@ def _waits(mission: Mission) -> Iterator[Finding]:
 def check_version(autopilot: Autopilot, version: Version | None, unmeasured: bool) -> Iterator[Finding]:
     """Report a version that was not measured, as an error unless `unmeasured`."""
     if (why := autopilot.not_measured(version)) is not None:
-        yield _finding(why, unmeasured)
+        yield _not_measured(why, unmeasured)
 
 
 def check_aboard(
@@ -232,20 +221,20 @@ def check_aboard(
         return aboard, ()
     assumed = autopilot.checked_for(None)
     why = f"the vehicle does not report its version: whether it was measured is unknown; {assumed} is assumed"
-    return aboard, (_finding(why, mission.unmeasured_version),)
+    return aboard, (_not_measured(why, mission.unmeasured_version),)
 
 
-def _finding(why: str, unmeasured: bool) -> Finding:
-    if unmeasured:
-        return Finding("version-not-measured", Severity.WARNING, None, why)
-    hint = "fly it in simulation first (docs/lab/flown.md), or go on with --unmeasured-version "
-    return Finding(
-        "version-not-measured", Severity.ERROR, None, why, f"{hint}(in a scenario vehicle.unmeasured_version = true)"
+def _not_measured(why: str, is_allowed: bool) -> Finding:
+    hint = (
+        "fly it in simulation first (docs/lab/flown.md), or go on with --unmeasured-version "
+        "(in a scenario vehicle.unmeasured_version = true)"
     )
+    severity = Severity.WARNING if is_allowed else Severity.ERROR
+    return Finding("version-not-measured", severity, None, why, None if is_allowed else hint)
 
 
 def _jumps(mission: Mission) -> Iterator[Finding]:
-    jumps = [at for at in numbered_items(mission) if at.item.command in JUMPS]
+    jumps = [at for at in numbered_items(mission) if at.item.is_jump]
     profile = mission.firmware.jumps
     findings = [finding for at in jumps for finding in (*_jump_target(mission, at), *_repeats(mission, at, profile))]
     yield from findings
@@ -266,7 +255,8 @@ def _jumps(mission: Mission) -> Iterator[Finding]:
 
 
 def _jump_target(mission: Mission, at: Numbered) -> Iterator[Finding]:
-    target, count = at.item.params[0], len(mission.items)
+    target = at.item.params[0]
+    count = len(mission.items)
     if at.item.command == Command.DO_JUMP_TAG:
         if jump_target(mission.items, at.seq - 1) is None:
             words = f"param1: expected the tag of a JUMP_TAG, not {target:g}"
@@ -278,14 +268,15 @@ def _jump_target(mission: Mission, at: Numbered) -> Iterator[Finding]:
 
 
 def _repeats(mission: Mission, at: Numbered, profile: JumpProfile) -> Iterator[Finding]:
-    asked, most = at.item.params[1], profile.most_repeats
-    if asked == -1:
-        words = f"param2: {asked:g} repeats never end: the mission flies until someone ends it"
+    count = at.item.params[1]
+    most = profile.most_repeats
+    if count == -1:
+        words = f"param2: {count:g} repeats never end: the mission flies until someone ends it"
         if not profile.repeats_without_end:
-            words += f"; {mission.autopilot.model} stores no sign: its repeats of {asked:g} depend on the board"
+            words += f"; {mission.autopilot.model} stores no sign: its repeats of {count:g} depend on the board"
         yield at.warning("jump-without-end", words)
-    elif not (0 <= asked <= most and float(asked).is_integer()):
-        yield at.error("jump-repeats", f"param2: expected a whole number of repeats from 0 to {most}, not {asked:g}")
+    elif not (0 <= count <= most and float(count).is_integer()):
+        yield at.error("jump-repeats", f"param2: expected a whole number of repeats from 0 to {most}, not {count:g}")
 
 
 def _tags(mission: Mission) -> Iterator[Finding]:
@@ -307,22 +298,25 @@ def _too_many(mission: Mission, count: int, profile: JumpProfile) -> Iterator[Fi
 
 
 def _at_other_times(mission: Mission, flown: Steps, listed: Steps) -> Iterator[Finding]:
-    done, due = _steps_of(flown), _steps_of(listed)
+    """Report the actions that the firmware runs at other steps of the mission than those `listed`."""
+    done = _steps_by_item(flown)
+    due = _steps_by_item(listed)
     for index in sorted(due):
         if done[index] == due[index] or mission.items[index].command == Command.JUMP_TAG:
             continue
         how = f"{len(done[index])} times, and the list has it {len(due[index])} times"
-        jump = next((n + 1 for n in range(index, -1, -1) if mission.items[n].command in JUMPS), 0)
+        jump = next((n + 1 for n in range(index, -1, -1) if mission.items[n].is_jump), 0)
         if jump and done[index] and done[index][0] < due[index][0]:
             how = f"a pass of the jump at item {jump} early"
         yield item_of(mission, index + 1).warning("action-at-other-time", f"{mission.autopilot.model} runs it {how}")
 
 
-def _steps_of(steps: Steps) -> defaultdict[int, list[int]]:
+def _steps_by_item(steps: Steps) -> defaultdict[int, list[int]]:
     numbers = defaultdict[int, list[int]](list)
     for number, (passed, at) in enumerate(steps):
-        for index in passed if at is not None else ():
-            numbers[index].append(number)
+        if at is not None:
+            for index in passed:
+                numbers[index].append(number)
     return numbers
 
 
@@ -330,7 +324,8 @@ def check_known_path(forecast: Forecast) -> Iterator[Finding]:
     mission = forecast.mission_as_read
     firmware = mission.firmware
     for unknown in forecast.unknown:
-        at, words = item_of(mission, unknown.seq), f"{unknown.why}; the clearance is unknown"
+        at = item_of(mission, unknown.seq)
+        words = f"{unknown.why}; the clearance is unknown"
         if not firmware.takes(at.item.command) or at.item.command in firmware.never_flown:
             continue
         match unknown.code:
@@ -386,7 +381,7 @@ def _rises(forecast: Forecast) -> dict[int, float]:
         seqs = list(range(1, len(mission.items) + 1))
     rises: dict[int, float] = {}
     for n, (seq, item) in enumerate(zip(seqs, program.items, strict=True)):
-        if item.command in WAYPOINTS and not item.params[0] > 0.0 and (onward := program.onward(n)) is not None:
+        if item.is_waypoint and not item.params[0] > 0.0 and (onward := program.onward(n)) is not None:
             rise = abs(float(program.places[onward, 2] - program.places[n, 2]))
             rises[seq] = max(rise, rises.get(seq, 0.0))
     return dict(sorted(rises.items()))

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ipoa_mission.autopilot.commands import JUMPS, Command
+from ipoa_mission.autopilot.commands import Command
 from ipoa_mission.checks.firmware_check import check_version
 from ipoa_mission.checks.landings import check_unread
 from ipoa_mission.errors import BadInput, MissionError, Unsafe
@@ -91,7 +91,7 @@ def begun_at(mission: Mission, first: int, there: Geodetic | None = None) -> Mis
     if not (mission.items[first].has_position and np.isfinite(height)):
         raise BadInput(f"expected an item with a place and a height, and item {first + 1} has none", place="--from")
     for n, item in enumerate(mission.items[first:], first):
-        if item.command in JUMPS and (target := jump_target(mission.items, n)) is not None and target < first:
+        if item.is_jump and (target := jump_target(mission.items, n)) is not None and target < first:
             words = f"cannot begin at item {first + 1}: item {n + 1} jumps back to item {target + 1}"
             raise BadInput(words, place="--from")
     climb = max(height, 2.5)  # [m], at least this from the ground

@@ -2,12 +2,12 @@
 
 import math
 from collections.abc import Iterable, Iterator, Sequence
-from itertools import takewhile
 from typing import Any
 
 import numpy as np
 import shapely
 
+import ipoa_mission.forecast.contingency.shortfalls as shortfalls
 from ipoa_mission.autopilot.returning import Contingency, FlightStage
 from ipoa_mission.checks.landings import check_ground, check_unread
 from ipoa_mission.errors import MissionError, Remedy
@@ -16,14 +16,6 @@ from ipoa_mission.forecast.contingency.contingencies import lands_by_choice, to_
 from ipoa_mission.forecast.contingency.contingency_paths import ContingencyPaths
 from ipoa_mission.forecast.contingency.contingency_samples import GROUND, ReturnLeg
 from ipoa_mission.forecast.contingency.energy_budget import RETURN_HINT, budget_of
-from ipoa_mission.forecast.contingency.shortfalls import (
-    clear_in,
-    find_shortfalls,
-    heights_above,
-    nearest_of,
-    nearest_of_legs,
-    try_return_altitudes,
-)
 from ipoa_mission.forecast.deviation.clearance_guarantee import ClearanceGuarantee, KeptLimit
 from ipoa_mission.forecast.deviation.law import not_measured
 from ipoa_mission.forecast.forecast import Forecast
@@ -35,17 +27,23 @@ from ipoa_mission.wind import CALM, Wind
 
 
 def check_world(forecast: Forecast, is_flown: bool, before: Iterable[Finding]) -> list[Finding]:
+    """Return the findings in the scenario's world; contingencies only if no finding, nor one `before`, is an error."""
     guarantee = forecast.guarantee_if_known if is_flown else None
-    findings = [*check_airspace(forecast)]
+    findings = list(check_airspace(forecast))
     if guarantee is not None:
         judged = {finding.seq: finding.severity for finding in findings if finding.code == "leg-too-near"}
         clearances = check_clearance(forecast.mission, forecast.world, guarantee)
-        findings += [f for f in clearances if judged.get(f.seq) not in (f.severity, Severity.ERROR)]
-    findings += (*check_unread(forecast.world.unread), *check_passed_over(forecast), *check_ground(forecast))
-    findings += check_wind(forecast) if is_flown else ()
-    findings += () if guarantee is None else check_energy(forecast)
-    if guarantee is not None and not any(finding.severity is Severity.ERROR for finding in (*before, *findings)):
-        findings += (*check_failsafe_return(forecast), *check_failsafe_landing(forecast))
+        findings += [each for each in clearances if judged.get(each.seq) not in (each.severity, Severity.ERROR)]
+    findings += check_unread(forecast.world.unread)
+    findings += check_passed_over(forecast)
+    findings += check_ground(forecast)
+    if is_flown:
+        findings += check_wind(forecast)
+    if guarantee is not None:
+        findings += check_energy(forecast)
+        if not any(finding.severity is Severity.ERROR for finding in (*before, *findings)):
+            findings += check_failsafe_return(forecast)
+            findings += check_failsafe_landing(forecast)
     return findings
 
 
@@ -58,12 +56,15 @@ def remedy(forecast: Forecast) -> tuple[str, tuple[Remedy, ...]]:
     advice = 'plan the way home too, with the goal over home and this one under via; or land: route.ending = "land"'
     mission, scenario = forecast.mission, forecast.world
     by = mission.autopilot.parameter_table.by_meaning["return height"]
-    is_clear, land = clear_in(scenario), Remedy(("route", "ending"), "land")
-    for altitude in takewhile(lambda height: height <= scenario.airspace.bounds.upper[2], heights_above(0.0)):
-        name, value = by.name, by.spelled(altitude)
-        if is_clear(Forecast(mission.with_parameters({name: value}), scenario).ways_home):
-            hint = f"{name} = {value:.0f} makes it clear, in the vehicle and under [vehicle.parameters]; or {advice}"
-            return hint, (Remedy(("vehicle", "parameters", name), float(round(value))), land)
+    is_clear = shortfalls.clear_in(scenario)
+    land = Remedy(("route", "ending"), "land")
+    for altitude in shortfalls.heights_above(0.0):
+        if altitude > scenario.airspace.bounds.upper[2]:
+            break
+        value = by.spelled(altitude)
+        if is_clear(Forecast(mission.with_parameters({by.name: value}), scenario).ways_home):
+            hint = f"{by.name} = {value:.0f} makes it clear, in the vehicle and under [vehicle.parameters]; or {advice}"
+            return hint, (Remedy(("vehicle", "parameters", by.name), float(round(value))), land)
     return advice, (land,)
 
 
@@ -85,7 +86,8 @@ def check_airspace(forecast: Forecast) -> Iterator[Finding]:
             if words in reported and begins:
                 continue
             reported |= {words} if leg.stage is FlightStage.ROUTE else set()
-            item, message = item_of(mission, leg.seq), f"{leg.name}: {words}"
+            item = item_of(mission, leg.seq)
+            message = f"{leg.name}: {words}"
             contact = scenario.vehicle.radius - ROUNDING["m"] if check.limit in ("obstacles", "ground") else -math.inf
             if leg.stage is not FlightStage.ROUTE and not check.nearest.distance < contact:
                 yield item.warning("leg-too-near", message)
@@ -125,46 +127,51 @@ def _near(forecast: Forecast, things: Sequence[Any], code: str) -> Iterator[Find
     for leg in forecast.legs:
         line = shapely.LineString(leg.points[:, :2])
         near = [things[i] for i in tree.query(line, "dwithin", required + leg.stray)]
-        if near:
-            distances = [float(shapely.distance(line, thing.shape)) for thing in near]
-            first, distance = near[int(np.argmin(distances))], min(distances)
-            more_such = f" (and {len(near) - 1} more such)" if len(near) > 1 else ""
-            where = f"passes {distance:.1f} m from" if distance > 0 else "crosses"
-            words = f"{where} {first.name} on {first.file}, {first.reason}{more_such}"
-            item = item_of(forecast.mission, leg.seq)
-            sections = [n for n, section in enumerate(scenario.maps) if section.file.name == first.file]
-            heights = tuple(Remedy(("maps", n, key), value) for key, value in first.heights for n in sections)
-            if code == "not-read":
-                yield item.error("not-read", words, first.remedy, heights)
-            else:
-                yield item.error("map-not-understood", words, first.remedy, heights)
+        if not near:
+            continue
+        distances = [float(shapely.distance(line, thing.shape)) for thing in near]
+        distance = min(distances)
+        nearest = near[distances.index(distance)]
+        more_such = f" (and {len(near) - 1} more such)" if len(near) > 1 else ""
+        where = f"passes {distance:.1f} m from" if distance > 0 else "crosses"
+        words = f"{where} {nearest.name} on {nearest.file}, {nearest.reason}{more_such}"
+        item = item_of(forecast.mission, leg.seq)
+        sections = [n for n, section in enumerate(scenario.maps) if section.file.name == nearest.file]
+        heights = tuple(Remedy(("maps", n, key), value) for key, value in nearest.heights for n in sections)
+        if code == "not-read":
+            yield item.error("not-read", words, nearest.remedy, heights)
+        else:
+            yield item.error("map-not-understood", words, nearest.remedy, heights)
 
 
 def check_energy(forecast: Forecast) -> Iterator[Finding]:
     if forecast.world.vehicle.battery is None or not forecast.mission.items:
         return
-    if (budget := budget_of(forecast)) is None or budget.battery is None:
+    budget = budget_of(forecast)
+    if budget is None or budget.battery is None:
         return
-    if (short := budget.shortage) is not None:
-        left = (item.left for item in budget.items if item.left is not None)
-        number = next((n for n, share in enumerate(left) if share.likely < budget.battery.reserve), None)
-        seq = None if number is None else budget.items[number].seq
+    battery = budget.battery
+    short = budget.shortage
+    if short is not None:
+        seqs = (item.seq for item in budget.items if item.left is not None and item.left.likely < battery.reserve)
+        seq = next(seqs, None)
         words = f"{short}" if seq is None else f"{short}; not enough from item {seq} on"
         yield Finding("battery-short", Severity.ERROR, seq, words, short.hint)
         return
-    if budget.battery is not None and budget.used.between.high > budget.battery.usable_wh:
-        energy, usable = budget.used.between, budget.battery.usable_wh
+    energy = budget.used.between
+    if energy.high > battery.usable_wh:
         needs = f"the flight needs {energy.low:.0f} to {energy.high:.0f} Wh (nine flights in ten)"
-        words = f"{needs}; the battery has {usable:.0f} Wh above its reserve"
+        words = f"{needs}; the battery has {battery.usable_wh:.0f} Wh above its reserve"
         learned = forecast.mission.vehicle or forecast.world.vehicle.learned
-        hint = (
-            "the energy is estimated from the airframe alone: `learn` narrows it from logs of the vehicle (--vehicle)"
-        )
         is_learned = learned is not None and learned.energy_ratio is not None
-        yield Finding("battery-unsure", Severity.WARNING, None, words, None if is_learned else hint)
-    if (late := budget.no_return) is not None:
-        severity = Severity.ERROR if budget.plans_returns else Severity.WARNING
-        yield Finding("battery-no-return", severity, late.seq, str(late), RETURN_HINT if budget.plans_returns else None)
+        advice = "`learn` narrows it from logs of the vehicle (--vehicle)"
+        hint = None if is_learned else f"the energy is estimated from the airframe alone: {advice}"
+        yield Finding("battery-unsure", Severity.WARNING, None, words, hint)
+    late = budget.no_return
+    if late is not None and budget.plans_returns:
+        yield Finding("battery-no-return", Severity.ERROR, late.seq, str(late), RETURN_HINT)
+    elif late is not None:
+        yield Finding("battery-no-return", Severity.WARNING, late.seq, str(late))
 
 
 def check_wind(forecast: Forecast) -> Iterator[Finding]:
@@ -198,26 +205,28 @@ def check_failsafe_return(forecast: Forecast) -> Iterator[Finding]:
     samples = paths.samples(Contingency.RTL)
     begin, end = forecast.guarantee.flight.cruise_span
     checked = ~samples.clear & (samples.times >= begin) & (samples.times <= end)
-    near = np.where(samples.possible[..., None] & checked[:, None, None], samples.near - paths.required, 0.0)
-    braking = near[:, :, : ReturnLeg.RETURNS].min(axis=2, keepdims=True)
-    near[:, :, ReturnLeg.RETURNS :][near[:, :, ReturnLeg.RETURNS :] >= braking - 0.02] = 0.0  # [m], rounding
+    short = np.where(samples.possible[..., None] & checked[:, None, None], samples.near - paths.required, 0.0)
+    braking = short[:, :, : ReturnLeg.RETURNS].min(axis=2, keepdims=True)
+    returning = short[:, :, ReturnLeg.RETURNS :]  # a view
+    returning[returning >= braking - 0.02] = 0.0  # [m], rounding: the fault is of the braking
+
     for legs, verb, order in (  # the descent is a leg of the mission
         (range(ReturnLeg.RETURNS), "brake or climb", "an RTL or pause"),
         (range(ReturnLeg.RETURNS, ReturnLeg.RETURNS + 1), "pass", "an RTL"),
     ):
-        short = near[:, :, legs.start : legs.stop].min(axis=(1, 2))
-        if (short < 0.0).any():
-            seqs = np.unique(paths.stops().seqs_at(samples.times[short < 0.0]))
-            worst = nearest_of_legs(paths, samples, int(np.argmin(short)), legs)
+        shortest = short[:, :, legs.start : legs.stop].min(axis=(1, 2))
+        if (shortest < 0.0).any():
+            seqs = np.unique(paths.stops().seqs_at(samples.times[shortest < 0.0]))
+            worst = shortfalls.nearest_of_legs(paths, samples, int(np.argmin(shortest)), legs)
             words = f"{name_items(seqs.tolist())}: {order} ordered there would {verb} {worst.words()}"
-            hint = _remedy(paths) if legs.start == ReturnLeg.RETURNS else None
+            hint = _return_altitude_hint(paths) if legs.start == ReturnLeg.RETURNS else None
             yield Finding("return-too-near", Severity.WARNING, int(seqs[0]), words, hint)
 
 
-def _remedy(paths: ContingencyPaths) -> str | None:
+def _return_altitude_hint(paths: ContingencyPaths) -> str | None:
     by = paths.mission.autopilot.parameter_table.by_meaning["return height"]
-    short = list(find_shortfalls(paths, Contingency.RTL))
-    higher, left = try_return_altitudes(paths, paths.forecast, short)[0]
+    short = list(shortfalls.find_shortfalls(paths, Contingency.RTL))
+    higher, left = shortfalls.try_return_altitudes(paths, paths.forecast, short)[0]
     if any(shortfall.part >= ReturnLeg.RETURNS for shortfall in left):
         return None
     value = higher.mission_as_read.parameters[by.name]
@@ -235,6 +244,6 @@ def check_failsafe_landing(forecast: Forecast) -> Iterator[Finding]:
     if len(unclear):
         seqs = np.unique(paths.stops().seqs_at(samples.times[unclear]))
         worst = unclear[np.argmin(samples.slack[unclear])]
-        kept = nearest_of(paths, Contingency.LAND, samples, int(worst))
+        kept = shortfalls.nearest_of(paths, Contingency.LAND, samples, int(worst))
         words = f"{name_items(seqs.tolist())}: a LAND there, by {who_lands(forecast)}, would descend {kept.words()}"
         yield Finding("land-too-near", Severity.WARNING, int(seqs[0]), words, to_return_instead(forecast))

@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
-from ipoa_mission.autopilot.commands import LANDINGS, TAKEOFFS, Command, Frame
+from ipoa_mission.autopilot.commands import LANDINGS, Command, Frame
 from ipoa_mission.checks.check import check
 from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.finding import Severity
@@ -79,7 +79,7 @@ class _Parts:
     def __init__(self, whole: Forecast) -> None:
         self.whole, self.mission = whole, whole.mission_as_read
         items = self.mission.items
-        begins = [n for n, item in enumerate(items) if item.command in TAKEOFFS]
+        begins = [n for n, item in enumerate(items) if item.is_takeoff]
         if len(begins) != 1 or any(item.command in NOT_SPLITTABLE for item in items):
             words = "expected one take-off and no jumps or arcs in a mission to split"
             raise MissionError(words, code="not-split")

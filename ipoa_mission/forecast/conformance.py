@@ -241,7 +241,7 @@ class ConformanceMonitor:
         if (goal := self._leg(self._visit).goal) is None:
             return place[None, :]
         over = np.array([place[0], place[1], max(place[2], goal[2])])
-        corners = [place, over, goal] if self._visits[self._visit].item.command in TAKEOFFS else [place, goal]
+        corners = [place, over, goal] if self._visits[self._visit].item.is_takeoff else [place, goal]
         flown = arc_lengths(np.array(corners))
         places = np.arange(0.0, flown[-1] + SPACING, SPACING)
         return interpolate(places, flown, np.array(corners))

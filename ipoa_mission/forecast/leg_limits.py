@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ipoa_mission.autopilot.commands import Command, command_name
+from ipoa_mission.autopilot.commands import Command
 from ipoa_mission.autopilot.returning import FlightStage, SlowStretch
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.itinerary.flown_legs import Leg
@@ -44,7 +44,7 @@ class Landing:
 
     @property
     def words(self) -> str:
-        return f"item {self.seq} ({command_name(self.item.command)}): {self.where}"
+        return f"item {self.seq} ({self.item.name}): {self.where}"
 
     @property
     def where(self) -> str:

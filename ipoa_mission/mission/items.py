@@ -7,8 +7,9 @@ import math
 from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
+from ipoa_mission.autopilot import commands
 from ipoa_mission.autopilot.autopilot import Autopilot, default_autopilot
-from ipoa_mission.autopilot.commands import FLOWN_TO, TAKEOFF_AND_LAND, Command, Frame, command_name, plain_frame
+from ipoa_mission.autopilot.commands import Command, Frame, plain_frame
 from ipoa_mission.autopilot.firmware_tables import Firmware
 from ipoa_mission.autopilot.known_parameters import expect_own
 from ipoa_mission.autopilot.learned import LearnedVehicle
@@ -48,18 +49,34 @@ class Item:
     autocontinue: bool = True
 
     @property
+    def name(self) -> str:
+        return commands.command_name(self.command)
+
+    @property
+    def is_jump(self) -> bool:
+        return self.command in commands.JUMPS
+
+    @property
+    def is_takeoff(self) -> bool:
+        return self.command in commands.TAKEOFFS
+
+    @property
+    def is_waypoint(self) -> bool:
+        return self.command in commands.WAYPOINTS
+
+    @property
     def has_position(self) -> bool:
         return self._is_flown_to and (self.latitude_deg, self.longitude_deg) != (0.0, 0.0)
 
     @property
     def _is_flown_to(self) -> bool:
-        return self.command in FLOWN_TO and self.frame != Frame.MISSION
+        return self.command in commands.FLOWN_TO and self.frame != Frame.MISSION
 
     def is_here(self, autopilot: Autopilot) -> bool:
         return autopilot.guidance.zero_is_here and self._is_flown_to and not self.has_position
 
     def is_as_high_as_now(self, autopilot: Autopilot) -> bool:
-        has_height = self._is_flown_to and self.command not in TAKEOFF_AND_LAND
+        has_height = self._is_flown_to and self.command not in commands.TAKEOFF_AND_LAND
         return autopilot.guidance.zero_is_here and has_height and self.altitude == 0.0
 
     @property
@@ -256,7 +273,7 @@ class Numbered(NamedTuple):
     item: Item
 
     def __str__(self) -> str:
-        return f"item {self.seq} ({command_name(self.item.command)})"
+        return f"item {self.seq} ({self.item.name})"
 
     def error(self, code: str, message: str, hint: str | None = None, remedies: tuple[Remedy, ...] = ()) -> Finding:
         return Finding(code, Severity.ERROR, self.seq, f"{self}: {message}", hint, remedies)

@@ -6,7 +6,6 @@ from dataclasses import replace
 from pathlib import Path
 
 from ipoa_mission.autopilot.autopilot import Autopilot, default_autopilot, registered
-from ipoa_mission.autopilot.commands import TAKEOFFS, command_name
 from ipoa_mission.autopilot.known_parameters import firmware_of
 from ipoa_mission.errors import BadInput, WrongFormat, WrongSuffix
 from ipoa_mission.files import MISSIONS, read_text
@@ -152,12 +151,12 @@ def only_taker(items: Sequence[Item]) -> tuple[Autopilot, str] | None:
 def _reasons_against(items: Sequence[Item], autopilot: Autopilot) -> Iterator[str]:
     firmware = autopilot.firmware()
     for seq, item in enumerate(items, start=1):
-        at, placed = f"item {seq} ({command_name(item.command)})", item.command in firmware.placed
+        at, placed = f"item {seq} ({item.name})", item.command in firmware.placed
         if not firmware.takes(item.command):
             yield f"{at}: {firmware.name} does not take it"
         elif placed and item.frame not in firmware.frames:
             yield f"{at}: {firmware.name} does not take frame {item.frame}"
-        elif item.command in TAKEOFFS and (item.latitude_deg, item.longitude_deg) == (0.0, 0.0):
+        elif item.is_takeoff and (item.latitude_deg, item.longitude_deg) == (0.0, 0.0):
             if not item.is_here(autopilot):
                 yield f"{at}: {firmware.name} would take off to latitude 0, longitude 0"
         elif any(map(math.isnan, item.params)) and not firmware.nan_holds:

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from ipoa_mission.autopilot.autopilot import Autopilot, registered
-from ipoa_mission.autopilot.commands import FLOWN_TO, PLAIN_FRAME, Command, Frame, command_name
+from ipoa_mission.autopilot.commands import FLOWN_TO, PLAIN_FRAME, Command, Frame
 from ipoa_mission.autopilot.vehicle_kind import QUADROTOR
 from ipoa_mission.errors import BadInput
 from ipoa_mission.finding import Finding, Severity
@@ -134,7 +134,7 @@ def _entries(items: Sequence[Item], mission: Mission) -> Iterator[dict[str, Any]
 
 
 def _check_written(number: int, item: Item, count: int) -> None:
-    where = f"item {number} ({command_name(item.command)})"
+    where = f"item {number} ({item.name})"
     if item.frame in ALTITUDE_MODES and not math.isfinite(item.altitude):
         raise BadInput(f"expected an altitude, not {item.altitude}", code="altitude-missing", place=where)
     if item.command == Command.DO_JUMP and item.params[0] not in range(1, count + 1):

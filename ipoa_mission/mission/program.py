@@ -16,11 +16,9 @@ import numpy as np
 from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.autopilot.commands import (
     FLOWN_TO,
-    JUMPS,
     LAST_NAV,
     MOVING_AFTER_LAST_NAV,
     TAKEOFF_AND_LAND,
-    WAYPOINTS,
     Command,
     Frame,
     plain_frame,
@@ -71,7 +69,7 @@ def led_to(items: Sequence[Item], index: int, moving: frozenset[int]) -> Iterato
             yield at
             continue
         ahead.append(at + 1)
-        if items[at].command in JUMPS and repeats(items[at]):
+        if items[at].is_jump and repeats(items[at]):
             ahead.append(jump_target(items, at))
 
 
@@ -107,7 +105,7 @@ def moves(item: Item) -> bool:
 
 
 def is_passed(item: Item) -> bool:
-    return item.command == Command.NAV_ARC_WAYPOINT or (item.command in WAYPOINTS and item.params[0] < 1)
+    return item.command == Command.NAV_ARC_WAYPOINT or (item.is_waypoint and item.params[0] < 1)
 
 
 def onward(items: Sequence[Item], n: int, autopilot: Autopilot, later: Iterable[int] | None = None) -> int | None:
@@ -189,7 +187,7 @@ class Program:
         for jumps in range(self.jump_profile.at_once + 1):
             if index >= len(self.items):
                 return None
-            if self.items[index].command not in JUMPS:
+            if not self.items[index].is_jump:
                 return index
             target = self._targets[index]
             if target is None or jumps == self.jump_profile.at_once:
@@ -205,7 +203,7 @@ class Program:
 
     @cached_property
     def _targets(self) -> dict[int, int | None]:
-        jumps = (n for n, item in enumerate(self.items) if item.command in JUMPS)
+        jumps = (n for n, item in enumerate(self.items) if item.is_jump)
         return {n: jump_target(self.items, n, self.first) for n in jumps}
 
     def _jumps(self, index: int, taking: bool) -> bool:

@@ -279,7 +279,7 @@ def fence_from_wire(items: Sequence[Item]) -> tuple[FencePolygon | FenceCircle, 
             center = (item.latitude_deg, item.longitude_deg)
             fence.append(FenceCircle(center, item.params[0], CIRCLE[Command(item.command)]))
         elif item.command != Command.NAV_FENCE_RETURN_POINT:
-            words = f"expected a fence, not {command_name(item.command)}"
+            words = f"expected a fence, not {item.name}"
             raise MissionError(words, code="not-a-mission-item", place=place)
         at += count
     return tuple(fence)
@@ -293,6 +293,6 @@ def rally_to_wire(rally: Sequence[Geodetic]) -> tuple[Item, ...]:
 def rally_from_wire(items: Sequence[Item]) -> tuple[Geodetic, ...]:
     for at, item in enumerate(items, 1):
         if item.command != Command.NAV_RALLY_POINT:
-            words = f"expected a rally point, not {command_name(item.command)}"
+            words = f"expected a rally point, not {item.name}"
             raise MissionError(words, code="not-a-mission-item", place=f"rally item {at}")
     return tuple(Geodetic(item.latitude_deg, item.longitude_deg, item.altitude) for item in items)

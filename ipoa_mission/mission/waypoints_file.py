@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from ipoa_mission.autopilot.autopilot import Autopilot, default_autopilot
-from ipoa_mission.autopilot.commands import TAKEOFFS, Command, Frame, command_name
+from ipoa_mission.autopilot.commands import Command, Frame
 from ipoa_mission.errors import BadInput, WrongFormat
 from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.geodesy import Geodetic
@@ -36,7 +36,7 @@ def waypoints_text(mission: Mission) -> str:
 
 
 def lost_in_waypoints(mission: Mission) -> tuple[str, ...]:
-    takes_off = any(item.command in TAKEOFFS for item in mission.items)
+    takes_off = any(item.is_takeoff for item in mission.items)
     return (*left_out(mission), *([TAKEOFF_LOST] if takes_off else []))
 
 
@@ -79,7 +79,7 @@ def parse_waypoints(path: Path, text: str, autopilot: Autopilot | None = None) -
 
 
 def _check(number: int, item: Item) -> None:
-    where = f"item {number} ({command_name(item.command)})" if number else "home"
+    where = f"item {number} ({item.name})" if number else "home"
     if item.frame in (Frame.GLOBAL_TERRAIN_ALT, Frame.GLOBAL_TERRAIN_ALT_INT):
         words = "expected an altitude above home or AMSL, not above terrain: ground stations read it as AMSL"
         raise BadInput(words, hint="write a .plan file", code="frame-not-written", place=where)

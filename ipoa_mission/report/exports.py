@@ -15,7 +15,7 @@ from xml.etree import ElementTree as Tree
 
 import numpy as np
 
-from ipoa_mission.autopilot.commands import Frame, command_name, plain_frame
+from ipoa_mission.autopilot.commands import Frame, plain_frame
 from ipoa_mission.errors import WrongSuffix
 from ipoa_mission.files import write_atomically
 from ipoa_mission.forecast.forecast import Forecast
@@ -124,7 +124,7 @@ def to_geojson(forecast: Forecast, name: str) -> str:
         about = {
             "kind": "item",
             "seq": seq,
-            "command": command_name(item.command),
+            "command": item.name,
             "frame": int(item.frame),
             "altitude": item.altitude,
             "params": [param if math.isfinite(param) else None for param in item.params],
@@ -161,7 +161,7 @@ def to_kml(forecast: Forecast, name: str) -> str:
     for seq, item, (longitude, latitude, amsl) in _placed_items(mission):
         over_terrain = plain_frame(item.frame) == Frame.GLOBAL_TERRAIN_ALT
         place = longitude, latitude, item.altitude if over_terrain else amsl
-        items.append(_placemark(f"{seq} {command_name(item.command)}", _shape("Point", [place], over_terrain)))
+        items.append(_placemark(f"{seq} {item.name}", _shape("Point", [place], over_terrain)))
     fence = []
     for n, part in enumerate(mission.fence, start=1):
         style = "inclusion" if part.inclusion else "exclusion"
@@ -190,9 +190,7 @@ def _coordinates(places: Iterable[LonLatUp]) -> Tree.Element:
 def to_gpx(forecast: Forecast, name: str) -> str:
     mission = forecast.mission_as_read
     marks = [_gpx_point("wpt", place, label) for label, place in marks_of(mission)]
-    route = [
-        _gpx_point("rtept", place, f"{seq} {command_name(item.command)}") for seq, item, place in _placed_items(mission)
-    ]
+    route = [_gpx_point("rtept", place, f"{seq} {item.name}") for seq, item, place in _placed_items(mission)]
     segments = []
     for stretch in lines_of(forecast):
         points = [(lon, lat, math.nan if stretch.over_terrain else amsl) for lon, lat, amsl in stretch.points]

@@ -13,7 +13,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ipoa_mission.autopilot.commands import WAYPOINTS
 from ipoa_mission.finding import Finding
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.mission.flight_record import FlightRecord
@@ -53,7 +52,7 @@ def report_html(
     extent = drawn_flight.extent_of(places, predicted.points, *([] if flown is None else [flown.points]))
     has_zones = extent.obstacles(airspace) != extent.buildings(airspace)
     dangers, home = drawn_flight.find_dangers(predicted, scenario), return_paths(forecast)
-    waypoints = sum(leg.item.command in WAYPOINTS for leg in legs)
+    waypoints = sum(leg.item.is_waypoint for leg in legs)
     vehicle = f"Mission for {mission.autopilot.firmware().name}, {len(mission.items)} items"
     parts = {
         "title": escape(scenario.name),

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ipoa_mission.autopilot.commands import JUMPS, Command, Frame, command_name, plain_frame
+from ipoa_mission.autopilot.commands import Command, Frame, plain_frame
 from ipoa_mission.errors import BadInput
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.itinerary.flown_legs import Leg
@@ -78,7 +78,7 @@ def rows_of(forecast: Forecast) -> tuple[Row, ...]:
         for leg in forecast.legs:
             if not leg.alternative:
                 legs[leg.seq].append(leg)
-        if any(item.command in JUMPS for item in mission.items):
+        if any(item.is_jump for item in mission.items):
             with suppress(BadInput):  # endless jumps
                 passes.update(visit.seq for visit in forecast.itinerary.visits)
     home = Row(0, "home", mission.home.latitude_deg, mission.home.longitude_deg, mission.home.altitude, 0.0)
@@ -121,7 +121,7 @@ def _row(seq: int, item: Item, mission: Mission, legs: list[Leg], scenario: "Sce
         height = scenario.frame.geodetic(points[-1]).altitude - mission.home.altitude
     return Row(
         seq=seq,
-        command=command_name(item.command),
+        command=item.name,
         latitude_deg=item.latitude_deg if on_map else None,
         longitude_deg=item.longitude_deg if on_map else None,
         altitude_amsl=_known(mission.home.altitude + height),

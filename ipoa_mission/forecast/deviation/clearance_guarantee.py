@@ -7,6 +7,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+import ipoa_mission.forecast.deviation.kept_limits as kept_limits
 from ipoa_mission.autopilot.commands import FLOWN_TO, LANDINGS, TAKEOFFS, Command
 from ipoa_mission.centimeters import ceil_cm, falls_short, floor_cm, goes_beyond
 from ipoa_mission.forecast.deviation.kept_limits import (
@@ -15,10 +16,6 @@ from ipoa_mission.forecast.deviation.kept_limits import (
     DeviationBound,
     TightPlace,
     deviation_bound_of,
-    limits_kept,
-    round_places,
-    runs,
-    tight_places,
 )
 from ipoa_mission.forecast.deviation.law import DeviationLaw
 from ipoa_mission.forecast.deviation.proximity import proximity_risks
@@ -109,12 +106,12 @@ def deviation_bound_holds(flown: Pieces, task: ClearanceTask) -> bool:
     chance, law = task.chance, task.law
     required, airspace = ceil_cm(task.path.limits.obstacle_distance), task.path.airspace
     if airspace.obstacles:
-        free = round_places(flown.points, _tight(task)) < 0
-        for stretch in runs(flown.points, free):
+        free = kept_limits.round_places(flown.points, _tight(task)) < 0
+        for stretch in kept_limits.runs(flown.points, free):
             nearest = airspace.obstacle_clearance(thinned(stretch), within=required + 2 * THINNING_TOLERANCE)
             if nearest.distance - THINNING_TOLERANCE < required:
                 return False
-        for stretch in runs(flown.points, ~free):
+        for stretch in kept_limits.runs(flown.points, ~free):
             if _least_clearance(airspace, [stretch], required).distance < required - TOUCHING:
                 return False
         if chance is not None:
@@ -126,7 +123,7 @@ def deviation_bound_holds(flown: Pieces, task: ClearanceTask) -> bool:
 
 def limits_broken_by_deviation(path: Points, task: ClearanceTask) -> list[Check]:
     """Return the limits of height and place that flights along the path (n, 3) break, each at its worst place."""
-    checks = limits_kept(thinned(path), task.path, _bound(task.law, task.chance))
+    checks = kept_limits.limits_kept(thinned(path), task.path, _bound(task.law, task.chance))
     return [check for check in checks if _breaks(check.nearest.distance, check.required, check.at_most)]
 
 
@@ -155,7 +152,7 @@ def _worst_checks(part: Pieces, task: ClearanceTask, bound: DeviationBound) -> I
     for heights in (-down, up) if part.spread.any() else (up,):
         path = part.points.copy()
         path[:, 2] += heights
-        for check in limits_kept(thinned(path), task.path, wider):
+        for check in kept_limits.limits_kept(thinned(path), task.path, wider):
             known = worst.setdefault((check.limit, check.required), check)
             if (known.nearest.distance > check.nearest.distance) != check.at_most:
                 worst[check.limit, check.required] = check
@@ -164,7 +161,7 @@ def _worst_checks(part: Pieces, task: ClearanceTask, bound: DeviationBound) -> I
 
 def _tight(task: ClearanceTask) -> tuple[TightPlace, ...]:
     lateral = 0.0 if task.chance is None else task.law.lateral(task.chance)
-    return tight_places(task.path, 2 * THINNING_TOLERANCE + lateral)
+    return kept_limits.tight_places(task.path, 2 * THINNING_TOLERANCE + lateral)
 
 
 def clearance_guarantee_of(flight: "PredictedFlight") -> ClearanceGuarantee:
@@ -206,7 +203,7 @@ class PredictedFlight:
                     yield self._obstacles(part, its_law, chance, np.full(len(part.points) - 1, True), name)
             if end > begin:
                 part, tight = self.pieces.part(begin, end), _tight(self.task)
-                at = round_places(part.points, tight)
+                at = kept_limits.round_places(part.points, tight)
                 for n in np.unique(at).tolist():
                     yield self._obstacles(part, law, chance, at == n, "" if n < 0 else tight[n].name)
         for first, then in self._above_ground(begin, end):
@@ -227,7 +224,7 @@ class PredictedFlight:
         self, part: Pieces, law: DeviationLaw, chance: float | None, chosen: NDArray[np.bool_], name: str
     ) -> KeptLimit:
         airspace, required = self.task.path.airspace, self.task.path.limits.obstacle_distance
-        nominal = _least_clearance(airspace, [*runs(part.points, chosen)], required if name else -np.inf)
+        nominal = _least_clearance(airspace, [*kept_limits.runs(part.points, chosen)], required if name else -np.inf)
         least, to, place = nominal.distance, nominal.what, nominal.place
         guaranteed = least
         if chance is not None:
@@ -242,7 +239,7 @@ class PredictedFlight:
 
     def _others(self, part: Pieces, bound: DeviationBound) -> Iterator[KeptLimit]:
         path = thinned(part.points)
-        checks = limits_kept(path, self.task.path, NO_DEVIATION.wider(THINNING_TOLERANCE))
+        checks = kept_limits.limits_kept(path, self.task.path, NO_DEVIATION.wider(THINNING_TOLERANCE))
         nominal = {(check.limit, check.required): check.nearest.distance for check in checks}
         for check in _worst_checks(part, self.task, bound):
             near = check.nearest

@@ -10,21 +10,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+import ipoa_mission.forecast.itinerary.copter_curves as curves
 from ipoa_mission.autopilot.commands import FLOWN_TO, JUMPS, Command
 from ipoa_mission.autopilot.returning import FlightStage, ReturnBy, ReturnOrder
-from ipoa_mission.forecast.itinerary.copter_curves import (
-    NEAR_CIRCLE,
-    arc_chords,
-    circle_chords,
-    circle_entry,
-    circle_radius,
-    circle_turn,
-    is_arc,
-    place_after,
-    spline_chords,
-    spline_tangents,
-    turn_of,
-)
 from ipoa_mission.geodesy import Geodetic, LocalFrame
 from ipoa_mission.geometry import Place, Points, Vector, arc_lengths
 from ipoa_mission.ground import Ground
@@ -150,24 +138,25 @@ class _LegBuilder:
         if is_curve and np.linalg.norm(target - origin) > 1e-3:  # [m]
             self.curve = seq, origin, self.flown_in
             return self._curve(seq, item, target, next_navigated(self.mission.items, seq - 1, self.mission.autopilot))
-        turn = 0.0 if self.flown_in is None or self.curve else turn_of(item)
-        if is_arc(triple(origin), triple(target), turn):
+        turn = 0.0 if self.flown_in is None or self.curve else curves.turn_of(item)
+        if curves.is_arc(triple(origin), triple(target), turn):
             ends = self._over(item, origin), self._over(item, target)
-            leg = self._bent(seq, item, arc_chords(*ends, turn, CHORD_TOLERANCE))
+            leg = self._bent(seq, item, curves.arc_chords(*ends, turn, CHORD_TOLERANCE))
         else:
             leg = self._to(seq, target, item.is_over_terrain)
         self.flown_in, self.curve = None if next_index is None else target - origin, None
         return leg
 
     def _curve(self, seq: int, item: Item, target: Vector, next_index: int | None) -> Leg:
-        items, after = self.mission.items, None
+        begin, end = self._over(item, self.at), self._over(item, target)
+        after = None
         if next_index is not None:
-            after = place_after(item, items[next_index], self._over(item, target), self._named(items[next_index]))
-        begin = None if self.flown_in is None else triple(self.flown_in)
-        ends = self._over(item, self.at), self._over(item, target)
-        tangents = spline_tangents(*ends, begin, after)
+            next_item = self.mission.items[next_index]
+            after = curves.place_after(item, next_item, end, self._named(next_item))
+        flown_in = None if self.flown_in is None else triple(self.flown_in)
+        tangents = curves.spline_tangents(begin, end, flown_in, after)
         self.flown_in = np.array(tangents[1]) if any(tangents[1]) else None
-        return self._bent(seq, item, spline_chords(*ends, tangents, CHORD_TOLERANCE))
+        return self._bent(seq, item, curves.spline_chords(begin, end, tangents, CHORD_TOLERANCE))
 
     def _named(self, item: Item) -> Place:
         height = item.altitude if item.is_over_terrain else self.mission.altitude_above_home(item)
@@ -192,19 +181,19 @@ class _LegBuilder:
     def _circle(self, seq: int, item: Item) -> Iterator[Leg]:
         if (center := self.places[seq - 1]) is None:
             return
-        radius = circle_radius(item)
-        edge, apart = circle_entry(triple(self.at), triple(center), radius, self.heading)
+        radius = curves.circle_radius(item)
+        edge, apart = curves.circle_entry(triple(self.at), triple(center), radius, self.heading)
         if radius <= 0.0:
             yield self._to(seq, np.array([center[0], center[1], self.at[2]]), follow_terrain=False)
-        elif apart > NEAR_CIRCLE:
+        elif apart > curves.NEAR_CIRCLE:
             yield self._to(seq, np.array(edge), item.is_over_terrain)
         self.flown_in = self.curve = None
-        turn, version = circle_turn(item), self.mission.firmware_version
+        turn, version = curves.circle_turn(item), self.mission.firmware_version
         if radius > 0.0 and turn != 0.0:
             flown = self.mission.autopilot.circle(self.parameters, radius, turn, self.speed, version)
             assert flown is not None, "it flies circles"
-            turn, begin = circle_turn(item, flown.sense), self._over(item, self.at)
-            yield self._bent(seq, item, circle_chords(begin, triple(center), flown, turn, CHORD_TOLERANCE))
+            turn, begin = curves.circle_turn(item, flown.sense), self._over(item, self.at)
+            yield self._bent(seq, item, curves.circle_chords(begin, triple(center), flown, turn, CHORD_TOLERANCE))
 
     def _to(self, seq: int, target: Vector, follow_terrain: bool) -> Leg:
         points = np.array([self.at, target])

@@ -5,17 +5,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
-from ipoa_mission.autopilot.commands import (
-    FLOWN_TO,
-    JUMPS,
-    LAST_NAV,
-    TAKEOFFS,
-    WAYPOINTS,
-    Command,
-    Frame,
-    command_name,
-    plain_frame,
-)
+from ipoa_mission.autopilot.commands import FLOWN_TO, LAST_NAV, TAKEOFFS, Command, Frame, plain_frame
 from ipoa_mission.autopilot.parameters import Parameters
 from ipoa_mission.autopilot.returning import HOME, MissionLanding, ReturnBy, ReturnOrder, ReturnRoute
 from ipoa_mission.errors import BadInput, EndlessFlight, NotModeled
@@ -124,11 +114,11 @@ def flying_already(route: Itinerary) -> float | None:
 def _unrolled(mission: Mission) -> list[int]:
     count = len(mission.items)
     for n, item in enumerate(mission.items):
-        if item.command in JUMPS and jump_target(mission.items, n) is None:
+        if item.is_jump and jump_target(mission.items, n) is None:
             asked = item.params[0]
             expected = "the tag of a JUMP_TAG" if item.command == Command.DO_JUMP_TAG else f"an item from 1 to {count}"
             raise BadInput(f"expected {expected} to jump to, not {asked:g}", place=f"item {n + 1}: param1")
-        if item.command in JUMPS and repeats(item) == math.inf:
+        if item.is_jump and repeats(item) == math.inf:
             raise EndlessFlight("the jump never ends, so the flight has no time", place=f"item {n + 1}: param2")
     program, order = program_of(mission, mission.items), list[int]()
     most = 20_000  # ArduPilot's limit of a mission's size
@@ -174,7 +164,7 @@ def find_unknown(mission: Mission) -> Iterator[Unknown]:
                 why = "it begins near the circle's center: the side of its entry is random"
                 yield Unknown(n + 1, why, "begin it farther from the center")
             here = None
-        elif item.command in TAKEOFFS:
+        elif item.is_takeoff:
             here = (*(here or HOME)[:2], place[2])
         elif item.command in FLOWN_TO:
             here = place
@@ -187,16 +177,16 @@ def find_unknown(mission: Mission) -> Iterator[Unknown]:
             if before is not None and _turns_back(program, n, before, place):
                 why = f"it turns by more than {MAX_TURN_DEG:g} degrees: flown up to 1.6 m off its forecast"
                 yield Unknown(n + 1, why, "turn at two waypoints")
-        elif item.command in WAYPOINTS and (next_index := program.onward(n)) is not None:
+        elif item.is_waypoint and (next_index := program.onward(n)) is not None:
             yield from _payload_elsewhere(mission, program, n, next_index)
 
 
 def past_jumps(mission: Mission) -> Iterator[Unknown]:
     items = mission.items
-    if not any(item.command in JUMPS for item in items):
+    if not any(item.is_jump for item in items):
         return
     for n, instead in sorted(program_of(mission, items).followed()[1].items()):
-        jump = next((later + 1 for later in range(n, len(items)) if items[later].command in JUMPS), 0)
+        jump = next((later + 1 for later in range(n, len(items)) if items[later].is_jump), 0)
         why = (
             f"{mission.autopilot.model} flies on from here to item {instead + 1}, not to the target of the jump at "
             f"item {jump}, because that target is no place"
@@ -210,7 +200,7 @@ def _after_a_spline(program: Program, n: int) -> Iterator[Unknown]:
     for after in {next_navigated(items, n, program.autopilot), program.shaped_by(n)} - {None}:
         assert after is not None
         if items[after].command not in WITH_PLACE and not reads_as_here(items[after]):
-            name = command_name(items[after].command)
+            name = items[after].name
             why = f"{name} after a spline is read as a place far away or up: the vehicle may dive into the ground"
             yield Unknown(n + 1, why, "put a waypoint between them", "never-reached")
 
@@ -224,14 +214,14 @@ def _braking_lengths(mission: Mission) -> list[float]:
     speed, accel = (values[parameter.name] * parameter.unit for parameter in both)
     changed = (n for n, item in enumerate(items) if item.command == Command.DO_CHANGE_SPEED)
     changes = {n: items[n].params[1] for n in changed if items[n].params[0] in LEVEL_SPEEDS and items[n].params[1] > 0}
-    if any(item.command in JUMPS for item in items):
+    if any(item.is_jump for item in items):
         return [max([speed, *changes.values()]) ** 2 / accel] * len(items)
     lengths, is_at_rest = list[float](), True
     for n, item in enumerate(items):
         speed = changes.get(n, speed)
         lengths.append(0.0 if is_at_rest else speed**2 / accel)
         if item.command in FLOWN_TO:
-            is_at_rest = item.command in TAKEOFFS or not is_passed(item)
+            is_at_rest = item.is_takeoff or not is_passed(item)
     return lengths
 
 

@@ -53,7 +53,7 @@ def kinematics(autopilot: Autopilot, parameters: Parameters, speed: float | None
 def route_time(
     route: Itinerary, done: Sequence[float] | Vector, track: Track, autopilot: Autopilot, parameters: Parameters
 ) -> RouteTime:
-    ends = [n for n, visit in enumerate(route.visits) if visit.item.command in WAYPOINTS]
+    ends = [n for n, visit in enumerate(route.visits) if visit.item.is_waypoint]
     starts = [n for n, visit in enumerate(route.visits) if visit.item.command in WAYPOINTS | {Command.NAV_TAKEOFF}]
     if not ends or starts[0] == ends[-1]:
         return NO_ROUTE
