@@ -298,7 +298,6 @@ def _too_many(mission: Mission, count: int, profile: JumpProfile) -> Iterator[Fi
 
 
 def _at_other_times(mission: Mission, flown: Steps, listed: Steps) -> Iterator[Finding]:
-    """Report the actions that the firmware runs at other steps of the mission than those `listed`."""
     done = _steps_by_item(flown)
     due = _steps_by_item(listed)
     for index in sorted(due):

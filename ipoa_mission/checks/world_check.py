@@ -27,7 +27,6 @@ from ipoa_mission.wind import CALM, Wind
 
 
 def check_world(forecast: Forecast, is_flown: bool, before: Iterable[Finding]) -> list[Finding]:
-    """Return the findings in the scenario's world; contingencies only if no finding, nor one `before`, is an error."""
     guarantee = forecast.guarantee_if_known if is_flown else None
     findings = list(check_airspace(forecast))
     if guarantee is not None:

@@ -208,7 +208,6 @@ class Mission:
 
     @property
     def firmware(self) -> Firmware:
-        """Return the table of its firmware version."""
         return self.autopilot.firmware(self.firmware_version)
 
     @property
@@ -217,7 +216,6 @@ class Mission:
 
     @property
     def complete_parameters(self) -> Parameters:
-        """Return its parameters, and the defaults of all others."""
         return self.autopilot.complete(self.parameters, self.firmware_version)
 
     def with_parameters(self, parameters: Parameters) -> "Mission":

@@ -74,15 +74,7 @@ def led_to(items: Sequence[Item], index: int, moving: frozenset[int]) -> Iterato
 
 
 def as_flown(mission: Mission) -> Mission:
-    """Return the mission with a place and a height in each item that is flown to.
-
-    >>> from ipoa_mission.mission.items import takeoff, waypoint
-    >>> from ipoa_mission.geodesy import Geodetic
-    >>> home, there = Geodetic(47.397742, 8.545594, 488.0), Geodetic(47.398642, 8.545594)
-    >>> items = (takeoff(home, 15.0), waypoint(there, 0.0))
-    >>> as_flown(Mission(home, items, Autopilot.ARDUPILOT)).items[1].altitude
-    15.0
-    """
+    """Return the mission with a place and a height in each item that is flown to."""
     latitude, longitude = mission.home.latitude_deg, mission.home.longitude_deg
     altitude, frame = 0.0, int(Frame.GLOBAL_RELATIVE_ALT)
     items: list[Item] = []
@@ -271,7 +263,6 @@ class Program:
 
 
 def program_of(mission: Mission, items: tuple[Item, ...]) -> Program:
-    """Return a program of `items`, with the rules of jumps that firmware and parameters of the mission set."""
     rules = mission.firmware.jumps
     name, bit = rules.kept_by
     options = mission.autopilot.parameter_table.by_old_names(mission.parameters).get(name, 0.0)

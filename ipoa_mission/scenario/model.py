@@ -19,15 +19,9 @@ from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.ground import LEVEL, Ground
 from ipoa_mission.maps.passed import PassedCount, PassedOver
 from ipoa_mission.rules import expect_ignorable
+from ipoa_mission.scenario import flight_sections
 from ipoa_mission.scenario.explain import explained
-from ipoa_mission.scenario.flight_sections import (
-    CostSection,
-    OptimizerSection,
-    PlanningSection,
-    RouteSection,
-    SafetySection,
-    WindSection,
-)
+from ipoa_mission.scenario.flight_sections import WindSection
 from ipoa_mission.scenario.map_sections import MapSection
 from ipoa_mission.scenario.obstacles import ObstacleSection
 from ipoa_mission.scenario.path_limits import Limits, low_zones, without_repeats
@@ -85,7 +79,7 @@ class Scenario(Section):
     """Weights and distances for a task. Explicit values take precedence. Default: the weights of the paper."""
     safety_distance: NotNegative = 1.0
     """Least clearance between the vehicle's hull and anything else [m]."""
-    safety: SafetySection = SafetySection()
+    safety: flight_sections.SafetySection = flight_sections.SafetySection()
     """Confidence in that clearance."""
     time: AwareDatetime | None = None
     """Take-off time, such as 2026-11-22T10:00:00Z. Zones that are inactive in the following hour are ignored. Default:
@@ -108,13 +102,13 @@ class Scenario(Section):
     """The vehicle."""
     wind: WindSection = WindSection()
     """The wind of the flight."""
-    cost: CostSection = CostSection()
+    cost: flight_sections.CostSection = flight_sections.CostSection()
     """The cost of a path."""
-    planning: PlanningSection = PlanningSection()
+    planning: flight_sections.PlanningSection = flight_sections.PlanningSection()
     """The search for a path."""
-    optimizer: OptimizerSection = OptimizerSection()
+    optimizer: flight_sections.OptimizerSection = flight_sections.OptimizerSection()
     """The search algorithm."""
-    route: RouteSection = RouteSection()
+    route: flight_sections.RouteSection = flight_sections.RouteSection()
     """Waypoints of the curve, and the end of the mission."""
     maps: tuple[MapSection, ...] = ()
     """Files with buildings, no-fly zones or the flight area."""
@@ -320,7 +314,8 @@ class Scenario(Section):
 
     @cached_property
     def limits(self) -> Limits:
-        planning, distance = self.planning, self.vehicle.radius + self.safety_distance
+        planning = self.planning
+        distance = self.vehicle.radius + self.safety_distance
         angles = (planning.max_climb_angle_deg, planning.max_descent_angle_deg)
         climb, descent = (np.inf if angle is None else float(np.radians(angle)) for angle in angles)
         least = distance if planning.min_height_above_ground is None else planning.min_height_above_ground

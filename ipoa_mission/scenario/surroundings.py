@@ -45,10 +45,9 @@ def allowed_area(fences: Sequence[FenceSection], frame: LocalFrame) -> Any | Non
     shapes = [_shape(fence, frame, f"fence[{i}]") for i, fence in enumerate(fences) if fence.inclusion]
     if not shapes:
         return None
-    common = shapely.intersection_all(shapes)
-    if common.geom_type != "Polygon" or common.is_empty:
-        raise BadInput("expected inclusions that have one area in common", code="fence-empty", place="fence")
-    if (distance := common.distance(HOME)) > 0:
+    common = _intersect(shapes, "expected inclusions that have one area in common", "fence")
+    distance = common.distance(HOME)
+    if distance > 0:
         words = f"expected home inside of it, not {distance:.1f} m outside"
         raise BadInput(words, code="home-outside-fence", place="fence")
     return common
@@ -104,11 +103,6 @@ class _Zones:
 
 @many_objects()
 def surroundings_of(scenario: "Scenario") -> Surroundings:
-    """Read the scenario's maps and terrain, and build its airspace and geofence.
-
-    Raises:
-        BadInput: home is outside a fence or area, or in a zone; the fences have no area in common; or a file is wrong.
-    """
     frame = scenario.frame
     maps = _read_zones(scenario)
     allowed = allowed_area(scenario.fence, frame)
@@ -126,7 +120,7 @@ def surroundings_of(scenario: "Scenario") -> Surroundings:
     exclusions = forbidden(scenario.fence, frame, min(lower, 0.0) - MARGIN, UNLIMITED_HEIGHT)
     box = shapely.box(*corners[0], *corners[1])
     areas = [area for area in (maps.area, allowed) if area is not None and not area.covers(box)]
-    footprint = Polygon(*rings_of(_common(areas))) if areas else None
+    footprint = Polygon(*rings_of(_intersect(areas))) if areas else None
     west, south = map(float, corners[0])
     east, north = map(float, corners[1])
     bounds = Bounds((west, south, lower), (east, north, upper), footprint)
@@ -169,7 +163,8 @@ def _read_zones(scenario: "Scenario") -> _Zones:
             passed += [PassedOver(section.file.name, f"area {n}", why, part, False) for n, part in enumerate(others, 2)]
             fenced |= section.geofence
         _expect_home_allowed(section, zones.zones, scenario.frame.home.altitude)
-    return _Zones(tuple(no_fly), _common(areas) if areas else None, fenced, tuple(passed), tuple(unread), remarks)
+    common = _intersect(areas) if areas else None
+    return _Zones(tuple(no_fly), common, fenced, tuple(passed), tuple(unread), remarks)
 
 
 def _read_buildings(
@@ -196,11 +191,12 @@ def _map_obstacles(scenario: "Scenario", buildings: Mapping[int, Buildings]) -> 
     return tuple((scenario.maps[n].file, thing) for n, read in buildings.items() for thing in read.obstacles)
 
 
-def _common(areas: list[Any]) -> Any:
+def _intersect(
+    areas: list[Any], expected: str = "expected flight areas and fences with one common area", place: str = "maps"
+) -> Any:
     common = shapely.intersection_all(areas)
     if common.geom_type != "Polygon" or common.is_empty:
-        words = "expected flight areas and fences with one common area"
-        raise BadInput(words, code="fence-empty", place="maps")
+        raise BadInput(expected, code="fence-empty", place=place)
     return common
 
 
@@ -227,7 +223,6 @@ def _places(scenario: "Scenario") -> NDArray[np.float64]:
 
 
 def _things(scenario: "Scenario") -> Box:
-    """Return the box around home, places, added tables and drawn obstacles."""
     drawn = [obstacle.build("", scenario.frame, LEVEL) for obstacle in scenario.obstacles]
     things = np.vstack([_places(scenario), *(obstacle.bounds[:, :2] for obstacle in drawn)])
     return things.min(axis=0), things.max(axis=0)

@@ -286,7 +286,6 @@ class Contingencies:
         return evenly, nearer
 
     def _row(self, contingency: Contingency, samples: ContingencySamples, run: range, grade: Grade) -> ContingencyRow:
-        """Return the row of the samples of a run; `least_m` counts all that the vehicle may be at by then."""
         reached = run if grade is Grade.CLEAR else self._within_tolerance(samples, run)
         near = min(self._nearest(contingency, samples, reached), key=lambda clearance: clearance.distance)
         least, required, to = near.distance, self.paths.required, near.what
@@ -312,7 +311,6 @@ class Contingencies:
         return range(min(int(begin), run.start), max(int(end), run.stop))
 
     def _nearest(self, contingency: Contingency, samples: ContingencySamples, run: range) -> list[Clearance]:
-        """Return the exact clearance of some samples of a run, the nearest among them."""
         slack = samples.slack[run.start : run.stop]
         inside = np.flatnonzero(slack <= -self.paths.required)  # their depth is not yet known
         most = 6
@@ -323,7 +321,6 @@ class Contingencies:
     def _timed(self, row: ContingencyRow, samples: ContingencySamples, run: range) -> ContingencyRow:
         if row.contingency not in TIMED:
             return row
-        """Return the row with times and energy: of its first, shortest, longest and last return."""
         lengths = np.linalg.norm(np.diff(samples.paths[run.start : run.stop], axis=2), axis=-1).sum(axis=2)
         possible = samples.possible[run.start : run.stop]
         shortest = int(np.where(possible, lengths, np.inf).min(axis=1).argmin())

@@ -117,14 +117,13 @@ class ContingencyPaths:
         return StoppingPoints(times, pieces.at(times), stops, seqs[ahead])
 
     def why_unknown(self) -> str | None:
-        """Return why returns are not computed; None: they are."""
         if self.routes.why_unknown is not None:
             return self.routes.why_unknown
         margin = self.mission.autopilot.fence_margin(self.routes.parameters, self.mission.firmware_version)
         return "returns round fences are not modeled" if self.mission.fence and margin is not None else None
 
     def samples(self, contingency: Contingency, between: tuple[float, float] | None = None) -> ContingencySamples:
-        """Return a contingency without a hidden shortfall, ordered `between` two times [s]; by default in the air."""
+        """Return a contingency `between` two times [s], by default in the air, without a hidden shortfall."""
         if between is None:
             if contingency not in self._samples:
                 self._samples[contingency] = self.samples(contingency, self.in_air)
@@ -195,7 +194,7 @@ class ContingencyPaths:
         return np.asarray(np.maximum.reduceat(spread, np.column_stack([first, last]).ravel())[::2])
 
     def goal_names(self, contingency: Contingency, samples: ContingencySamples, n: int) -> str:
-        """Return the possible goals of sample `n`, like "home or rally point 1"."""
+        """Return the possible goals, like "home or rally point 1"."""
         if contingency in IN_PLACE:
             return "here"
         names = ["home", *(f"rally point {k}" for k in range(1, len(self.rally) + 1))]
@@ -255,7 +254,6 @@ class ContingencyPaths:
         return self._near(np.stack([places[:-1], places[1:]], axis=1)[:, None])
 
     def _with_ground(self, contingency: Contingency, samples: ContingencySamples) -> ContingencySamples:
-        """Return the samples with the legs in cruise that are too low over the ground."""
         world = self.forecast.world
         end = _end_of_flight(contingency)
         begin_s, end_s = self.flight.cruise_span
@@ -312,7 +310,6 @@ class ContingencyPaths:
         return padded, self._possible(stops, seqs, len(to_goals) + len(self.routes.kinds))
 
     def _possible(self, stops: Points, seqs: NDArray[np.intp], n_goals: int) -> NDArray[np.bool_]:
-        """Return which paths of `_returns` the vehicle may choose, (n, k)."""
         chosen = np.zeros((len(stops), n_goals), dtype=bool)
         for row, stop, seq in zip(chosen, stops, seqs, strict=True):
             row[list(self.routes.goals(stop, int(seq), SAMPLING.position_error))] = True

@@ -1,4 +1,4 @@
-"""Samples of one contingency, ordered at many times of a flight, and the stopping points before it.
+"""Samples of one contingency, ordered at many times.
 
 Between two clear times no path moves farther than the slack of both.
 """
@@ -58,7 +58,6 @@ class StoppingPoints:
         return np.asarray(self.seqs[np.clip(nearest, 0, len(self.seqs) - 1)])
 
     def at(self, times: Vector) -> tuple[Points, Points]:
-        """Return places and stopping points at `times`, (n, 3) each [m]."""
         return interpolate(times, self.times, self.places), interpolate(times, self.times, self.stops)
 
 
@@ -100,7 +99,6 @@ class ContingencySamples:
         return np.asarray((self.times[1:] + self.times[:-1])[is_divided] / 2)
 
     def _next_to_nearest(self) -> NDArray[np.bool_]:
-        """Return the intervals (n-1,) beside the least slack of each run of equal samples."""
         is_beside = np.zeros(len(self.times), dtype=bool)
         for run in np.split(np.arange(len(self.times)), np.flatnonzero(~self.same_as_next) + 1):
             least = run[np.argmin(self.slack[run])]
@@ -109,6 +107,5 @@ class ContingencySamples:
 
     @classmethod
     def merge(cls, parts: "Sequence[ContingencySamples]") -> "ContingencySamples":
-        """Return the samples of all parts in the order of their times."""
         order = np.argsort(np.concatenate([part.times for part in parts]), kind="stable")
         return cls(**{f.name: np.concatenate([getattr(part, f.name) for part in parts])[order] for f in fields(cls)})

@@ -165,14 +165,14 @@ def budget_of(forecast: Forecast) -> Budget | None:
     return forecast.cached(_budget)
 
 
-def refusal_of(forecast: Forecast) -> NotEnoughBattery | None:
-    budget = budget_of(forecast)
-    return None if budget is None else budget.refusal
-
-
 def _budget(forecast: Forecast) -> Budget | None:
     used = forecast.energy
     return None if used is None else Budget(forecast, used, battery_of(forecast.scenario))
+
+
+def refusal_of(forecast: Forecast) -> NotEnoughBattery | None:
+    budget = budget_of(forecast)
+    return None if budget is None else budget.refusal
 
 
 def greatest_fitting(fits: Callable[[int], bool], count: int, guess: int = 1) -> int:

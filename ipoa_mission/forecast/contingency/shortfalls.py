@@ -41,7 +41,6 @@ class Shortfall:
 
 
 def find_return_shortfalls(paths: ContingencyPaths) -> list[Shortfall]:
-    """Return the shortfalls of RTL: those of every other second, if any, else those at all times."""
     begin, end = paths.in_air
     times = np.linspace(begin, end, max(2, round((end - begin) / (2 * SAMPLING.step_s))))
     few = paths.at(Contingency.RTL, times)

@@ -89,7 +89,6 @@ class DeviationLaw:
         return self.level.distance(chance / independent)
 
     def in_wind(self, speed: float) -> "DeviationLaw":
-        """Return the law in a wind [m/s]."""
         if speed == 0.0:
             return self
         level, down, up = (growth * speed for growth in self.growth)

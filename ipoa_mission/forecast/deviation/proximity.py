@@ -4,7 +4,7 @@ A flight nearer than k to an upright body deviates by more than (level - k) *and
 deviation towards its tangent plane counts. The least of these probabilities is an upper bound.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
 
 import numpy as np
@@ -74,7 +74,7 @@ class ProximityRisks:
         return np.asarray(np.divide(wider, length, out=np.ones(len(lateral)), where=length > 0))
 
     def of(self, chosen: NDArray[np.bool_]) -> "ProximityRisks":
-        columns = ("piece", "obstacle", "seconds", "lateral", "above", "is_over", "widening", "sides")
+        columns = (field.name for field in fields(self) if field.name != "law")
         return replace(self, **{name: getattr(self, name)[chosen] for name in columns})
 
     def likeliest_passings(self, clearance: float, chance: float) -> Numbers:

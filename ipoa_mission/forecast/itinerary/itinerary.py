@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
-from ipoa_mission.autopilot.commands import FLOWN_TO, LAST_NAV, TAKEOFFS, Command, Frame, plain_frame
+from ipoa_mission.autopilot.commands import FLOWN_TO, LAST_NAV, Command
 from ipoa_mission.autopilot.parameters import Parameters
 from ipoa_mission.autopilot.returning import HOME, MissionLanding, ReturnBy, ReturnOrder, ReturnRoute
 from ipoa_mission.errors import BadInput, EndlessFlight, NotModeled
@@ -14,7 +14,7 @@ from ipoa_mission.forecast.itinerary.flown_legs import LEVEL_SPEEDS
 from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.geometry import Place, Vector
 from ipoa_mission.ground import LEVEL, Ground
-from ipoa_mission.mission.items import Item, Mission
+from ipoa_mission.mission.items import Mission, Numbered
 from ipoa_mission.mission.program import Program, as_flown, is_passed, jump_target, next_navigated, program_of, repeats
 
 # Above LAST_NAV, but not instant.
@@ -24,14 +24,13 @@ CONDITIONS = frozenset({Command.CONDITION_DELAY, Command.CONDITION_DISTANCE})
 
 
 @dataclass(frozen=True)
-class Visit:
-    seq: int
-    item: Item
-
-
-@dataclass(frozen=True)
 class Itinerary:
-    visits: tuple[Visit, ...]
+    """The items in the order flown: `visits` numbered as in the mission, `program` with their places.
+
+    `over_terrain`: numbers of items above terrain. `rally`: east, north, up [m]. `parameters` by their older names.
+    """
+
+    visits: tuple[Numbered, ...]
     program: Program
     over_terrain: tuple[int, ...]
     ground: Ground = LEVEL
@@ -82,16 +81,12 @@ def itinerary(mission: Mission, ground: Ground = LEVEL) -> Itinerary:
     """
     order = _unrolled(mission)
     items = as_flown(replace(mission, items=tuple(mission.items[n] for n in order))).items
-    over_terrain = (
-        n + 1
-        for n, item in sorted(dict(zip(order, items, strict=True)).items())
-        if plain_frame(item.frame) == Frame.GLOBAL_TERRAIN_ALT and item.has_position
-    )
-    visits = tuple(Visit(n + 1, item) for n, item in zip(order, items, strict=True))
+    visits = tuple(Numbered(n + 1, item) for n, item in zip(order, items, strict=True))
+    over_terrain = sorted({seq for seq, item in visits if item.is_over_terrain and item.has_position})
     version = mission.firmware_version
     program = Program(items, mission.frame, mission.autopilot, version=version)
-    by_names = mission.autopilot.known_parameters(mission.parameters, version)
-    return Itinerary(visits, program, tuple(over_terrain), ground, rally_places(mission), by_names)
+    parameters = mission.autopilot.known_parameters(mission.parameters, version)
+    return Itinerary(visits, program, tuple(over_terrain), ground, rally_places(mission), parameters)
 
 
 def rally_places(mission: Mission) -> tuple[Place, ...]:
@@ -104,10 +99,9 @@ def rally_places(mission: Mission) -> tuple[Place, ...]:
 
 def flying_already(route: Itinerary) -> float | None:
     """Return the first height [m] of a mission without a take-off."""
-    for visit, place in zip(route.visits, route.program.places, strict=True):
-        command = visit.item.command
-        if command <= LAST_NAV and command != Command.NAV_DELAY:
-            return None if command in TAKEOFFS or math.isnan(place[0]) else max(0.0, float(place[2]))
+    for (_, item), place in zip(route.visits, route.program.places, strict=True):
+        if item.command <= LAST_NAV and item.command != Command.NAV_DELAY:
+            return None if item.is_takeoff or math.isnan(place[0]) else max(0.0, float(place[2]))
     return None
 
 
@@ -115,19 +109,19 @@ def _unrolled(mission: Mission) -> list[int]:
     count = len(mission.items)
     for n, item in enumerate(mission.items):
         if item.is_jump and jump_target(mission.items, n) is None:
-            asked = item.params[0]
             expected = "the tag of a JUMP_TAG" if item.command == Command.DO_JUMP_TAG else f"an item from 1 to {count}"
-            raise BadInput(f"expected {expected} to jump to, not {asked:g}", place=f"item {n + 1}: param1")
+            raise BadInput(f"expected {expected} to jump to, not {item.params[0]:g}", place=f"item {n + 1}: param1")
         if item.is_jump and repeats(item) == math.inf:
             raise EndlessFlight("the jump never ends, so the flight has no time", place=f"item {n + 1}: param2")
-    program, order = program_of(mission, mission.items), list[int]()
+    program = program_of(mission, mission.items)
+    order = list[int]()
     most = 20_000  # ArduPilot's limit of a mission's size
-    at: int | None = -1
-    while at is not None:
+    index: int | None = -1
+    while index is not None:
         if len(order) > most:
-            raise EndlessFlight(f"the mission's jumps make more than {most} visits", place=f"item {at + 1}")
-        passed, at = program.advance(at)
-        order += passed if at is None else [*passed, at]
+            raise EndlessFlight(f"the mission's jumps make more than {most} visits", place=f"item {index + 1}")
+        passed, index = program.advance(index)
+        order += passed if index is None else [*passed, index]
     if program.stuck_at is not None:
         raise EndlessFlight(f"{mission.autopilot.model} finds no next item", place=f"item {program.stuck_at + 1}")
     return order
@@ -216,7 +210,8 @@ def _braking_lengths(mission: Mission) -> list[float]:
     changes = {n: items[n].params[1] for n in changed if items[n].params[0] in LEVEL_SPEEDS and items[n].params[1] > 0}
     if any(item.is_jump for item in items):
         return [max([speed, *changes.values()]) ** 2 / accel] * len(items)
-    lengths, is_at_rest = list[float](), True
+    lengths = list[float]()
+    is_at_rest = True
     for n, item in enumerate(items):
         speed = changes.get(n, speed)
         lengths.append(0.0 if is_at_rest else speed**2 / accel)

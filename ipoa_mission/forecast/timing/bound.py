@@ -115,10 +115,6 @@ def derivatives(knots: Vector, points: Points, at: Vector) -> tuple[Points, Poin
     """Return first and second derivative, each (m, d), at `at` (m,), of the spline of `points` (n, d).
 
     `knots` (n,) must increase, n > 2.
-
-    >>> first, second = derivatives(np.array([0.0, 1.0, 3.0]), np.array([[0.0], [1.0], [9.0]]), np.array([2.0]))
-    >>> float(first[0, 0]), float(second[0, 0])
-    (4.0, 2.0)
     """
     h, _, slope, square, cube = _pieces(knots, points, at)
     return slope + (2 * square + 3 * cube * h) * h, 2 * square + 6 * cube * h

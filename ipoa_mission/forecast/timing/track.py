@@ -123,6 +123,7 @@ def pieces_of(track: Track, spread: Points | None = None) -> Pieces:
 
 
 def _bends(track: Track) -> tuple[Vector, Vector]:
+    """Return times, and the greatest lateral acceleration within 2 s of each, (n,) [m/s^2]."""
     begin = float(track.times[0])
     end = float(track.times[-1])
     step_s = 0.1
@@ -134,14 +135,6 @@ def _bends(track: Track) -> tuple[Vector, Vector]:
     speeds = [np.gradient(axis, step_s) for axis in level.T]
     gains = [np.convolve(np.gradient(speed, step_s), mean, "same") for speed in speeds]
     across = np.abs(speeds[0] * gains[1] - speeds[1] * gains[0]) / np.maximum(np.hypot(*speeds), 0.5)
-    return times, _greatest_near(across, round(reach_s / step_s))
-
-
-def _greatest_near(values: Vector, reach: int) -> Vector:
-    greatest = np.pad(values, reach)
-    seen = 1
-    width = 2 * reach + 1
-    while seen < width:
-        more = min(seen, width - seen)
-        greatest, seen = np.maximum(greatest[:-more], greatest[more:]), seen + more
-    return greatest
+    reach = round(reach_s / step_s)
+    near = np.lib.stride_tricks.sliding_window_view(np.pad(across, reach), 2 * reach + 1)
+    return times, near.max(axis=1)
