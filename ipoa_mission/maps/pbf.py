@@ -1,4 +1,4 @@
-"""Read OpenStreetMap's binary extracts by osmium: a first pass locates all, a second reads the wanted."""
+"""Read OpenStreetMap's binary extracts by osmium: a first pass locates all, a second reads tags of the wanted."""
 
 from collections.abc import Iterator, Mapping
 from itertools import compress, islice
@@ -7,7 +7,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 
 from ipoa_mission.errors import BadInput, DamagedFile, NothingThere, TooLarge, WrongFormat, imported
 from ipoa_mission.files import read_bytes
@@ -16,17 +15,16 @@ from ipoa_mission.maps.map_window import MapWindow, cut_out
 from ipoa_mission.maps.osm import META_TAGS, Relation, area_of, feature_of, is_area, plain_tags, shape_of, ways_of
 
 LARGEST_PBF = 200_000_000  # [bytes], about a minute
-UNKNOWN_BOX = (np.nan,) * 4
 
 
 class _Located(NamedTuple):
-    """A node or way: its corners as WKB, or the box of the known ones."""
+    """A node or way: its point or line as WKB; if places are missing None, and the `known` ones."""
 
     is_node: bool
     number: int
     has_tags: bool
     wkb: bytes | None
-    box: tuple[float, ...]
+    known: tuple[tuple[float, float], ...] = ()
 
 
 def read_pbf(path: Path, around: MapWindow) -> Iterator[list[Feature]]:
@@ -41,136 +39,111 @@ def read_pbf(path: Path, around: MapWindow) -> Iterator[list[Feature]]:
             place=path,
         )
     any_there = False
-    features = _Extract(osmium, path, around).read()
+    features = _features(osmium, path, around)
     try:
-        while some := list(islice(features, BATCH)):
+        while batch := list(islice(features, BATCH)):
             any_there = True
-            yield some
+            yield batch
     except (RuntimeError, OSError, ValueError) as error:
         raise DamagedFile(f"expected a whole .osm.pbf file: {error}", place=path) from error
     if not any_there and not around.elsewhere:
         raise NothingThere("expected things with tags, but there are none", place=path)
 
 
-class _Extract:
-    def __init__(self, osmium: Any, path: Path, around: MapWindow) -> None:
-        self._osmium = osmium
-        self._path = path
-        self._around = around
-        self._file = osmium.io.File(str(path), "pbf")
-        self._factory = osmium.geom.WKBFactory()
-        self._all = osmium.geom.use_nodes.ALL
-        self._nodes = set[int]()
-        self._ways = set[int]()
-        self._boxes: dict[str, list[float]] = {}  # of ways of areas [deg]
-
-    def read(self) -> Iterator[Feature]:
-        osmium = self._osmium
-        osm = self._osmium.osm
-        if osmium.io.Reader(self._file, osm.NOTHING).header().has_multiple_object_versions:
-            raise BadInput("expected the map as it is now, not its history", place=self._path)
-        relations = self._relations()
-        places = self._locate(_parts(relations))
-        if relations:
-            counts = self._around.wants(np.array([self._box_of(relation) for relation in relations.values()]))
-            relations = {number: relations[number] for number in compress(relations, counts.tolist())}
-        for node in self._again(osm.NODE, self._nodes):
-            shape = shapely.Point(node.lon, node.lat) if _is_known(node) else EMPTY_SHAPE
-            tags = _tags(node)
+def _features(osmium: Any, path: Path, around: MapWindow) -> Iterator[Feature]:
+    osm = osmium.osm
+    file = osmium.io.File(str(path), "pbf")
+    if osmium.io.Reader(file, osm.NOTHING).header().has_multiple_object_versions:
+        raise BadInput("expected the map as it is now, not its history", place=path)
+    relations = _areas(osmium, file)
+    numbers = {int(number) for relation in relations.values() for number, _ in ways_of(relation)}
+    members = dict[str, Any]()  # ways of relations, with or without tags of their own
+    nodes = dict[int, Any]()
+    ways = dict[int, Any]()
+    elements = _located(osmium, file, path)
+    while batch := list(islice(elements, BATCH)):
+        shapes = shapely.from_wkb([element.wkb for element in batch])
+        for n in np.flatnonzero(shapely.is_missing(shapes)):
+            shapes[n] = shapely.MultiPoint(batch[n].known)
+        for element, shape in zip(batch, shapes, strict=True):
+            if not element.is_node and element.number in numbers:
+                members[str(element.number)] = shape
+        tagged = np.flatnonzero([element.has_tags for element in batch])
+        wanted = around.wants(shapely.bounds(shapes[tagged]).reshape(-1, 4))
+        for n in tagged[wanted].tolist():
+            (nodes if batch[n].is_node else ways)[batch[n].number] = shapes[n]
+    for sort, wanted_shapes in ((osm.NODE, nodes), (osm.WAY, ways)):
+        of_these = osmium.filter.IdFilter(wanted_shapes)  # not kept alive by the iterator
+        for element in osmium.FileProcessor(file, sort).with_filter(of_these) if wanted_shapes else ():
+            tags = _tags(element)
             if tags.keys() - META_TAGS:
-                yield feature_of(f"node {node.id}", tags, shape, self._path)
-        parts = _parts(relations)
-        lines = dict[str, list[tuple[float, float]] | None]()
-        known = dict[str, list[tuple[float, float]]]()
-        located = osmium.NodeLocationsForWays(places)
-        located.ignore_errors()
-        for way in self._again(osm.WAY, self._ways.union(map(int, parts)), located):
-            here = [(node.lon, node.lat) for node in way.nodes if _is_known(node)]
-            corners = here if len(here) == len(way.nodes) > 1 else None
-            if str(way.id) in parts:
-                lines[str(way.id)] = corners
-                known[str(way.id)] = here
-            tags = _tags(way)
-            if way.id in self._ways and tags.keys() - META_TAGS:
-                yield feature_of(f"way {way.id}", tags, shape_of(corners, way.is_closed(), tags), self._path, here)
-        for number, relation in relations.items():
-            of_ways = [corner for way, _ in ways_of(relation) for corner in known.get(way, ())]
-            shape = area_of(relation, lines.get)
-            yield feature_of(f"relation {number}", relation.tags, shape, self._path, of_ways)
+                yield _feature(element, tags, wanted_shapes[element.id], path)
+    yield from _relation_features(relations, members, path, around)
 
-    def _relations(self) -> dict[str, Relation]:
-        relations = {}
-        sorts = {"n": "node", "w": "way", "r": "relation"}
-        for relation in self._osmium.FileProcessor(self._file, self._osmium.osm.RELATION):
-            tags = _tags(relation)
-            if is_area(tags) and tags.keys() - META_TAGS - {"type"}:
-                members = tuple((sorts.get(each.type, ""), str(each.ref), each.role) for each in relation.members)
-                relations[str(relation.id)] = Relation(members, tags)
-        return relations
 
-    def _locate(self, parts: set[str]) -> Any:
-        """Select the wanted things, and return libosmium's node positions."""
-        osm = self._osmium.osm
-        tagged = self._osmium.filter.EmptyTagFilter().enable_for(osm.NODE)
-        things = self._osmium.FileProcessor(self._file, osm.NODE | osm.WAY).with_locations("sparse_file_array")
-        waiting: list[_Located] = []
-        for each in things.with_filter(tagged):
-            if each.id < 0:  # libosmium keeps no position
-                raise BadInput(
-                    f"expected things that OpenStreetMap has numbered, not "
-                    f"{'node' if each.is_node() else 'way'} {each.id}",
-                    hint="save it as OpenStreetMap's XML (.osm), which may have them",
-                    place=self._path,
-                )
-            waiting.append(self._located(each))
-            if len(waiting) >= BATCH:
-                self._choose(waiting, parts)
-                waiting.clear()
-        self._choose(waiting, parts)
-        return things.node_location_storage
+def _areas(osmium: Any, file: Any) -> dict[str, Relation]:
+    relations = dict[str, Relation]()
+    sorts = {"n": "node", "w": "way", "r": "relation"}
+    for relation in osmium.FileProcessor(file, osmium.osm.RELATION):
+        tags = _tags(relation)
+        if is_area(tags) and tags.keys() - META_TAGS - {"type"}:
+            members = tuple((sorts.get(each.type, ""), str(each.ref), each.role) for each in relation.members)
+            relations[str(relation.id)] = Relation(members, tags)
+    return relations
 
-    def _located(self, each: Any) -> _Located:
-        if each.is_node():
-            box = (each.lon, each.lat, each.lon, each.lat) if _is_known(each) else UNKNOWN_BOX
-            return _Located(True, each.id, True, None, box)
-        wkb = None
-        box = UNKNOWN_BOX
+
+def _located(osmium: Any, file: Any, path: Path) -> Iterator[_Located]:
+    """Yield the nodes with tags, and all ways."""
+    osm = osmium.osm
+    factory = osmium.geom.WKBFactory()
+    all_nodes = osmium.geom.use_nodes.ALL
+    with_tags = osmium.filter.EmptyTagFilter().enable_for(osm.NODE)
+    elements = osmium.FileProcessor(file, osm.NODE | osm.WAY).with_locations("sparse_file_array")
+    for element in elements.with_filter(with_tags):
+        is_node = element.is_node()
+        if element.id < 0:  # libosmium keeps no position
+            raise BadInput(
+                f"expected things that OpenStreetMap has numbered, not {'node' if is_node else 'way'} {element.id}",
+                hint="save it as OpenStreetMap's XML (.osm), which may have them",
+                place=path,
+            )
+        has_tags = len(element.tags) > 0
         try:
-            wkb = bytes.fromhex(self._factory.create_linestring(each, self._all))
-        except (self._osmium.InvalidLocationError, RuntimeError):  # missing or single node
-            if corners := [(node.lon, node.lat) for node in each.nodes if _is_known(node)]:
-                box = (*np.min(corners, axis=0).tolist(), *np.max(corners, axis=0).tolist())
-        return _Located(False, each.id, len(each.tags) > 0, wkb, box)
-
-    def _choose(self, located: list[_Located], parts: set[str]) -> None:
-        shapes = shapely.from_wkb([each.wkb for each in located])
-        known = np.array([each.box for each in located]).reshape(-1, 4)
-        boxes = np.where(shapely.is_missing(shapes)[:, None], known, shapely.bounds(shapes).reshape(-1, 4))
-        for each, box in zip(located, boxes, strict=True):
-            if not each.is_node and parts and str(each.number) in parts:
-                self._boxes[str(each.number)] = box.tolist()
-        has_tags = np.array([each.has_tags for each in located], bool)
-        for n in np.flatnonzero(has_tags)[self._around.wants(boxes[has_tags])].tolist():
-            (self._nodes if located[n].is_node else self._ways).add(located[n].number)
-
-    def _box_of(self, relation: Relation) -> NDArray[np.float64]:
-        boxes = np.array([self._boxes.get(number, UNKNOWN_BOX) for number, _ in ways_of(relation)] or [UNKNOWN_BOX])
-        return np.concatenate([np.fmin.reduce(boxes[:, :2]), np.fmax.reduce(boxes[:, 2:])])
-
-    def _again(self, sort: Any, numbers: set[int], *handlers: Any) -> Iterator[Any]:
-        if numbers:
-            of_these = self._osmium.filter.IdFilter(numbers)  # not kept alive by the iterator
-            with self._osmium.io.Reader(self._file, sort) as reader:
-                yield from self._osmium.OsmFileIterator(reader, *handlers, of_these)
+            text = factory.create_point(element) if is_node else factory.create_linestring(element, all_nodes)
+        except (osmium.InvalidLocationError, RuntimeError):  # missing, or a way of one node
+            places = () if is_node else element.nodes
+            known = tuple((place.lon, place.lat) for place in places if place.location.valid())
+            yield _Located(is_node, element.id, has_tags, None, known)
+        else:
+            yield _Located(is_node, element.id, has_tags, bytes.fromhex(text))
 
 
-def _tags(each: Any) -> dict[str, str]:
-    return plain_tags((tag.k, tag.v) for tag in each.tags)
+def _feature(element: Any, tags: dict[str, str], located: Any, path: Path) -> Feature:
+    """Return the feature of a node or way; several points are the known ones of an incomplete way."""
+    if element.is_node():
+        return feature_of(f"node {element.id}", tags, EMPTY_SHAPE if located.is_empty else located, path)
+    corners = shapely.get_coordinates(located).tolist()
+    shape = shape_of(corners if _is_whole(located) else None, element.is_closed(), tags)
+    return feature_of(f"way {element.id}", tags, shape, path, corners)
 
 
-def _is_known(node: Any) -> bool:
-    return bool(node.location.valid())
+def _is_whole(way: Any) -> bool:
+    return bool(way.geom_type == "LineString")
 
 
-def _parts(relations: Mapping[str, Relation]) -> set[str]:
-    return {number for relation in relations.values() for number, _ in ways_of(relation)}
+def _relation_features(
+    relations: Mapping[str, Relation], members: Mapping[str, Any], path: Path, around: MapWindow
+) -> Iterator[Feature]:
+    def corners_of(number: str) -> Any:
+        way = members.get(number)
+        return shapely.get_coordinates(way) if way is not None and _is_whole(way) else None
+
+    parts = {number: [members[way] for way, _ in ways_of(each) if way in members] for number, each in relations.items()}
+    boxes = np.array([shapely.total_bounds(shapes) for shapes in parts.values()]).reshape(-1, 4)
+    for number, relation in compress(relations.items(), around.wants(boxes).tolist()):
+        known = shapely.get_coordinates(parts[number]).tolist()
+        yield feature_of(f"relation {number}", relation.tags, area_of(relation, corners_of), path, known)
+
+
+def _tags(element: Any) -> dict[str, str]:
+    return plain_tags((tag.k, tag.v) for tag in element.tags)
