@@ -100,10 +100,7 @@ def search_buildings(path: Path, rules: BuildingRules, frame: LocalFrame, within
     features = [as_openstreetmap(feature) for feature in read_features(path, around)]
     has_heights = any(has_place_for_height(feature, rules.height_key) for feature in features)
     all_buildings = rules.take is None and has_heights and not any(has_kind(feature) for feature in features)
-    finder = _Finder(rules, frame, path, all_buildings)
-    finder.add(features, around)
-    around.expect_near(path)
-    return finder.buildings(len(features), around.elsewhere)
+    return _Finder(rules, frame, path, all_buildings).find(features, around)
 
 
 class _Finder:
@@ -117,7 +114,7 @@ class _Finder:
         self._odd_tags = list[str]()
         self._obstacles = list[MapObstacle]()
 
-    def add(self, features: Sequence[Feature], around: MapWindow) -> None:
+    def find(self, features: Sequence[Feature], around: MapWindow) -> Buildings:
         shapes, near = to_plane([feature.shape for feature in features], self._frame, around)
         for feature, shape, is_near in zip(features, shapes, near.tolist(), strict=True):
             extent = extent_of(feature.shape)
@@ -129,9 +126,9 @@ class _Finder:
                 continue
             parts = self._mistakes.attempt(self._stand, feature, shape) or ()
             self._obstacles += [part._replace(called=called(feature, shape)) for part in parts]
-
-    def buildings(self, features: int, elsewhere: int) -> Buildings:
+        around.expect_near(self._notes.path)
         self._mistakes.raise_all()
+        elsewhere = around.elsewhere
         remarks = [f"{n} {words.replace('(s)', '' if n == 1 else 's')}" for words, n in self._counts.items()]
         if self._odd_tags:
             count = len(self._odd_tags)
@@ -141,7 +138,7 @@ class _Finder:
             remarks.append(f"{elsewhere} thing{'s' if elsewhere > 1 else ''} far from the flight, not examined")
         passed_over = tuple(self._notes.passed_over)
         unread = tuple(self._notes.unread)
-        return Buildings(tuple(self._obstacles), passed_over, tuple(remarks), features, elsewhere, unread)
+        return Buildings(tuple(self._obstacles), passed_over, tuple(remarks), len(features), elsewhere, unread)
 
     def _misses(self, feature: Feature, extent: Extent) -> bool:
         if feature.missing is None and extent != "none":

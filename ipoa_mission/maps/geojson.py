@@ -104,8 +104,7 @@ def _number(feature: Any) -> str:
 def _feature(place: str, feature: Any, to_degrees: ToDegrees) -> Feature:
     if not isinstance(feature, dict) or feature.get("type") != "Feature":
         raise BadInput("expected a Feature", place=place)
-    geometry = feature.get("geometry")
-    properties = feature.get("properties")
+    geometry, properties = feature.get("geometry"), feature.get("properties")
     properties = properties if isinstance(properties, dict) else {}
     tags = dict(tags_of(properties)) | dict(zone_tags(properties))
     if isinstance(feature.get("id"), str | int):

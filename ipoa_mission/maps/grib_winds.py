@@ -119,8 +119,7 @@ def _read(eccodes: Any, handle: Any, where: str, winds: ForecastWinds, nearest: 
     def get(key: str, kind: type = str) -> Any:
         return eccodes.codes_get(handle, key, kind) if eccodes.codes_is_defined(handle, key) else None
 
-    name = get("shortName")
-    level_type = get("typeOfLevel")
+    name, level_type = get("shortName"), get("typeOfLevel")
     short = SHORT_NAME.fullmatch(name)
     if get("edition", int) == 2:
         is_wind = (get("discipline", int), get("parameterCategory", int)) == (0, 2)
@@ -182,8 +181,7 @@ def _no_single_forecast(get: Any) -> str:
 
 
 def _valid_time(get: Any) -> np.datetime64:
-    date = get("validityDate", int)
-    clock = get("validityTime", int)
+    date, clock = get("validityDate", int), get("validityTime", int)
     day = np.datetime64(f"{date // 10000:04d}-{date // 100 % 100:02d}-{date % 100:02d}", "s")
     return day + np.timedelta64(clock // 100 * 60 + clock % 100, "m")
 

@@ -38,8 +38,7 @@ def near_home(home: Geodetic) -> Degrees:
 
 def window_of(box: Box, frame: LocalFrame) -> Degrees:
     """Return a wider box on a grid, so that small changes keep it."""
-    margin = 0.001
-    grid = 0.02
+    margin, grid = 0.001, 0.02
     east, north = np.meshgrid(*(np.linspace(low, high, 5) for low, high in zip(*box, strict=True)))
     latitude, longitude, _ = frame.to_geodetic(np.column_stack([east.ravel(), north.ravel(), np.zeros(east.size)]))
     home = frame.home.longitude_deg

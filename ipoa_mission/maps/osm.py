@@ -74,8 +74,7 @@ class Extract:
 
     def _nodes(self, way: Mapping[str, Any]) -> tuple[str, ...]:
         """Return the numbers of nodes; of unnumbered ones the places."""
-        numbers = way.get("nodes")
-        places = way.get("geometry")
+        numbers, places = way.get("nodes"), way.get("geometry")
         if numbers is None:
             numbers = [""] * len(places or ())
         if places is None:

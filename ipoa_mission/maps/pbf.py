@@ -58,8 +58,7 @@ def _features(osmium: Any, path: Path, around: MapWindow) -> Iterator[Feature]:
     relations = _areas(osmium, file)
     numbers = {int(number) for relation in relations.values() for number, _ in ways_of(relation)}
     members = dict[str, Any]()  # ways of relations, with or without tags of their own
-    nodes = dict[int, Any]()
-    ways = dict[int, Any]()
+    nodes, ways = dict[int, Any](), dict[int, Any]()
     elements = _located(osmium, file, path)
     while batch := list(islice(elements, BATCH)):
         shapes = shapely.from_wkb([element.wkb for element in batch])

@@ -17,11 +17,8 @@ HSTORE = re.compile(r'"((?:[^"\\]|\\.)*)"=>(?:"((?:[^"\\]|\\.)*)"|NULL)\s*(?:,\s
 def tags_of(properties: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
     """Yield packed ones too; of nested values only measures."""
     for key, value in properties.items():
-        if isinstance(value, str):
-            if key in PACKED:
-                yield from _unpacked(key, value)
-            elif text := value.strip():
-                yield key, text
+        if isinstance(value, str) and key in PACKED:
+            yield from _unpacked(key, value)
         elif key in PACKED and isinstance(value, dict):
             yield from tags_of(value)
         elif key == "names" and isinstance(value, dict) and isinstance(value.get("primary"), str):

@@ -86,9 +86,8 @@ def _flown_levels(heights: list[float], notes: ForecastWinds) -> list[float]:
     """Return the levels up to the first one above `HIGHEST`."""
     above = [height for height in heights if height >= 0]
     if not above:
-        altitude = notes.place.altitude
-        below = -heights[-1]
-        words = f"expected winds above home, which is at {altitude:g} m; the highest are {below:g} m below it"
+        home = f"home, which is at {notes.place.altitude:g} m"
+        words = f"expected winds above {home}; the highest are {-heights[-1]:g} m below it"
         raise NotCovered(words, place=notes.path)
     if len(above) < len(heights):
         notes.note("wind below the ground at home", "height", f"{heights[0]:g}", count=len(heights) - len(above))

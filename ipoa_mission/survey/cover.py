@@ -193,8 +193,7 @@ class CoverProblem:
     def _laid(self, degrees: float, shift: float) -> Points:
         """Return lines, also over large gaps, and places in parts without any, (n, 2, 2)."""
         lines = self._lines(degrees, shift)
-        min_area = 0.2 * self.spacing**2
-        min_outline = 4.0 * self.spacing
+        min_area, min_outline = 0.2 * self.spacing**2, 4.0 * self.spacing
         more = []
         for gap in polygons_of(self.area.difference(seen_from(lines, self.spacing))):
             if gap.area > min_area and gap.length > min_outline:

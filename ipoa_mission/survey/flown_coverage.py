@@ -159,8 +159,7 @@ class PhotoLine:
 def smallest_overlaps(lines: Sequence[PhotoLine], sight: Sight, ground: Ground, free: Any) -> Overlaps:
     """Return the smallest overlaps of all photos; lines are neighbors only across the polygons `free`."""
     half = sight.across / sight.least / 2, sight.along / sight.least / 2
-    fronts = list[Overlap]()
-    sides = list[Overlap]()
+    fronts, sides = list[Overlap](), list[Overlap]()
     shapely.prepare(free)
     for line in lines:
         ahead = line.ahead

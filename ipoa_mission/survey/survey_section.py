@@ -265,10 +265,9 @@ def _sections_from(scenario: Scenario, section: SurveySection, n: int) -> dict[s
         altitude_amsl=round(there.altitude, 3),
     )
     new = LocalFrame(home.geodetic())
-    move = between(old, new)
     rise = home.altitude_amsl - old.home.altitude
     start = Place(east=0.0, north=0.0, height_above_ground=section.height)
-    survey = {key: _moved_nested(getattr(section, key), move) for key in ("polygon", "line", "starts")}
+    survey = {key: _moved_nested(getattr(section, key), between(old, new)) for key in ("polygon", "line", "starts")}
     return {
         "home": home,
         "start": start,
@@ -297,8 +296,7 @@ def _bounds(scenario: Scenario, new: LocalFrame, rise: float) -> BoundsSection:
 
 
 def _terrain(scenario: Scenario, new: LocalFrame, rise: float, n: int) -> TerrainSection:
-    section = scenario.terrain
-    terrain = scenario.airspace.terrain
+    section, terrain = scenario.terrain, scenario.airspace.terrain
     if isinstance(section, FlatTerrain):
         return section.model_copy(update={"height": section.height - rise})
     if isinstance(section, GridTerrain) and isinstance(terrain, Grid):

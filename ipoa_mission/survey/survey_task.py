@@ -184,8 +184,7 @@ def _expect_manageable(task: SurveyTask) -> None:
     spacing = task.sight.spacing
     speed = task.scenario.vehicle.cruise_speed
     shape = task.area.shape
-    max_lines = 3000
-    max_hours = 100
+    max_lines, max_hours = 3000, 100
     west, south, east, north = shape.bounds
     lines = shape.area / spacing / math.hypot(east - west, north - south)
     length = float(task.free.area) / spacing

@@ -99,10 +99,10 @@ class SurveyPlanner:
         if self.system is not None and not self.flown:
             raise OptionConflict("needs --flown", place="--system")
         logs = [log if self.system is None else (log, self.system) for log in self.flown or ()]
-        wind = asked.flown_by.air
-        seed = asked.search.seed
         with changes.planning() as show:
-            return plan_survey(scenario=scenario, wind=wind, seed=seed, flown=logs, progress=show)
+            return plan_survey(
+                scenario=scenario, wind=asked.flown_by.air, seed=asked.search.seed, flown=logs, progress=show
+            )
 
 
 def _print(survey: "Survey", written: list[Path]) -> None:
@@ -135,7 +135,6 @@ def _fly(survey: "Survey", asked: FlyOptions, fly_job: FlyJob) -> None:
     from ipoa_mission.cli.mission_source import Job
 
     files = asked.files
-    on_link = asked.on_link
     link = asked.on_vehicle.link
     written = _write(survey, files)
     if not files.as_json:
@@ -150,7 +149,7 @@ def _fly(survey: "Survey", asked: FlyOptions, fly_job: FlyJob) -> None:
             break
         flown = fly_job(Job(name, forecast, (), system=system), log := asked.log_of(name))
         system = flown.system  # the next flight is this vehicle's, whatever else is heard
-        written += map(Path, on_link.written(log))
+        written += map(Path, asked.on_link.written(log))
         if files.as_json:
             result = flight_as_json(flown.job.estimate, flown.record, flown.job.reserves) | {"file": f"{name}.plan"}
             results.append(result | ({"remarks": list(flown.remarks)} if flown.remarks else {}))
@@ -173,8 +172,7 @@ def _fly(survey: "Survey", asked: FlyOptions, fly_job: FlyJob) -> None:
 def _is_ready(survey: "Survey", n: int) -> bool:
     from ipoa_mission.survey.survey_plan import begin_in_words
 
-    landed = survey.names[n - 1]
-    following = survey.names[n]
+    landed, following = survey.names[n - 1], survey.names[n]
     home = survey.flights[n].mission.home
     is_elsewhere = home != survey.flights[n - 1].mission.home
     place = f"{begin_in_words(survey.plan, survey.plan.flights[n])} ({home.latitude_deg:.6f}, {home.longitude_deg:.6f})"
