@@ -187,11 +187,9 @@ class _Finder:
             top = foot + default if height is None else max(height, default if doubts else 0.0)
             if thin:
                 if building and rules.take != "all":
-                    raise InvalidRing(
-                        f"expected the outline of a building, not a {part.geom_type}",
-                        hint="export whole outlines (`out geom` in Overpass turbo), not centers",
-                        place=f"{feature.place}.geometry",
-                    )
+                    words = f"expected the outline of a building, not a {part.geom_type}"
+                    hint = "export whole outlines (`out geom` in Overpass turbo), not centers"
+                    raise InvalidRing(words, hint=hint, place=f"{feature.place}.geometry")
                 reach, width_unknown = reach_of(feature.tags, rules, part, top, odd)
                 if width_unknown is not None:
                     counts[width_unknown] += 1

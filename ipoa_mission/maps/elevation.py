@@ -245,11 +245,9 @@ class _Raster:
         side = max(outside, key=lambda side: outside[side])
         if not outside[side] < 1e-6:
             missing = f"{outside[side]:.1f} posts" if outside[side] < self.dataset.width else "far"
-            raise NotCovered(
-                f"expected a model of the whole flight area, which lies {missing} beyond its {side} edge",
-                hint="take a larger model, narrow `bounds` (bounds.margin = 50), or swap latitude and longitude",
-                place=self.path,
-            )
+            words = f"expected a model of the whole flight area, which lies {missing} beyond its {side} edge"
+            hint = "take a larger model, narrow `bounds` (bounds.margin = 50), or swap latitude and longitude"
+            raise NotCovered(words, hint=hint, place=self.path)
 
     def read(self, pixels: Sequence[NDArray[np.float64]], fill: bool) -> tuple[_Posts, tuple[str, ...]]:
         if self.dataset.height < 4 or self.dataset.width < 4:
@@ -355,11 +353,9 @@ def _opened(path: Path, nodata: float | None) -> Iterator[_Raster]:
                 _expect_as_many(path, dataset.width * dataset.height)
             yield _Raster(path, dataset, nodata)
     except (rasterio.errors.RasterioError, ProjError, UnicodeDecodeError) as error:
-        raise DamagedFile(
-            f"expected an elevation model, but it is damaged: {str(error).splitlines()[0]:.200}",
-            hint="copy or download it again: files that were cut short look like this",
-            place=path,
-        ) from error
+        words = f"expected an elevation model, but it is damaged: {str(error).splitlines()[0]:.200}"
+        hint = "copy or download it again: files that were cut short look like this"
+        raise DamagedFile(words, hint=hint, place=path) from error
 
 
 def _expect_as_many(path: Path, heights: int) -> None:

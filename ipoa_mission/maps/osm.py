@@ -105,11 +105,9 @@ def read_osm(path: Path) -> tuple[Feature, ...]:
 def features_of(extract: Extract, path: Path) -> tuple[Feature, ...]:
     tagged = [number for number, way in extract.ways.items() if way.tags.keys() - META_TAGS]
     if tagged and not any(node in extract.places for number in tagged for node in extract.ways[number].nodes):
-        raise BadInput(
-            f"way {tagged[0]}: expected the places of its nodes",
-            hint="end a query of Overpass with `out geom;`, or with `out body; >; out skel qt;`",
-            place=path,
-        )
+        words = f"way {tagged[0]}: expected the places of its nodes"
+        hint = "end a query of Overpass with `out geom;`, or with `out body; >; out skel qt;`"
+        raise BadInput(words, hint=hint, place=path)
     features = tuple(_features(extract, path))
     if not features:
         raise NothingThere("expected things with tags, but there are none", place=path)

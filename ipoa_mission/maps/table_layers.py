@@ -140,11 +140,9 @@ def _row_groups(arrow: Any, path: Path, around: MapWindow) -> Iterator[list[Feat
 def _shapes_of(file: Any, arrow: Any, path: Path) -> _Shapes:
     metadata = (file.schema_arrow.metadata or {}).get(b"geo")
     if metadata is None:
-        raise NothingThere(
-            "expected a GeoParquet file, but none of its columns is a geometry",
-            hint="a table of places becomes one by GeoPandas: GeoDataFrame.to_parquet",
-            place=path,
-        )
+        words = "expected a GeoParquet file, but none of its columns is a geometry"
+        hint = "a table of places becomes one by GeoPandas: GeoDataFrame.to_parquet"
+        raise NothingThere(words, hint=hint, place=path)
     try:
         geo = json.loads(metadata)
         column = geo["primary_column"]
