@@ -6,6 +6,7 @@ import os
 import sys
 from collections.abc import Callable
 from contextlib import suppress
+from functools import cache
 from itertools import pairwise
 from typing import Annotated, Any
 
@@ -113,6 +114,7 @@ for heading, verbs in VERBS.items():
         app.command(rich_help_panel=heading)(grouped(verb))
 
 
+@cache
 def command() -> Any:
     """Return the command line; flags without a value show none in the help."""
     line = typer.main.get_command(app)
