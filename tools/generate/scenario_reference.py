@@ -8,6 +8,7 @@ written by hand and stays.
 
 import json
 import re
+from functools import cache
 from typing import Any
 
 from ipoa_mission.files import read_text, write_atomically
@@ -21,9 +22,13 @@ HEADING = re.compile(r"^##? (.*\[\w+\].*)$", re.MULTILINE)
 
 
 def refreshed(text: str) -> str:
+    return TABLE.sub(lambda match: f"{match[1]}{table_of_keys(match[2], schema_tables())}{match[3]}", text)
+
+
+@cache
+def schema_tables() -> dict[str, Any]:
     schema = Scenario.model_json_schema()
-    tables = {"Scenario": schema, **schema["$defs"]}
-    return TABLE.sub(lambda match: f"{match[1]}{table_of_keys(match[2], tables)}{match[3]}", text)
+    return {"Scenario": schema, **schema["$defs"]}
 
 
 def table_of_keys(name: str, tables: dict[str, Any]) -> str:
