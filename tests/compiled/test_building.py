@@ -24,10 +24,10 @@ def built(folder: Path, call: str, **environment: str) -> str:
     return run.stdout.splitlines()[-1]
 
 
-@pytest.fixture
-def clone(tmp_path: Path) -> Path:
-    """Copy the sources as git knows them, with stray files."""
-    there = copy_sources(tmp_path / "clone")
+@pytest.fixture(scope="module")
+def clone(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Copy the sources as git knows them, with stray files; a test may add a page, and break the linker."""
+    there = copy_sources(tmp_path_factory.mktemp("building") / "clone")
     subprocess.run(["git", "init", "--quiet"], cwd=there, check=True)
     subprocess.run(["git", "add", "."], cwd=there, check=True)
     for name in ("notes.txt", "ipoa_mission/tried.py", "missions/se[c]ret*.toml"):
