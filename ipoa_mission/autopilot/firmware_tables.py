@@ -106,7 +106,8 @@ class FirmwareTables:
         if not self.path.exists():
             return {self._defaults.version.series: self._defaults}
         read = json.loads(self.path.read_text(encoding="utf-8"))
-        return {(version := Version.parsed(name)).series: self._read(version, table) for name, table in read.items()}
+        tables = (self._read(Version.parsed(name), table) for name, table in read.items())
+        return {table.version.series: table for table in tables}
 
     @property
     def series(self) -> tuple[tuple[int, int], ...]:

@@ -64,8 +64,8 @@ def translated(
             words.append(f"{counterpart.name} = {values[counterpart.name]:g} for {name} = {value:g}")
         else:
             left_out.append(name)
-    said = (f"{autopilot} has {', '.join(words)} of {other}",) if words else ()
-    return values, (*said, *((f"left out, of {other} only: {', '.join(left_out)}",) if left_out else ()))
+    converted = (f"{autopilot} has {', '.join(words)} of {other}",) if words else ()
+    return values, (*converted, *((f"left out, of {other} only: {', '.join(left_out)}",) if left_out else ()))
 
 
 def firmware_of(names: Iterable[str]) -> Autopilot | None:

@@ -78,9 +78,11 @@ class ParameterTable:
         return {**self.moving, **self.by_old_names(parameters)}
 
     def overridden(self, parameters: Parameters, by: Parameters) -> dict[str, float]:
-        given = self.by_old_names(dict.fromkeys(by, 0.0)).keys()
-        kept = {name: value for name, value in parameters.items() if not self.by_old_names({name: 0.0}).keys() & given}
-        return kept | dict(by)
+        replaced = self.by_old_names(dict.fromkeys(by, 0.0)).keys()
+        rest = {
+            name: value for name, value in parameters.items() if not self.by_old_names({name: 0.0}).keys() & replaced
+        }
+        return rest | dict(by)
 
     def expect_positive(self, parameters: Parameters) -> None:
         """Raise BadInput for a value that must be above 0."""

@@ -173,12 +173,12 @@ class ParameterServer:
 
     def _set(self, name: str, value: float, kind: int) -> None:
         """Convert or ignore another type."""
-        own = self._types.get(name, REAL32)
-        if name not in self.values or (self._autopilot.protocol_profile.keeps_types and kind != own):
+        declared = self._types.get(name, REAL32)
+        if name not in self.values or (self._autopilot.protocol_profile.keeps_types and kind != declared):
             return
-        number = parameter_value(m.ParamValue(name, value, own, 0, 0), self._autopilot)
+        number = parameter_value(m.ParamValue(name, value, declared, 0, 0), self._autopilot)
         if math.isfinite(number):
-            self.values[name] = number if own == REAL32 else float(round(number))
+            self.values[name] = number if declared == REAL32 else float(round(number))
 
     def _value(self, name: str, index: int) -> m.ParamValue:
         kind = self._types.get(name, REAL32)

@@ -270,8 +270,8 @@ class Commander(MockVehicle):
                 return CommandResult.FAILED
             self._start()
         else:
-            at = self.items[self.flight.current].command if self.flight.mode is FlightMode.MISSION else None
-            if at not in WAYPOINTS:
+            command = self.items[self.flight.current].command if self.flight.mode is FlightMode.MISSION else None
+            if command not in WAYPOINTS:
                 return CommandResult.FAILED
             self.idle_mode = self.mission_mode
             self.flight.hold()

@@ -56,7 +56,8 @@ def infeasibility(
         if item.has_position and not has_position:
             place = Geodetic(item.latitude_deg, item.longitude_deg, home.altitude)
             east, north, _ = LocalFrame(home).local(place)
-            if not (distance := math.hypot(east, north)) < first_limit:
+            distance = math.hypot(east, north)
+            if not distance < first_limit:
                 values = (int(min(distance, 4e9)), int(first_limit))
                 words = f"First waypoint too far away: {values[0]}m, {values[1]} max"
                 return Infeasible(words, "first_wp_too_far", values)

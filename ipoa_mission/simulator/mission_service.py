@@ -39,8 +39,8 @@ class Store:
             self.items = self.items[:count]
 
     def keep(self, seq: int, item: Item) -> None:
-        kept = as_stored((item,), self._profile.autopilot, self._profile.firmware.version)
-        self.staged = (*self.staged[:seq], *kept, *self.staged[seq + 1 :])
+        stored = as_stored((item,), self._profile.autopilot, self._profile.firmware.version)
+        self.staged = (*self.staged[:seq], *stored, *self.staged[seq + 1 :])
         if self._truncating:
             self.items = (*self.staged[: seq + 1], *self.items[seq + 1 :])
 
@@ -157,7 +157,8 @@ class MissionService:
                 return self._reply(answer, kind, client)
         elif not profile.separate_lists and self._readers:
             return self._ack(m.Result.ERROR, kind, client)
-        if count > (limit := profile.limits[kind]):
+        limit = profile.limits[kind]
+        if count > limit:
             self._ack(m.Result.NO_SPACE, kind, client)
             return self._say(m.Text(m.WARNING, f"Only {limit} items are supported"), client)
         self._incoming.pop(self._slot(kind), None)
@@ -183,21 +184,21 @@ class MissionService:
             store.staged = store.items
             self._open(range(first, last + 1), kind, client, now)
 
-    def _open(self, wanted: range, kind: int, client: Target, now: float) -> None:
+    def _open(self, seqs: range, kind: int, client: Target, now: float) -> None:
         profile = self._profile
         store = self.stores[m.MissionType(kind)]
 
         def take(seq: int, heard: Item | bytes) -> int:
             item = item_of(heard)
-            count = max(wanted.stop, len(store.staged))
+            count = max(seqs.stop, len(store.staged))
             result = m.Result.ERROR if seq == self._nak_at else self._judge(item, kind, count)
             if result == m.Result.ACCEPTED:
                 store.keep(seq, item)
                 incoming.received += 1
             return result
 
-        dialogue = fetch(ItemsRead(kind, wanted.stop, wanted.start, take), profile.protocol_profile)
-        incoming = Incoming(client, kind, wanted.stop, 0, Exchange(dialogue, now, profile.patience))
+        dialogue = fetch(ItemsRead(kind, seqs.stop, seqs.start, take), profile.protocol_profile)
+        incoming = Incoming(client, kind, seqs.stop, 0, Exchange(dialogue, now, profile.patience))
         self._incoming[self._slot(kind)] = incoming
         self._flush(incoming.exchange, client)
 
@@ -274,7 +275,7 @@ class MissionService:
             self._flush_reader((client, kind), exchange)
 
     def _read_back(self, kind: int) -> tuple[Item, ...]:
-        """Apply the flags and frames that this firmware reports."""
+        """Return items with the flags and frames that this firmware reports."""
         items = self.listed(kind)
         if kind not in self._profile.flags_kept:
             items = tuple(replace(item, autocontinue=False) for item in items)

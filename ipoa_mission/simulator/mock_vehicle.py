@@ -150,7 +150,7 @@ class MockVehicle:
         """Return a message to send now; None: not sent."""
         profile, flight, now = self.profile, self.flight, self.now
         is_placed = self.age >= profile.start_up.origin_s
-        at = flight.position
+        place = flight.position
         east, north, up = map(float, flight.velocity)
         roll, pitch, yaw = flight.attitude
         match name:
@@ -172,9 +172,9 @@ class MockVehicle:
             case "GLOBAL_POSITION_INT" if not is_placed:
                 return m.Position(now, 0.0, 0.0, 0.0, 0.0) if profile.reports_prearm else None
             case "GLOBAL_POSITION_INT":
-                height = at.altitude - flight.home.altitude
+                height = place.altitude - flight.home.altitude
                 velocity = (north, east, -up)
-                return m.Position(now, at.latitude_deg, at.longitude_deg, at.altitude, height, velocity, yaw)
+                return m.Position(now, place.latitude_deg, place.longitude_deg, place.altitude, height, velocity, yaw)
             case "HOME_POSITION" | "GPS_GLOBAL_ORIGIN" if not is_placed:
                 return None
             case "HOME_POSITION":
@@ -185,7 +185,7 @@ class MockVehicle:
                 x, y, z = map(float, flight.local)
                 return m.LocalPosition(now, (y, x, -z), (north, east, -up))
             case "GPS_RAW_INT":
-                return m.Gps(now, at.latitude_deg, at.longitude_deg, at.altitude, math.hypot(east, north))
+                return m.Gps(now, place.latitude_deg, place.longitude_deg, place.altitude, math.hypot(east, north))
             case "BATTERY_STATUS":
                 return m.BatteryStatus(0, 12.6, -0.01, 100)
             case "ATTITUDE":
@@ -194,7 +194,7 @@ class MockVehicle:
             case "VFR_HUD":
                 speed = math.hypot(east, north)
                 heading = saturated(math.degrees(yaw)) % 360
-                return m.Hud(speed, speed, heading, 50 if flight.armed else 0, at.altitude, up)
+                return m.Hud(speed, speed, heading, 50 if flight.armed else 0, place.altitude, up)
             case "EXTENDED_SYS_STATE":
                 return m.ExtendedState(1 if flight.on_ground else 2)
             case "SYSTEM_TIME":
@@ -202,7 +202,7 @@ class MockVehicle:
         return None
 
     def _passed_checks(self) -> bool:
-        """The last check may precede the last change of mode."""
+        """Return the last check's result, perhaps older than the mode."""
         if self.now - self._checked[0] >= self.profile.prearm_every_s:
             self._checked = self.now, not self.arming_refusal()
         return self._checked[1]

@@ -85,7 +85,7 @@ class SimulatedFlight(Situation):
         return math.atan2(right, GRAVITY), -math.atan2(forward, GRAVITY), yaw
 
     def load(self, items: tuple[Item, ...]) -> None:
-        """Without home, maybe empty; in flight the current index stays."""
+        """Replace the mission by items without home; in flight the current index stays."""
         before = self.program.items
         if items == before:
             return
@@ -104,9 +104,9 @@ class SimulatedFlight(Situation):
             self.mission = MissionState.NOT_STARTED if self.on_ground else MissionState.PAUSED
 
     def know_rally(self, items: tuple[Item, ...]) -> None:
-        """Heights above home, for later returns."""
-        at = [(self.frame.local(Geodetic(i.latitude_deg, i.longitude_deg, self.home.altitude)), i) for i in items]
-        self.rally = tuple((float(place[0]), float(place[1]), item.height(self.home)) for place, item in at)
+        """Store rally points for later returns."""
+        places = [(self.frame.local(Geodetic(i.latitude_deg, i.longitude_deg, self.home.altitude)), i) for i in items]
+        self.rally = tuple((float(place[0]), float(place[1]), item.height(self.home)) for place, item in places)
 
     def arm(self) -> None:
         if not self.armed:
@@ -117,7 +117,7 @@ class SimulatedFlight(Situation):
             self._controller.enter()
 
     def start(self) -> None:
-        """Nothing moves before arming."""
+        """Begin or continue the mission; it moves once armed."""
         if not self.program.items:
             return
         if self.mission is MissionState.COMPLETE:

@@ -90,25 +90,25 @@ class Situation:
 
     def come_to(self, behind: int, change_speed: Callable[[Item], None]) -> Item | None:
         """Do the items after `behind` up to the next flown one, and return that; None at the end."""
-        at: int | None = behind
+        next_index: int | None = behind
         moved = FLOWN_TO | {Command.NAV_RETURN_TO_LAUNCH, Command.NAV_DELAY}
         if self.program.autopilot.guidance.flies_vtol_items:
             moved |= {Command.NAV_VTOL_TAKEOFF, Command.NAV_VTOL_LAND}
         for _ in range(MAX_ACTIONS):
-            if at is None:
+            if next_index is None:
                 break
-            passed, at = self.program.advance(at)
+            passed, next_index = self.program.advance(next_index)
             for index in passed:
                 self.current = index
                 if self.program.items[index].command == Command.DO_CHANGE_SPEED:
                     change_speed(self.program.items[index])
                 self.done(index)
-            if at is not None:
-                self.current = at
-                item = self.program.items[at]
+            if next_index is not None:
+                self.current = next_index
+                item = self.program.items[next_index]
                 if item.command in moved:
                     return item
-                self.done(at)
+                self.done(next_index)
         self.mission = MissionState.COMPLETE
         return None
 

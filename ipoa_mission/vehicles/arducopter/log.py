@@ -57,9 +57,9 @@ class RecordKind:
     letters: str
     columns: tuple[str, ...]
 
-    def read(self, data: bytes, at: int) -> dict[str, Any]:
+    def read(self, data: bytes, offset: int) -> dict[str, Any]:
         """Return the values by column, in degrees, meters and unscaled units."""
-        values = self.layout.unpack_from(data, at)
+        values = self.layout.unpack_from(data, offset)
         rows = zip(self.columns, self.letters, values, strict=True)
         return {name: _converted(letter, value) for name, letter, value in rows}
 
@@ -84,17 +84,17 @@ def read_records(
     lengths: dict[int, int] = {FMT: 3 + described.size}
     kinds: dict[int, RecordKind] = {}
     torn = Counter() if torn is None else torn
-    at = ends = 0
-    while (at := data.find(HEAD, at)) >= 0 and at + 3 <= len(data):
-        number = data[at + 2]
+    offset = ends = 0
+    while (offset := data.find(HEAD, offset)) >= 0 and offset + 3 <= len(data):
+        number = data[offset + 2]
         length = lengths.get(number)
-        if length is None or at + length > len(data):
-            at += 1
+        if length is None or offset + length > len(data):
+            offset += 1
             continue
-        torn["bytes"] += at - ends
-        ends = at + length
+        torn["bytes"] += offset - ends
+        ends = offset + length
         if number == FMT:
-            number, size, *texts = described.unpack_from(data, at + 3)
+            number, size, *texts = described.unpack_from(data, offset + 3)
             name, letters, columns = map(_text, texts)
             kind = _kind(name, letters, columns)
             if size >= 3 and number != FMT:
@@ -105,8 +105,8 @@ def read_records(
                 elif name in wanted:
                     torn[name] += 1
         elif number in kinds:
-            yield kinds[number].name, kinds[number].read(data, at + 3)
-        at += length
+            yield kinds[number].name, kinds[number].read(data, offset + 3)
+        offset += length
     torn["bytes"] += len(data) - ends
 
 
@@ -242,8 +242,8 @@ def _list(items: dict[int, Item], values: dict[str, Any]) -> list[Message]:
     if seq == 0:
         items.clear()
     items[seq] = _item(values)
-    whole = [items[n] for n in range(values["CTot"]) if n in items]
-    return [Held(tuple(whole))] if len(whole) == values["CTot"] == seq + 1 else []
+    in_order = [items[n] for n in range(values["CTot"]) if n in items]
+    return [Held(tuple(in_order))] if len(in_order) == values["CTot"] == seq + 1 else []
 
 
 def _item(values: dict[str, Any]) -> Item:

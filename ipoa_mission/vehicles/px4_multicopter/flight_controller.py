@@ -60,11 +60,9 @@ class Px4Controller:
         here = self._over_home()
         limits = self._limits
         top = self._here = here._replace(up=height)
-        rise = (
-            navigator.take_off(top, limits)
-            if self._now.landed
-            else navigator.leg(here, top, None, limits, limits.cruise)
-        )
+        rise = navigator.leg(here, top, None, limits, limits.cruise)
+        if self._now.landed:
+            rise = navigator.take_off(top, limits)
         self._carry_out([rise, *navigator.stay(top, limits, math.inf)])
 
     def go_to(self, east: float, north: float, up: float, speed: float) -> None:
@@ -74,9 +72,8 @@ class Px4Controller:
         level = self._here if math.isnan(east) else Enu(east, north, 0.0)
         height = self._state.body.place.up if math.isnan(up) else up
         self._here = Enu(level.east, level.north, max(height, self._ground.at(level.east, level.north)))
-        order = navigator.leg(
-            self._state.body.place, self._here, None, self._limits, speed if speed > 0.0 else self._cruise
-        )
+        cruise = speed if speed > 0.0 else self._cruise
+        order = navigator.leg(self._state.body.place, self._here, None, self._limits, cruise)
         self._carry_out([order._replace(hold_s=math.inf, follows_home=False)])
 
     @property
@@ -130,7 +127,8 @@ class Px4Controller:
 
     def _fall(self) -> None:
         state, place = self._state, self._state.body.place
-        if place.up > (ground := self._ground.at(place.east, place.north)):
+        ground = self._ground.at(place.east, place.north)
+        if place.up > ground:
             no_thrust = Enu(0.0, 0.0, -GRAVITY)
             state = state._replace(body=integrate(state, no_thrust, self._law, is_held=False), time=self._now.time_s)
         elif not state.body.on_ground or state.contact.on_ground:
@@ -199,7 +197,8 @@ class Px4Controller:
         return navigator.stopping_place(here, Level(*self._state.body.speed[:2]), self._limits)
 
     def _brake(self) -> None:
-        self._here = self._stopping_place(here := self._state.body.place)
+        here = self._state.body.place
+        self._here = self._stopping_place(here)
         order = navigator.leg(here, self._here, None, self._limits, self._cruise)
         self._fly([order._replace(hold_s=math.inf, follows_home=False)])
 

@@ -287,9 +287,9 @@ class Flights:
         steps = RUNS.most * ordered.time / RUNS.step_s
         until = self.flown(self.mission_orders.orders, noisy, None, steps, True)(seed or 0, until=ordered.time)
         onward = navigator.contingency_orders(ordered.contingency, until.samples[-1], self.itinerary, self.limits)
-        then = tuple(navigator.with_patience(onward, onward[0].start, self.limits, self.airframe.landing_delay))
+        orders = tuple(navigator.with_patience(onward, onward[0].start, self.limits, self.airframe.landing_delay))
         begins = until._replace(done=until.done[-1:], progress=until.progress._replace(steps=NOT_BEGUN))
-        return until, self.flown(then, noisy, None, steps)(begins)
+        return until, self.flown(orders, noisy, None, steps)(begins)
 
     def flown(
         self, orders: tuple[Order, ...], noisy: bool, fast: bool | None, steps: float = 0.0, sampled: bool = False

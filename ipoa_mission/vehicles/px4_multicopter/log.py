@@ -99,13 +99,13 @@ def _messages(data: bytes) -> Iterator[tuple[int, int]]:
 
 def _remarks(path: Path, log: Any, topics: Set[str]) -> Iterator[str]:
     data = read_bytes(path)
-    at = HEADER
+    offset = HEADER
     for kind, end in _messages(data):
         if kind not in b"BFIMPQALCDRSO" or end > len(data):
             break
-        at = end
-    if at < len(data):
-        yield f"the log is damaged or truncated from byte {at} of {len(data)} on"
+        offset = end
+    if offset < len(data):
+        yield f"the log is damaged or truncated from byte {offset} of {len(data)} on"
     elif log.file_corruption:
         yield "the log is damaged"
     if log.dropouts:
@@ -197,11 +197,11 @@ def _items(result: Any | None) -> Iterator[Event]:
     reached, turned = -1, (-1, False)
     columns = (result[name] for name in ("timestamp", "seq_reached", "seq_current", "seq_total", "finished"))
     for time, seq_reached, seq_current, total, finished in zip(*columns, strict=True):
-        at = float(time) / 1e6
+        time_s = float(time) / 1e6
         if seq_reached != reached and seq_reached >= 0:
-            yield at, Reached(int(seq_reached))
+            yield time_s, Reached(int(seq_reached))
         if (seq_current, finished) != turned:
-            yield at, Current(int(seq_current), int(total), COMPLETE if finished else 0)
+            yield time_s, Current(int(seq_current), int(total), COMPLETE if finished else 0)
         reached, turned = seq_reached, (seq_current, finished)
 
 
@@ -211,8 +211,8 @@ def _fixes(topics: dict[str, Any]) -> Fixes:
         times = stamps / 1e6
     else:
         times, latitude, longitude, altitude = _local(topics[POSITIONS[1]])
-    times, kept = np.unique(times, return_index=True)
-    latitude, longitude, altitude = latitude[kept], longitude[kept], altitude[kept]
+    times, first_rows = np.unique(times, return_index=True)
+    latitude, longitude, altitude = latitude[first_rows], longitude[first_rows], altitude[first_rows]
     velocity = np.column_stack([_velocity(topics, axis, times) for axis in ("vx", "vy", "vz")])
     return Fixes(times, latitude, longitude, altitude, altitude - _ground(topics, times, altitude), velocity)
 
@@ -247,10 +247,10 @@ def _velocity(topics: dict[str, Any], axis: str, times: Vector) -> Vector:
     local = topics.get("vehicle_local_position")
     if local is None:
         return np.zeros(len(times))
-    at = _column(local, "timestamp") / 1e6
+    times_s = _column(local, "timestamp") / 1e6
     speed = _column(local, axis)
     sound = np.isfinite(speed)
-    return np.interp(times, at[sound], speed[sound]) if sound.any() else np.zeros(len(times))
+    return np.interp(times, times_s[sound], speed[sound]) if sound.any() else np.zeros(len(times))
 
 
 def items_begun(topic: Any | None, result: Any | None) -> Iterator[tuple[float, Begun]]:
@@ -268,8 +268,8 @@ def items_begun(topic: Any | None, result: Any | None) -> Iterator[tuple[float, 
                 since, before = first_seen.get(seq, (time, item))
                 first_seen[seq] = since, _join(before, item)
         for seq, (time, item) in first_seen.items():
-            at = int(np.searchsorted(np.asarray(result["timestamp"], float) / 1e6, time, side="right"))
-            total = int(result["seq_total"][min(max(at, 0), len(result["seq_total"]) - 1)])
+            row = int(np.searchsorted(np.asarray(result["timestamp"], float) / 1e6, time, side="right"))
+            total = int(result["seq_total"][min(max(row, 0), len(result["seq_total"]) - 1)])
             if seq < total:
                 yield time, Begun(seq, total, item)
 

@@ -257,7 +257,7 @@ class Copter:
 
     def _restart(self) -> None:
         state = self.state
-        state.integral = state.asked
+        state.integral = state.setpoint
         state.error = 0j
         state.rate = 1.0
 

@@ -117,7 +117,7 @@ class State:
     vz: float = 0.0
     accel: complex = 0j
     az: float = 0.0
-    asked: complex = 0j  # lean setpoint: g tan(angle)
+    setpoint: complex = 0j  # lean setpoint: g tan(angle)
     shaped: complex = 0j  # of the attitude controller
     lean: complex = 0j
     load: float = 1.0  # share of the weight on the rotors

@@ -122,15 +122,15 @@ def _fit_peak(peak: float, enter: float, leave: float, length: float, limits: SC
     return low
 
 
-def change(current: Profile, at: float, length: float, limits: SCurveLimits) -> Profile:
+def change(current: Profile, time: float, length: float, limits: SCurveLimits) -> Profile:
     """Return a profile whose speed limit changes at `at` s, after its acceleration.
 
     As in the autopilot, a leg that already brakes is unchanged.
     """
     before = current.peak
-    if at >= current.falls or limits.speed == before:
+    if time >= current.falls or limits.speed == before:
         return current
-    begin = max(at, current.risen)
+    begin = max(time, current.risen)
     segments = [s for s in current.segments if s.begin + s.lasts <= current.risen]
     cruise = next(s for s in current.segments if s.begin >= current.risen)
     way = cruise.way + before * (begin - current.risen)

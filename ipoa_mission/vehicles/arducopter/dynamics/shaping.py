@@ -14,14 +14,14 @@ Triple = tuple[float, float, float]
 def along(leg: CopterLeg, t: float) -> Triple:
     """Return acceleration, speed and way after t seconds."""
     segments = leg.profile.segments
-    at = len(segments) - 1
+    n = len(segments) - 1
     if t <= 0.0:
         return 0.0, segments[0].speed, 0.0
     if t >= leg.profile.lasts:
         return 0.0, leg.profile.leave, leg.length
-    while at > 0 and segments[at].begin > t:
-        at -= 1
-    segment = segments[at]
+    while n > 0 and segments[n].begin > t:
+        n -= 1
+    segment = segments[n]
     t -= segment.begin
     lasts, j, a, v, way = segment.lasts, segment.jerk, segment.accel, segment.speed, segment.way
     if segment.shape == 0.0 or lasts <= 0.0:
@@ -97,18 +97,18 @@ def level_off(state: State, this: CopterLeg, tuning: Tuning) -> bool:
     """Return whether the height is reached."""
     before = state.z - this.target.up
     shape_to_rest(state, tuning)
-    wanted = square_root_law(-before, tuning.limits.accel_z, tuning.limits.p_height)
-    climb_at(state, min(max(wanted, -this.speeds.down), this.speeds.up), tuning)
+    climb_rate = square_root_law(-before, tuning.limits.accel_z, tuning.limits.p_height)
+    climb_at(state, min(max(climb_rate, -this.speeds.down), this.speeds.up), tuning)
     state.rate = 1.0
     passed = before * state.above < 0.0
     state.above = before
     return passed or abs(before) < LEVEL
 
 
-def climb_at(state: State, wanted: float, tuning: Tuning) -> None:
+def climb_at(state: State, climb_rate: float, tuning: Tuning) -> None:
     jerk = tuning.limits.jerk_z * STEP
     gain = tuning.limits.jerk_z / tuning.limits.accel_z
-    accel = min(max(gain * (wanted - state.vz), -tuning.limits.accel_z), tuning.limits.accel_z)
+    accel = min(max(gain * (climb_rate - state.vz), -tuning.limits.accel_z), tuning.limits.accel_z)
     state.az += min(max(accel - state.az, -jerk), jerk)
     state.aim_z = state.vz + state.az * STEP
     state.target_z = state.z + state.aim_z * STEP
@@ -127,7 +127,7 @@ def shape_to_place(state: State, place: complex, fastest: float, tuning: Tuning)
     gain = tuning.limits.shaping_jerk / tuning.limits.accel
     accel = tuning.limits.accel
     error = place - state.target
-    wanted = 0j
+    velocity = 0j
     far = size(error)
     if far > 0.0:
         closing = dot(state.aim, error) / far
@@ -135,8 +135,8 @@ def shape_to_place(state: State, place: complex, fastest: float, tuning: Tuning)
         if closing > 0.0:
             speed -= closing * (1.0 if far <= accel / (gain * gain) else accel / (speed * gain))
         speed = min(max(speed, -fastest), fastest)
-        wanted = error * speed / far
-    shape(state, gain * (wanted - state.aim), tuning)
+        velocity = error * speed / far
+    shape(state, gain * (velocity - state.aim), tuning)
 
 
 def shape_to_rest(state: State, tuning: Tuning) -> None:
@@ -159,14 +159,14 @@ def advance(state: State) -> None:
     state.aim += state.push * STEP
 
 
-def shape(state: State, wanted: complex, tuning: Tuning) -> None:
+def shape(state: State, target_accel: complex, tuning: Tuning) -> None:
     """Approach this target acceleration; braking takes precedence over turning."""
     most = tuning.limits.accel
-    wanted = within(wanted, 2.0 * most)
+    target_accel = within(target_accel, 2.0 * most)
     speed = math.sqrt(square(state.aim))
     if speed > 0.0:
         way = state.aim / speed
-        turned = wanted * way.conjugate()
+        turned = target_accel * way.conjugate()
         along, across = turned.real, turned.imag
         if along > 0.0:
             across = min(max(across, -most), most)
@@ -175,9 +175,9 @@ def shape(state: State, wanted: complex, tuning: Tuning) -> None:
             along = max(along, -most)
             room = math.sqrt(most**2 - along * along)
             across = min(max(across, -room), room)
-        wanted = complex(along, across) * way
-    wanted = within(wanted, most)
-    state.push += within(wanted - state.push, tuning.limits.shaping_jerk * STEP)
+        target_accel = complex(along, across) * way
+    target_accel = within(target_accel, most)
+    state.push += within(target_accel - state.push, tuning.limits.shaping_jerk * STEP)
 
 
 def within(v: complex, most: float) -> complex:

@@ -66,13 +66,13 @@ def over(vector: Enu, divisor: float) -> Enu:
 
 def clock_step(state: State, tuning: Tuning) -> float:
     """Slow the path's clock if the vehicle lags; return its step [s]."""
-    wanted = 1.0
+    rate = 1.0
     fast = square(state.aim) + state.aim_z**2
     if fast > 1e-12:
         flown = dot(state.velocity, state.aim) + state.rate * state.aim_z**2
         behind = dot(state.target - state.place, state.aim)
-        wanted = min(max(0.05 + (flown - tuning.limits.p_position * behind) / fast, 0.0), 1.0)
-    state.rate += (wanted - state.rate) * tuning.slowing
+        rate = min(max(0.05 + (flown - tuning.limits.p_position * behind) / fast, 0.0), 1.0)
+    state.rate += (rate - state.rate) * tuning.slowing
     return state.rate * STEP
 
 
@@ -150,12 +150,12 @@ def along_spline(state: State, this: CopterLeg, h: float) -> bool:
 
 def braked(error: float, speed: float, accel: float, gain: float) -> float:
     """Return the square-root law's speed, less its decrease."""
-    wanted = square_root_law(error, accel, gain)
-    if wanted * speed <= 0.0:
-        return wanted
+    law = square_root_law(error, accel, gain)
+    if law * speed <= 0.0:
+        return law
     if abs(error) <= accel / (gain * gain):
-        return wanted - speed
-    return wanted - accel / abs(wanted) * speed / gain
+        return law - speed
+    return law - accel / abs(law) * speed / gain
 
 
 def upright(state: State, this: CopterLeg, tuning: Tuning) -> bool:
@@ -172,15 +172,15 @@ def upright(state: State, this: CopterLeg, tuning: Tuning) -> bool:
         return state.clock >= this.lasts
     gain = tuning.limits.jerk_z / tuning.limits.accel_z
     if this.kind == Kind.CLIMB and tuning.limits.brakes_climb:
-        wanted = min(braked(top - state.z, state.vz, tuning.limits.accel_z, gain), this.speeds.up)
+        climb_rate = min(braked(top - state.z, state.vz, tuning.limits.accel_z, gain), this.speeds.up)
     elif this.kind == Kind.CLIMB:
-        wanted = min(square_root_law(top - state.z, tuning.limits.accel_z / 2, gain / 2), this.speeds.up)
+        climb_rate = min(square_root_law(top - state.z, tuning.limits.accel_z / 2, gain / 2), this.speeds.up)
     else:
         fall = square_root_law(tuning.limits.land_low - state.z, tuning.limits.accel_z, tuning.limits.p_height)
-        wanted = min(
+        climb_rate = min(
             max(fall, -max(tuning.limits.land_speed_high, tuning.limits.land_speed)), -tuning.limits.land_speed
         )
-    climb_at(state, wanted, tuning)
+    climb_at(state, climb_rate, tuning)
     if this.kind == Kind.DESCENT:
         return state.target_z <= top
     slow = 0.1 * this.speeds.up
@@ -195,32 +195,32 @@ def control(state: State, tuning: Tuning) -> None:
     far = size(way)
     if far > limits.accel / limits.p_position**2:
         way *= square_root_law(far, limits.accel, limits.p_position) / (limits.p_position * far)
-    wanted = state.aim + limits.p_position * way - state.velocity - state.accel * STEP
-    gain = tuning.smoothing * (wanted - state.error)
+    raw_error = state.aim + limits.p_position * way - state.velocity - state.accel * STEP
+    gain = tuning.smoothing * (raw_error - state.error)
     error = state.error + gain
-    asked = state.push + limits.p_velocity * error + state.integral + limits.d_velocity * gain / STEP
+    setpoint = state.push + limits.p_velocity * error + state.integral + limits.d_velocity * gain / STEP
     integral = state.integral + limits.i_velocity * error * STEP
-    if dot(asked, asked) > tuning.most_lean**2:
-        asked = within_lean(asked, state.aim, tuning.most_lean)
-        grown, was = math.sqrt(square(integral)), math.sqrt(square(state.integral))
-        if dot(error, asked) > 0.0 and grown > was:  # anti-windup
-            integral = integral * was / grown
-    state.error, state.integral, state.asked = error, integral, asked
+    if dot(setpoint, setpoint) > tuning.most_lean**2:
+        setpoint = within_lean(setpoint, state.aim, tuning.most_lean)
+        grown, integrated = math.sqrt(square(integral)), math.sqrt(square(state.integral))
+        if dot(error, setpoint) > 0.0 and grown > integrated:  # anti-windup
+            integral = integral * integrated / grown
+    state.error, state.integral, state.setpoint = error, integral, setpoint
 
 
-def within_lean(wanted: complex, aim: complex, most: float) -> complex:
+def within_lean(setpoint: complex, aim: complex, most: float) -> complex:
     """The part across the path takes precedence."""
     flat = size(aim)
     if flat < 1e-9:
-        return wanted * (most / size(wanted))
-    turned = wanted * (aim / flat).conjugate()
+        return setpoint * (most / size(setpoint))
+    turned = setpoint * (aim / flat).conjugate()
     across = min(max(turned.imag, -most), most)
     room = math.sqrt(most * most - across * across)
     return complex(min(max(turned.real, -room), room), across) * (aim / flat)
 
 
 def move(state: State, tuning: Tuning) -> None:
-    state.shaped += (state.asked - state.shaped) * tuning.leaning
+    state.shaped += (state.setpoint - state.shaped) * tuning.leaning
     state.lean += (state.shaped - state.lean) * tuning.turning
     turn_nose(state, tuning)
     climbed = state.aim_z * state.rate

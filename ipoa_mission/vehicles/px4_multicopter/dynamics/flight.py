@@ -36,12 +36,12 @@ def control_velocity(
 
     A take-off ramps up the climb limit, without acceleration feed-forward.
     """
-    limits, body, was, dt = constants.limits, state.body, state.control, constants.dt
+    limits, body, before, dt = constants.limits, state.body, state.control, constants.dt
     velocity = level_velocity(trajectory, body, limits, dt)
     east = velocity.east - body.speed.east - body.acceleration.east * dt
     north = velocity.north - body.speed.north - body.acceleration.north * dt
-    ask_east = trajectory.east.acceleration + limits.p_velocity * east + was.integral.east
-    ask_north = trajectory.north.acceleration + limits.p_velocity * north + was.integral.north
+    ask_east = trajectory.east.acceleration + limits.p_velocity * east + before.integral.east
+    ask_north = trajectory.north.acceleration + limits.p_velocity * north + before.integral.north
     ask_east -= limits.d_velocity * body.acceleration.east
     ask_north -= limits.d_velocity * body.acceleration.north
     most_climb = limits.most_climb
@@ -53,17 +53,17 @@ def control_velocity(
         foreseen = 0.0
     climb = trajectory.up.speed + limits.p_height * (trajectory.up.place - body.place.up)
     up = min(max(climb, -limits.most_descent), most_climb) - body.speed.up
-    thrust = max(foreseen + limits.p_climb * up + was.integral.up, -GRAVITY)
+    thrust = max(foreseen + limits.p_climb * up + before.integral.up, -GRAVITY)
     size = math.sqrt(ask_east * ask_east + ask_north * ask_north)
     share = 1.0 if size <= constants.most_lean else constants.most_lean / size
     # anti-windup: with too little lean or thrust
-    back = 2.0 / limits.p_velocity * max(1.0 - share * (1.0 + thrust / GRAVITY) / was.hover, 0.0)
+    back = 2.0 / limits.p_velocity * max(1.0 - share * (1.0 + thrust / GRAVITY) / before.hover, 0.0)
     integral = Enu(
-        was.integral.east + limits.i_velocity * (east - back * ask_east) * dt,
-        was.integral.north + limits.i_velocity * (north - back * ask_north) * dt,
-        was.integral.up + (limits.i_climb * up * dt if up > 0.0 or thrust > -GRAVITY else 0.0),
+        before.integral.east + limits.i_velocity * (east - back * ask_east) * dt,
+        before.integral.north + limits.i_velocity * (north - back * ask_north) * dt,
+        before.integral.up + (limits.i_climb * up * dt if up > 0.0 or thrust > -GRAVITY else 0.0),
     )
-    return Enu(ask_east * share, ask_north * share, thrust), px4.Control(integral, was.hover, thrust)
+    return Enu(ask_east * share, ask_north * share, thrust), px4.Control(integral, before.hover, thrust)
 
 
 def level_velocity(trajectory: px4.Trajectory, body: px4.Body, limits: Px4Limits, dt: float) -> px4.Level:
@@ -166,14 +166,14 @@ def step(state: State, order: Order, constants: px4.SimulationConstants) -> Stat
     standing = touches_down(state, order)
     velocity, guidance = velocity_setpoint(state, order, constants, guide(state, order, limits))
     trajectory = track_setpoint(state, order, constants, velocity)
-    asked, control = control_velocity(state, trajectory, order, constants)
+    setpoint, control = control_velocity(state, trajectory, order, constants)
     if not (standing or state.body.on_ground):
         control = learn_hover(control, state.body, constants, state.time)
-    body = integrate(state, asked, constants, standing)
+    body = integrate(state, setpoint, constants, standing)
     errors = add_sensor_errors(state, constants)
     if errors.reported != state.errors.reported:
         guidance = px4.Guidance(px4.UNKNOWN, guidance.anchor, guidance.held, guidance.rising)
-    contact = detect_contact(state, body, asked.up, constants) if order.kind == px4.LAND else state.contact
+    contact = detect_contact(state, body, setpoint.up, constants) if order.kind == px4.LAND else state.contact
     time = state.time + constants.dt
     there = state.been_there or is_there(body, errors, contact, order)
     reached = state.reached
@@ -185,30 +185,30 @@ def step(state: State, order: Order, constants: px4.SimulationConstants) -> Stat
 
 def track_setpoint(state: State, order: Order, constants: px4.SimulationConstants, velocity: Enu) -> px4.Trajectory:
     """Return the trajectory a step later, stretched while the vehicle lags."""
-    limits, at, was = constants.limits, state.body.place, state.trajectory
+    limits, place, before = constants.limits, state.body.place, state.trajectory
     low = is_low_take_off(state, order, limits)
     climb = climb_limits(state.guidance.rising, low, limits)
     if low:
-        was = px4.Trajectory(was.east, was.north, px4.Axis(at.up, was.up.speed, was.up.acceleration))
+        before = px4.Trajectory(before.east, before.north, px4.Axis(place.up, before.up.speed, before.up.acceleration))
     most = limits.most_speed
     within = Enu(
         min(max(velocity.east, -most), most),
         min(max(velocity.north, -most), most),
         min(max(velocity.up, -climb.rate), climb.rate),
     )
-    east = was.east.place - at.east
-    north = was.north.place - at.north
+    east = before.east.place - place.east
+    north = before.north.place - place.north
     behind = 0.0
-    standing = math.sqrt(was.east.speed * was.east.speed + was.north.speed * was.north.speed) < STANDING
-    if standing or east * was.east.speed + north * was.north.speed >= 0.0:
+    standing = math.sqrt(before.east.speed * before.east.speed + before.north.speed * before.north.speed) < STANDING
+    if standing or east * before.east.speed + north * before.north.speed >= 0.0:
         behind = math.sqrt(east * east + north * north)
     pace = pace_up = 1.0 - min(behind / limits.most_lag, 1.0)
     if limits.splits_axes:
         pace_up = 1.0
-        lead = was.up.place - at.up
-        if limits.most_height_error > 0.0 and lead * was.up.speed >= 0.0:
+        lead = before.up.place - place.up
+        if limits.most_height_error > 0.0 and lead * before.up.speed >= 0.0:
             pace_up = 1.0 - min(abs(lead) / limits.most_height_error, 1.0)
-    now = smooth(was, within, limits, climb.accel, (constants.dt * pace, constants.dt * pace_up))
+    now = smooth(before, within, limits, climb.accel, (constants.dt * pace, constants.dt * pace_up))
     if order.kind != px4.LAND:
         return now
     return px4.Trajectory(in_single(now.east), in_single(now.north), now.up)
@@ -253,7 +253,9 @@ def begin(state: State, order: Order) -> State:
     on_ground = body.on_ground and order.kind == px4.TAKE_OFF
     if on_ground:
         trajectory = px4.Trajectory(trajectory.east, trajectory.north, px4.Axis(trajectory.up.place, -GROUND_SINK, 0.0))
-    body = px4.Body(body.place, body.speed, body.acceleration, body.asked, body.thrust, on_ground, body.airborne_since)
+    body = px4.Body(
+        body.place, body.speed, body.acceleration, body.setpoint, body.thrust, on_ground, body.airborne_since
+    )
     guidance = px4.Guidance(px4.ON_LINE, as_tuple(order.start), state.guidance.held, state.guidance.rising)
     return State(
         state.time, body, state.nose, trajectory, guidance, state.control, state.errors,
@@ -280,7 +282,7 @@ def past_cruise(state: State, order: Order, constants: px4.SimulationConstants) 
     y = px4.Axis(y.place + north, y.speed, y.acceleration)
     trajectory = px4.Trajectory(x, y, state.trajectory.up)
     place = Enu(body.place.east + east, body.place.north + north, body.place.up)
-    moved = px4.Body(place, body.speed, body.acceleration, body.asked, body.thrust, body.on_ground, since)
+    moved = px4.Body(place, body.speed, body.acceleration, body.setpoint, body.thrust, body.on_ground, since)
     return State(
         time, moved, state.nose, trajectory, state.guidance, state.control, state.errors, state.contact,
         state.begun, state.reached, state.been_there,
@@ -331,10 +333,10 @@ def fly(
             if every > 0 and steps % every == 0:
                 if taken == len(samples):
                     samples = np.concatenate((samples, np.zeros((taken, 7))))
-                at = state.body.place
+                place = state.body.place
                 speed = state.body.speed
                 row = samples[taken]
-                row[0], row[1], row[2], row[3] = state.time, at.east, at.north, at.up
+                row[0], row[1], row[2], row[3] = state.time, place.east, place.north, place.up
                 row[4], row[5], row[6] = speed.east, speed.north, speed.up
                 taken += 1
         if state.time >= until or not is_over(state, order):

@@ -53,7 +53,7 @@ class Climb(NamedTuple):
     accel: float
 
 
-def vertical_speed(at: Enu, to: Triplet, climb: Climb, limits: Px4Limits) -> float:
+def vertical_speed(place: Enu, to: Triplet, climb: Climb, limits: Px4Limits) -> float:
     """Return the vertical speed at the goal's height, within the limits of the climb.
 
     As in PX4 the angle is in the plane of height and distance from the origin.
@@ -61,9 +61,9 @@ def vertical_speed(at: Enu, to: Triplet, climb: Climb, limits: Px4Limits) -> flo
     leave = 0.0
     goal = to.goal
     if abs(to.beyond.up - goal.up) > 0.001:
-        from_here = horizontal_norm(goal) - horizontal_norm(at)
+        from_here = horizontal_norm(goal) - horizontal_norm(place)
         from_beyond = horizontal_norm(goal) - horizontal_norm(to.beyond)
-        up_from_here = goal.up - at.up
+        up_from_here = goal.up - place.up
         up_from_beyond = goal.up - to.beyond.up
         here_squared = from_here * from_here + up_from_here * up_from_here
         beyond_squared = from_beyond * from_beyond + up_from_beyond * up_from_beyond
@@ -71,7 +71,7 @@ def vertical_speed(at: Enu, to: Triplet, climb: Climb, limits: Px4Limits) -> flo
         product = from_here * from_beyond + up_from_here * up_from_beyond
         cosine = product / size if size > 1e-9 else 0.0
         leave = min(math.sqrt(climb.accel * limits.height_radius * half_tangent(cosine)), climb.rate)
-    return min(climb.rate, speed_to(abs(goal.up - at.up), leave, climb.accel, limits.jerk))
+    return min(climb.rate, speed_to(abs(goal.up - place.up), leave, climb.accel, limits.jerk))
 
 
 def sink_rate(state: State, order: Order, constants: px4.SimulationConstants) -> float:
@@ -97,17 +97,17 @@ def detect_contact(state: State, body: px4.Body, thrust: float, constants: px4.S
 
     The range finder loses the ground below an estimated height of 0.
     """
-    was = state.contact
+    before = state.contact
     limits, sees = constants.limits, constants.senses.sees_ground
     on_ground = body.on_ground
-    lost = was.lost or (was.on_ground and (state.errors.drift.up > 0.0 or not sees))
-    low = was.stages > 0 or thrust <= GRAVITY * (limits.low_thrust - 1.0)
+    lost = before.lost or (before.on_ground and (state.errors.drift.up > 0.0 or not sees))
+    low = before.stages > 0 or thrust <= GRAVITY * (limits.low_thrust - 1.0)
     if not on_ground or abs(body.speed.up) >= limits.most_touchdown or not low:
         return px4.Contact(on_ground, lost, 0, state.time + constants.dt)
     stage = limits.land_detector_s * (STAGES if lost and sees else 1) / STAGES
-    if state.time + constants.dt - was.since >= stage:
-        return px4.Contact(on_ground, lost, was.stages + 1, state.time + constants.dt)
-    return px4.Contact(on_ground, lost, was.stages, was.since)
+    if state.time + constants.dt - before.since >= stage:
+        return px4.Contact(on_ground, lost, before.stages + 1, state.time + constants.dt)
+    return px4.Contact(on_ground, lost, before.stages, before.since)
 
 
 def heading_wanted(state: State, order: Order) -> float:
@@ -147,12 +147,12 @@ def guide(state: State, order: Order, limits: Px4Limits) -> px4.Guidance:
     if limits.splits_axes:
         return state.guidance
     place = state.body.place
-    was = state.guidance
+    before = state.guidance
     home = reported_home_error(state, order)
-    at = Enu(place.east, place.north, place.up - home)
-    ahead, along, across = beside_leg(at, as_tuple(order.start), as_tuple(order.goal))
+    reported_place = Enu(place.east, place.north, place.up - home)
+    ahead, along, across = beside_leg(reported_place, as_tuple(order.start), as_tuple(order.goal))
     if ahead <= 1e-6:
-        return px4.Guidance(px4.ON_LINE, as_tuple(order.start), was.held, was.rising)
+        return px4.Guidance(px4.ON_LINE, as_tuple(order.start), before.held, before.rising)
     side = px4.ON_LINE
     if along > ahead:
         side = px4.BEYOND
@@ -160,35 +160,35 @@ def guide(state: State, order: Order, limits: Px4Limits) -> px4.Guidance:
         side = px4.BEFORE
     elif order.kind != px4.LAND and across > order.radius:
         side = px4.OFF_LINE
-    if side == was.side and side != px4.OFF_LINE:
-        return was
-    return px4.Guidance(side, at, was.held, was.rising)
+    if side == before.side and side != px4.OFF_LINE:
+        return before
+    return px4.Guidance(side, reported_place, before.held, before.rising)
 
 
-def beside_leg(at: Enu, start: Enu, goal: Enu) -> tuple[float, float, float]:
+def beside_leg(place: Enu, start: Enu, goal: Enu) -> tuple[float, float, float]:
     """Return the leg's length, and the place along and lateral to it [m]."""
     leg = minus(goal, start)
     length = norm(leg)
     if length <= 1e-6:
         return 0.0, 0.0, 0.0
-    flown = minus(at, start)
+    flown = minus(place, start)
     along = dot(flown, leg) / length
     return length, along, math.sqrt(max(dot(flown, flown) - along * along, 0.0))
 
 
 def triplet(guidance: px4.Guidance, order: Order) -> Triplet:
     """Return the leg's waypoints, or the way back to its end, start or nearest point."""
-    at = guidance.anchor
+    anchor = guidance.anchor
     start = as_tuple(order.start)
     goal = as_tuple(order.goal)
     beyond = as_tuple(order.beyond)
     if guidance.side == px4.BEYOND:
-        return Triplet(at, goal, beyond)
+        return Triplet(anchor, goal, beyond)
     if guidance.side == px4.BEFORE:
-        return Triplet(at, start, goal)
+        return Triplet(anchor, start, goal)
     if guidance.side == px4.OFF_LINE:
-        length, along, _ = beside_leg(at, start, goal)
-        return Triplet(at, plus(start, scaled(minus(goal, start), along / length)), goal)
+        length, along, _ = beside_leg(anchor, start, goal)
+        return Triplet(anchor, plus(start, scaled(minus(goal, start), along / length)), goal)
     return Triplet(start, goal, beyond)
 
 
@@ -219,8 +219,8 @@ def velocity_setpoint(
     limits = constants.limits
     x, y = state.trajectory.east, state.trajectory.north
     to = triplet(guidance, order)
-    at = Enu(x.place, y.place, state.trajectory.up.place - reported_home_error(state, order))
-    aim = minus(to.goal, at)
+    place = Enu(x.place, y.place, state.trajectory.up.place - reported_home_error(state, order))
+    aim = minus(to.goal, place)
     distance = horizontal_norm(aim)
     fast = corner_speed(aim, minus(to.beyond, to.goal), order, limits)
     held = fast
@@ -229,28 +229,28 @@ def velocity_setpoint(
     if speed > MOVING and distance > order.radius and is_turning:
         held = guidance.held
         fast = min(held, fast)
-        aim = ahead_on_leg(at, to, aim, order.radius)
+        aim = ahead_on_leg(place, to, aim, order.radius)
     if order.kind == px4.LAND:
         share = fast / distance if distance > AT_GOAL else 0.0
         velocity = Enu(aim.east * share, aim.north * share, -sink_rate(state, order, constants))
     else:
         climb = climb_limits(guidance.rising, is_low_take_off(state, order, limits), limits)
-        rise = vertical_speed(at, to, climb, limits)
+        rise = vertical_speed(place, to, climb, limits)
         velocity = apart(aim, fast, rise) if limits.splits_axes else within(aim, fast, rise)
     if limits.turns_first and order.may_turn_first and abs(heading_error(state, order)) > limits.yaw_error:
         velocity = ZERO
     return velocity, px4.Guidance(guidance.side, guidance.anchor, held, velocity.up > 0.0)
 
 
-def ahead_on_leg(at: Enu, to: Triplet, aim: Enu, radius: float) -> Enu:
+def ahead_on_leg(place: Enu, to: Triplet, aim: Enu, radius: float) -> Enu:
     """Return the way from `at` to a point of the leg, `radius` or LEAST_AHEAD away [m]."""
     leg = minus(to.goal, to.start)
     length = norm(leg)
     if length <= 1e-6:
         return aim
     direction = Enu(leg.east / length, leg.north / length, leg.up / length)
-    nearest = plus(to.start, scaled(direction, dot(minus(at, to.start), direction)))
-    aside = minus(nearest, at)
+    nearest = plus(to.start, scaled(direction, dot(minus(place, to.start), direction)))
+    aside = minus(nearest, place)
     reach = max(radius, LEAST_AHEAD)
     squared = reach * reach - aside.east * aside.east - aside.north * aside.north - aside.up * aside.up
     return plus(aside, scaled(direction, math.sqrt(max(squared, 0.0))))

@@ -52,26 +52,26 @@ def waypoint(item: Item, order: Order, limits: Px4Limits) -> Order:
     )
 
 
-def stay(here: Enu, limits: Px4Limits, seconds: float) -> list[Order]:
-    order = leg(here, here, None, limits, limits.cruise)
+def stay(place: Enu, limits: Px4Limits, seconds: float) -> list[Order]:
+    order = leg(place, place, None, limits, limits.cruise)
     return [order._replace(radius=ANY_RADIUS, height_radius=ANY_RADIUS, hold_s=seconds)] if seconds > 0 else []
 
 
-def landing_orders(here: Enu, ground: Enu, limits: Px4Limits, cruise: float, hold_s: float) -> list[Order]:
+def landing_orders(start: Enu, ground: Enu, limits: Px4Limits, cruise: float, hold_s: float) -> list[Order]:
     """Return the orders of a landing, first to over the place if beyond the acceptance radius.
 
     `hold_s`: on the ground [s].
     """
-    over = ground._replace(up=here.up)
-    legs = [leg(here, over, None, limits, cruise)] if math.dist(here, over) > limits.radius else []
-    ground = ground if legs else here._replace(up=ground.up)
+    over = ground._replace(up=start.up)
+    legs = [leg(start, over, None, limits, cruise)] if math.dist(start, over) > limits.radius else []
+    ground = ground if legs else start._replace(up=ground.up)
     return [*legs, leg(ground, ground, None, limits, cruise)._replace(kind=LAND, hold_s=hold_s)]
 
 
-def stopping_place(here: Enu, speed: Level, limits: Px4Limits) -> Enu:
+def stopping_place(place: Enu, speed: Level, limits: Px4Limits) -> Enu:
     """Return the stopping place of LAND and hold."""
     time = limits.stopping_time(math.hypot(speed.east, speed.north))
-    return here._replace(east=here.east + speed.east * time, north=here.north + speed.north * time)
+    return place._replace(east=place.east + speed.east * time, north=place.north + speed.north * time)
 
 
 def return_orders(here: Enu, limits: Px4Limits, home: Enu, up: float = 0.0) -> list[Order]:
@@ -93,9 +93,9 @@ def return_orders(here: Enu, limits: Px4Limits, home: Enu, up: float = 0.0) -> l
     return [*climb, *legs, *waits, down]
 
 
-def contingency_orders(contingency: Contingency, at: Vector, itinerary: Itinerary, limits: Px4Limits) -> list[Order]:
-    here = Enu(*map(float, at[1:4]))
-    speed = Level(float(at[4]), float(at[5]))
+def contingency_orders(contingency: Contingency, row: Vector, itinerary: Itinerary, limits: Px4Limits) -> list[Order]:
+    here = Enu(*map(float, row[1:4]))
+    speed = Level(float(row[4]), float(row[5]))
     ground = itinerary.ground
     if contingency is Contingency.RTL:
         goal = Enu(*itinerary.goal_of_return((here.east, here.north, here.up)))
@@ -105,14 +105,14 @@ def contingency_orders(contingency: Contingency, at: Vector, itinerary: Itinerar
     return landing_orders(stop, down, limits, limits.cruise, limits.disarm_delay)
 
 
-def orders_along(here: Enu, places: Sequence[Enu], limits: Px4Limits, ground: Enu) -> list[Order]:
+def orders_along(start: Enu, places: Sequence[Enu], limits: Px4Limits, ground: Enu) -> list[Order]:
     legs = list[Order]()
-    at = here
+    leg_start = start
     for n, place in enumerate(places):
         beyond = places[n + 1] if n + 1 < len(places) else None
-        if math.dist(at, place) > limits.radius:
-            legs.append(leg(at, place, beyond, limits, limits.cruise))
-            at = place
+        if math.dist(leg_start, place) > limits.radius:
+            legs.append(leg(leg_start, place, beyond, limits, limits.cruise))
+            leg_start = place
     down = leg(ground, ground, None, limits, limits.cruise)
     return [*legs, down._replace(kind=LAND, hold_s=limits.disarm_delay)]
 
@@ -141,16 +141,16 @@ def orders_of_itinerary(itinerary: Itinerary, limits: Px4Limits, landing_delay: 
     return Planned(tuple(orders), tuple(done), tuple(navigator.remarks))
 
 
-def with_patience(orders: Sequence[Order], at: Enu, limits: Px4Limits, landing_delay: float) -> Iterator[Order]:
+def with_patience(orders: Sequence[Order], start: Enu, limits: Px4Limits, landing_delay: float) -> Iterator[Order]:
     """Yield orders flown from `at`, with the time after which each has failed."""
     slowest = min(limits.climb, limits.descent, limits.takeoff_speed, limits.land_speed, limits.crawl_speed)
     for order in orders:
-        level = math.dist(at[:2], order.goal[:2])
-        rise = abs(order.goal.up - at.up)
+        level = math.dist(start[:2], order.goal[:2])
+        rise = abs(order.goal.up - start.up)
         lasts = (300 if order.kind == LAND else 120) + 6 * level * max(1.0, 1 / order.cruise) + 4 * rise / slowest
         late = landing_delay if order.kind == LAND else 0.0
         yield order._replace(hold_s=order.hold_s + late, patience=lasts * max(1.0, 1 / order.radius))
-        at = order.goal
+        start = order.goal
 
 
 class _Navigator:

@@ -89,7 +89,7 @@ class Body(NamedTuple):
     place: Enu
     speed: Enu  # estimated
     acceleration: Level
-    asked: Level  # lean setpoint: acceleration at one g
+    setpoint: Level  # lean setpoint: acceleration at one g
     thrust: Enu  # lean, and thrust above weight
     on_ground: bool
     airborne_since: float
@@ -159,42 +159,44 @@ def no_errors(seed_1: float, seed_2: float) -> Errors:
 
 
 def add_sensor_errors(state: State, constants: SimulationConstants) -> Errors:
-    was = state.errors
+    last = state.errors
     time = state.time + constants.dt
     if not constants.noisy:
-        return was
-    reported, reported_at = was.reported, was.reported_at
+        return last
+    reported, reported_at = last.reported, last.reported_at
     if reported_at >= 0.0 and time >= reported_at:
-        reported, reported_at = was.home, NOT_YET
-    if was.next_in > constants.dt:
-        return Errors(was.seed_1, was.seed_2, was.next_in - constants.dt, was.home, reported, reported_at, was.drift)
+        reported, reported_at = last.home, NOT_YET
+    if last.next_in > constants.dt:
+        return Errors(
+            last.seed_1, last.seed_2, last.next_in - constants.dt, last.home, reported, reported_at, last.drift
+        )
     senses = constants.senses
-    seed_1, seed_2, n_east, n_north = normal(was.seed_1, was.seed_2)
+    seed_1, seed_2, n_east, n_north = normal(last.seed_1, last.seed_2)
     seed_1, seed_2, n_up, n_height = normal(seed_1, seed_2)
-    kept = math.exp(-senses.every / senses.drift_lasts)
-    fresh = math.sqrt(1.0 - kept * kept)
+    correlation = math.exp(-senses.every / senses.drift_lasts)
+    fresh = math.sqrt(1.0 - correlation * correlation)
     drift = Enu(
-        kept * was.drift.east + fresh * senses.drift * n_east,
-        kept * was.drift.north + fresh * senses.drift * n_north,
-        kept * was.drift.up + fresh * senses.drift_up * n_up,
+        correlation * last.drift.east + fresh * senses.drift * n_east,
+        correlation * last.drift.north + fresh * senses.drift * n_north,
+        correlation * last.drift.up + fresh * senses.drift_up * n_up,
     )
-    home = was.home
+    home = last.home
     measured = senses.height_noise * n_height
     flown = time - state.body.airborne_since
     if flown < CORRECTED_FOR and abs(measured - home) > CORRECTED_BEYOND:
         home = measured
         reported_at = time + NOTICED_S if reported_at < 0.0 else reported_at
-    return Errors(seed_1, seed_2, was.next_in - constants.dt + senses.every, home, reported, reported_at, drift)
+    return Errors(seed_1, seed_2, last.next_in - constants.dt + senses.every, home, reported, reported_at, drift)
 
 
-def integrate(state: State, asked: Enu, constants: SimulationConstants, is_held: bool) -> Body:
+def integrate(state: State, setpoint: Enu, constants: SimulationConstants, is_held: bool) -> Body:
     body, drift, dt, drag = state.body, state.errors.drift, constants.dt, constants.airframe.drag
-    asked_east = body.asked.east + (asked.east - body.asked.east) * constants.leaning
-    asked_north = body.asked.north + (asked.north - body.asked.north) * constants.leaning
+    lean_east = body.setpoint.east + (setpoint.east - body.setpoint.east) * constants.leaning
+    lean_north = body.setpoint.north + (setpoint.north - body.setpoint.north) * constants.leaning
     thrust = Enu(
-        body.thrust.east + (asked_east - body.thrust.east) * constants.turning,
-        body.thrust.north + (asked_north - body.thrust.north) * constants.turning,
-        body.thrust.up + (asked.up - body.thrust.up) * constants.turning,
+        body.thrust.east + (lean_east - body.thrust.east) * constants.turning,
+        body.thrust.north + (lean_north - body.thrust.north) * constants.turning,
+        body.thrust.up + (setpoint.up - body.thrust.up) * constants.turning,
     )
     lift = 1.0 + thrust.up / GRAVITY
     place = body.place
@@ -212,4 +214,4 @@ def integrate(state: State, asked: Enu, constants: SimulationConstants, is_held:
         rise = speed.up + (thrust.up - drag * speed.up) * dt
         speed = Enu(speed.east + felt_east * dt, speed.north + felt_north * dt, rise)
         place = plus(place, scaled(plus(speed, drift), dt))
-    return Body(place, speed, Level(felt_east, felt_north), Level(asked_east, asked_north), thrust, on_ground, since)
+    return Body(place, speed, Level(felt_east, felt_north), Level(lean_east, lean_north), thrust, on_ground, since)
