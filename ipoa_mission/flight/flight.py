@@ -206,26 +206,27 @@ def plan_regardless_of_battery(scenario: Scenario, seed: int, progress: Progress
     expect_plannable(scenario)
     world = scenario.airspace
     log.info("%s: %d obstacles, planning by %s", scenario.name, len(world.obstacles), scenario.optimizer.name)
-    found = plan_with_margins(scenario, seed, progress)
-    requested, scenario = scenario, found.scenario
-    plan, forecast = found.plan.judged_by(scenario), found.forecast
+    chosen = plan_with_margins(scenario, seed, progress)
+    plan = chosen.plan.judged_by(chosen.scenario)
+    forecast = chosen.forecast
     mission = forecast.mission
     log.info("%s: cost %.4f after %d evaluations", scenario.name, plan.history[-1], plan.evaluations[-1])
-    found_by_check = check(forecast)
-    of_the_battery = {"battery-short", "battery-no-return"}  # it may be split into flights of one battery each
-    refuse_errors([finding for finding in found_by_check if finding.code not in of_the_battery])
-    refuse_unclear_returns(found_by_check, forecast)
-    findings = tuple(finding for finding in found_by_check if finding.severity is Severity.WARNING)
-    messages = (words for finding in findings for words in (finding.message, finding.hint) if words)
-    planned = (
-        *slowed_where_needed_remarks(found.route),
-        *by_way_of_the_goal_remarks(scenario, requested),
-        *(raise_way_home_remarks(mission) if len(mission.items) > len(found.draft.mission.items) else ()),
-        *slow_landings_remarks(forecast),
-        *return_remarks(forecast),
-    )
-    remarks = (*messages, *planned, *scenario.remarks, *left_out(mission))
-    return Flight(plan, forecast, findings, remarks, found)
+
+    findings = check(forecast)
+    battery_codes = {"battery-short", "battery-no-return"}  # it may be split into flights of one battery each
+    refuse_errors([finding for finding in findings if finding.code not in battery_codes])
+    refuse_unclear_returns(findings, forecast)
+
+    warnings = tuple(finding for finding in findings if finding.severity is Severity.WARNING)
+    remarks = [words for finding in warnings for words in (finding.message, finding.hint) if words]
+    remarks += slowed_where_needed_remarks(chosen.route)
+    remarks += by_way_of_the_goal_remarks(chosen.scenario, scenario)
+    if len(mission.items) > len(chosen.draft.mission.items):
+        remarks += raise_way_home_remarks(mission)
+    remarks += slow_landings_remarks(forecast)
+    remarks += return_remarks(forecast)
+    remarks += [*chosen.scenario.remarks, *left_out(mission)]
+    return Flight(plan, forecast, warnings, tuple(remarks), chosen)
 
 
 def plan_for_batteries(

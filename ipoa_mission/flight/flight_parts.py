@@ -71,13 +71,15 @@ def split_flight(whole: Forecast) -> tuple[Forecast, ...]:
     while begin < parts.last:
         end, flight = parts.longest(begin, legs)
         flights.append(flight)
-        begin, legs = end, end - begin
+        legs = end - begin
+        begin = end
     return tuple(flights)
 
 
 class _Parts:
     def __init__(self, whole: Forecast) -> None:
-        self.whole, self.mission = whole, whole.mission_as_read
+        self.whole = whole
+        self.mission = whole.mission_as_read
         items = self.mission.items
         begins = [n for n, item in enumerate(items) if item.is_takeoff]
         if len(begins) != 1 or any(item.command in NOT_SPLITTABLE for item in items):

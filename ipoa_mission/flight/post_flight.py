@@ -20,14 +20,16 @@ from ipoa_mission.scenario import Scenario
 def landed_at_rally(mission: Mission, record: FlightRecord) -> tuple[str, ...]:
     if not record.completed or not record.path or not mission.rally:
         return ()
-    end, frame = record.path[-1], mission.frame
-    there = Geodetic(end.latitude_deg, end.longitude_deg, mission.home.altitude)
-    here = tuple(map(float, frame.local(there)[:2]))
-    distance, nearest = min((math.dist(here, place[:2]), n) for n, place in enumerate(rally_places(mission), start=1))
-    if distance > 10.0 or math.hypot(*here) <= distance:  # [m]
+    end = record.path[-1]
+    place = Geodetic(end.latitude_deg, end.longitude_deg, mission.home.altitude)
+    east, north = map(float, mission.frame.local(place)[:2])
+    distances = [math.dist((east, north), rally[:2]) for rally in rally_places(mission)]
+    distance = min(distances)
+    from_home = math.hypot(east, north)
+    if distance > 10.0 or from_home <= distance:  # [m]
         return ()
-    bearing = math.degrees(math.atan2(here[0], here[1])) % 360.0
-    return (f"it landed at rally point {nearest}, {math.hypot(*here):.0f} m {bearing:.0f}° from home",)
+    bearing = math.degrees(math.atan2(east, north)) % 360.0
+    return (f"it landed at rally point {distances.index(distance) + 1}, {from_home:.0f} m {bearing:.0f}° from home",)
 
 
 def landed_elsewhere(forecast: Forecast, record: FlightRecord) -> tuple[str, ...]:
@@ -65,7 +67,8 @@ class FlownClearance:
         return not falls_short(self.least.nearest.distance, self.least.required)
 
     def words(self) -> str:
-        near, required = self.least.nearest, self.least.required
+        near = self.least.nearest
+        required = self.least.required
         where = f"{self.place.latitude_deg:.6f}, {self.place.longitude_deg:.6f}, up {near.place[2]:.1f} m"
         guaranteed = "" if self.guaranteed is None else f", {floor_cm(self.guaranteed):.2f} m guaranteed"
         verdict = "" if self.kept else ", which was NOT kept"
@@ -92,12 +95,12 @@ def flown_clearance(record: FlightRecord, scenario: Scenario, mission: Mission |
     scenario.expect_here(begins)
     if apart(begins, scenario.frame.home) > 20_000.0:  # [m]: of another place
         return None
-    points, times = _flown(record, scenario), np.array([sample.time_s for sample in record.path])
-    least = _least(points, scenario)
+    points = _flown_points(record, scenario)
+    least = _least_clear(points, scenario)
     if not np.isfinite(least.nearest.distance):
         return None
-    at = np.asarray(least.nearest.place)
-    near = int(np.argmin(np.linalg.norm(points - at, axis=1)))
+    place = np.asarray(least.nearest.place)
+    sample = record.path[int(np.argmin(np.linalg.norm(points - place, axis=1)))]
     planned = guaranteed = None
     forecast = None if mission is None else Forecast(mission, scenario)
     if forecast is not None and forecast.cruise:
@@ -106,10 +109,11 @@ def flown_clearance(record: FlightRecord, scenario: Scenario, mission: Mission |
         guarantee = forecast.guarantee_if_known
         clearance = None if guarantee is None else guarantee.clearance
         guaranteed = None if clearance is None else clearance.guaranteed
-    return FlownClearance(least, scenario.frame.geodetic(at), float(times[near]), planned, guaranteed)
+    return FlownClearance(least, scenario.frame.geodetic(place), float(sample.time_s), planned, guaranteed)
 
 
-def _flown(record: FlightRecord, scenario: Scenario) -> Points:
+def _flown_points(record: FlightRecord, scenario: Scenario) -> Points:
+    """Return the flown path (n, 3), east, north, up of home [m]."""
     places = [(sample.latitude_deg, sample.longitude_deg) for sample in record.path]
     latitude, longitude = np.array(places).T
     frame = scenario.frame
@@ -118,8 +122,9 @@ def _flown(record: FlightRecord, scenario: Scenario) -> Points:
     return frame.to_local(latitude, longitude, frame.home.altitude + ground + np.array(record.heights))
 
 
-def _least(points: Points, scenario: Scenario) -> Check:
-    world, limits = scenario.airspace, scenario.limits
+def _least_clear(points: Points, scenario: Scenario) -> Check:
+    world = scenario.airspace
+    limits = scenario.limits
     checks = [Check("obstacles", world.obstacle_clearance(points), limits.obstacle_distance)]
     high = np.flatnonzero(points[:, 2] - world.ground(points) >= limits.height_above_ground)
     if len(high) and high[-1] > high[0]:

@@ -66,7 +66,8 @@ def expect_charge(vehicle: Vehicle, forecast: Forecast, first: int = 0) -> None:
         return
     from ipoa_mission.forecast.contingency.energy_budget import budget_of
 
-    if (budget := budget_of(forecast)) is None:
+    budget = budget_of(forecast)
+    if budget is None:
         return
     begins = next((item.done_s for item in forecast.estimate.items if item.seq == first), 0.0)
     now = budget.against_plan(left, begins)
@@ -83,7 +84,8 @@ class OutsideOwnFence(MissionError):
 
 
 def await_home(vehicle: Vehicle, progress: Progress = silent) -> None:
-    state, until_s = vehicle.state, vehicle.line.now() + vehicle.ready_s
+    state = vehicle.state
+    until_s = vehicle.line.now() + vehicle.ready_s
     reason = ""
     try:
         while vehicle.home() is None:
@@ -156,8 +158,10 @@ def _compare_home(mission: Mission, there: Geodetic | None, anyway: bool) -> tup
     if there is None:
         return ("the vehicle does not report its home: it was not compared with the mission's",)
     log.info("the vehicle's home: %.6f, %.6f, %.1f m AMSL", there.latitude_deg, there.longitude_deg, there.altitude)
-    here, remarks = mission.home, list[str]()
-    distance, higher = apart(here, there), there.altitude - here.altitude
+    here = mission.home
+    remarks = list[str]()
+    distance = apart(here, there)
+    higher = there.altitude - here.altitude
     if distance > 100.0:
         away = f"{distance:.0f} m" if distance < 10_000 else f"{distance / 1000:.0f} km"
         words = (
@@ -193,13 +197,18 @@ def breaches(mission: Mission, fence: OwnFence, there: Geodetic) -> tuple[str, .
     law = law_of(mission.autopilot)
     share = 0.01
     forecast = Forecast(mission)
-    center, legs = forecast.frame.local(there)[:2], forecast.legs
-    heights = [forecast.frame.to_geodetic(leg.points)[2] - mission.home.altitude for leg in legs]
-    away = [(leg, float(np.hypot(*(leg.points[:, :2] - center).T).max())) for leg in legs]
-    highest = [(leg, float(up.max())) for leg, up in zip(legs, heights, strict=True)]
-    lowest = [(leg, float(up.min())) for leg, up in zip(legs, heights, strict=True) if leg.stage is FlightStage.ROUTE]
+    center = forecast.frame.local(there)[:2]
+    farthest = list[tuple[Leg, float]]()
+    highest = list[tuple[Leg, float]]()
+    lowest = list[tuple[Leg, float]]()
+    for leg in forecast.legs:
+        heights = forecast.frame.to_geodetic(leg.points)[2] - mission.home.altitude
+        farthest.append((leg, float(np.hypot(*(leg.points[:, :2] - center).T).max())))
+        highest.append((leg, float(heights.max())))
+        if leg.stage is FlightStage.ROUTE:
+            lowest.append((leg, float(heights.min())))
     return (
-        *_beyond(mission, fence.radius, away, "away from home", law.lateral(share)),
+        *_beyond(mission, fence.radius, farthest, "away from home", law.lateral(share)),
         *_beyond(mission, fence.ceiling, highest, "above home", law.highest.distance(share)),
         *_beyond(mission, fence.floor, lowest, "above home", -law.lowest.distance(share)),
     )

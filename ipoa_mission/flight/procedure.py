@@ -89,8 +89,10 @@ def upload_mission(
         ('RTL_RETURN_ALT is 30 on the vehicle, and the mission was made for 70',)
     """
     with stages(Stage.CHECK):
-        remarks, left = expect_fit(vehicle, mission, anyway, ignore), left_lists(vehicle, mission)
-    return (*remarks, *left.values(), *_upload(vehicle, mission, anyway, stages)[1])
+        remarks = expect_fit(vehicle, mission, anyway, ignore)
+        left = left_lists(vehicle, mission)
+    _, notes = _upload(vehicle, mission, anyway, stages)
+    return (*remarks, *left.values(), *notes)
 
 
 def _upload(
@@ -171,7 +173,9 @@ def fly_mission(
 
 def load_mission(vehicle: Vehicle, forecast: Forecast, options: ProcedureOptions) -> Forecast:
     """Upload, and return the forecast with the version and the parameters aboard; refuse its errors in its world."""
-    mission, anyway, stages = forecast.mission_as_read, options.anyway, options.stages
+    mission = forecast.mission_as_read
+    anyway = options.anyway
+    stages = options.stages
     vehicle.expect_on_ground()
     with stages(Stage.POSITION) as show:
         await_home(vehicle, show)

@@ -14,7 +14,8 @@ from ipoa_mission.geometry import GRAVITY, Points, Vector
 from ipoa_mission.learn.powers import AIRBORNE_HEIGHT, LoggedTrack, PowerSeconds, logged_track
 from ipoa_mission.logs.flight_log import LoggedFlight
 
-SAMPLE_STEP_S, SMOOTHED_SAMPLES = 0.2, 5
+SAMPLE_STEP_S = 0.2
+SMOOTHED_SAMPLES = 5
 
 
 def drag_by_lean(
@@ -24,8 +25,10 @@ def drag_by_lean(
 
     Return ln of drag over the simulated with its deviation, and the wind if it is sure (`FlightMeasurements`).
     """
-    min_speed, min_time_s = 2.5, 5.0  # slower, drag is within the lean's error [m/s]
-    steady_limit, max_gap_s = 1.0, 2.0  # climb [m/s] and acceleration [m/s^2]; between attitudes
+    min_speed = 2.5  # [m/s]; slower, drag is within the lean's error
+    min_time_s = 5.0
+    steady_limit = 1.0  # of climb [m/s] and acceleration [m/s^2]
+    max_gap_s = 2.0  # between attitudes
     if len(attitude) < 2 or np.ptp(attitude[:, 0]) < min_time_s:
         raise LogUseless("it has no attitudes")
     times = np.arange(attitude[0, 0], attitude[-1, 0], SAMPLE_STEP_S)
@@ -113,7 +116,9 @@ def measure_flight(flight: LoggedFlight) -> FlightMeasurements:
 
 def _in_hover(times: np.ndarray, watts: np.ndarray, track: LoggedTrack) -> float:
     heights, velocity = track.at(times)
-    max_speed, max_climb, min_time_s = 2.0, 0.3, 3.0  # [m/s], [m/s], [s]
+    max_speed = 2.0  # [m/s]
+    max_climb = 0.3  # [m/s]
+    min_time_s = 3.0
     hovers = (np.hypot(velocity[:, 0], velocity[:, 1]) < max_speed) & (np.abs(velocity[:, 2]) < max_climb)
     hovers &= heights > AIRBORNE_HEIGHT
     lasts = np.gradient(times)[hovers]
@@ -132,6 +137,7 @@ def hover_power(flights: Sequence[FlightMeasurements]) -> Learned | None:
     powers = np.array([flight.hover_w for flight in flights if flight.hover_w is not None])
     if len(powers) < 2:
         return None
-    mean, error = float(powers.mean()), powers.std(ddof=1) / np.sqrt(len(powers))
+    mean = float(powers.mean())
+    error = powers.std(ddof=1) / np.sqrt(len(powers))
     half = float(stdtrit(len(powers) - 1, 0.95) * error)
     return Learned(mean, mean - half, mean + half) if half <= 0.25 * mean else None

@@ -84,7 +84,8 @@ def learned_powers(flights: Sequence[PowerSeconds]) -> dict[str, Learned]:
     flights = [flight.selected(flight.aloft) for flight in flights]
     if not flights:
         return {}
-    together, min_speed = _together(flights), 4.0  # [m/s]
+    min_speed = 4.0  # [m/s]
+    together = _together(flights)
     if (together.airspeed > min_speed).sum() < MIN_TIME_S:
         return {}
     values, deviations = _fit(together)
@@ -105,11 +106,14 @@ def _together(flights: Sequence[PowerSeconds]) -> PowerSeconds:
 
 def _fit(seconds: PowerSeconds) -> tuple[Vector, Vector]:
     """Return the powers (5,) of a `PowerCurve`, and their deviations."""
-    v, w, watts = seconds.airspeed, seconds.climb, seconds.watts
-    columns = np.column_stack([np.ones_like(v), v**2, v**3, np.maximum(w, 0.0), np.maximum(-w, 0.0)])
+    v = seconds.airspeed
+    climb = seconds.climb
+    watts = seconds.watts
+    columns = np.column_stack([np.ones_like(v), v**2, v**3, np.maximum(climb, 0.0), np.maximum(-climb, 0.0)])
     hover = max(float(np.median(watts)), 1.0)
     least = np.array([0.0, -np.inf, 0.0, -np.inf, -np.inf])  # physical bounds
-    noise, correlated_s = 0.05 * hover, 5.0  # one independent sample
+    noise = 0.05 * hover
+    correlated_s = 5.0  # one independent sample
     for _ in range(3):
         weight = 1.0 / noise / np.sqrt(correlated_s)
         rows = np.vstack([columns * weight, np.diag(1.0 / (PRIOR_DEVIATIONS * hover))])

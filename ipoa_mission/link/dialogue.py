@@ -20,7 +20,7 @@ from ipoa_mission.errors import MissionError
 from ipoa_mission.link.item_run import ItemsRead, ItemsSent
 from ipoa_mission.link.messages import Ack, CommandAck, Count, FileTransfer, ItemAt, Message, Request
 
-A = TypeVar("A")
+Answer = TypeVar("Answer")
 T = TypeVar("T")
 
 
@@ -86,7 +86,7 @@ Step: TypeAlias = Ask | Tell | SendOnce | Pause | None
 Dialogue: TypeAlias = Generator[Step, Message | None, T]
 
 
-def hear(step: Ask | Pause, accept: Callable[[Message], A | None]) -> Dialogue[A | None]:
+def hear(step: Ask | Pause, accept: Callable[[Message], Answer | None]) -> Dialogue[Answer | None]:
     """Take a step, and pass messages to `accept` until it returns a true value.
 
     Return that value, or None at the end of a pause. Raise NoAnswer if an `Ask` is not answered.

@@ -177,15 +177,16 @@ def _value(message: str, ours: str, theirs: tuple[str, ...]) -> _Value:
     unit, wire_type = unit_and_type(message, theirs[0])
     if unit not in _FACTORS:
         return _Value(ours, theirs)
-    factor, most = _FACTORS[unit], _LARGEST[wire_type]
-    if len(theirs) == 1:
-        return _Value(ours, theirs, lambda value: saturated(value * factor, most), lambda raw: raw / factor)
-    return _Value(
-        ours,
-        theirs,
-        lambda values: tuple(saturated(value * factor, most) for value in values),
-        lambda raw: tuple(value / factor for value in raw),
-    )
+    factor = _FACTORS[unit]
+    most = _LARGEST[wire_type]
+
+    def scale_up(value: Any) -> Any:
+        return tuple(map(scale_up, value)) if isinstance(value, tuple) else saturated(value * factor, most)
+
+    def scale_down(raw: Any) -> Any:
+        return tuple(map(scale_down, raw)) if isinstance(raw, tuple) else raw / factor
+
+    return _Value(ours, theirs, scale_up, scale_down)
 
 
 #: By MAVLink's name.

@@ -63,7 +63,8 @@ class LoggedFlight:
 
     def flown_in_mission(self) -> list[tuple[float, float, float]]:
         """Return latitude, longitude, height above home."""
-        places, is_flying = list[tuple[float, float, float]](), False
+        places = list[tuple[float, float, float]]()
+        is_flying = False
         for message in self.messages:
             if isinstance(message, m.Heartbeat):
                 is_flying = message.armed and message.custom_mode == self.autopilot.modes.mission
@@ -141,7 +142,8 @@ def read_flights(path: str | Path, system: int | None = None) -> FlightLog:
         log = read_telemetry_log(path, system)
     else:
         raise WrongSuffix("expected a log whose name ends in .tlog, .bin or .ulg", place=path)
-    stretches, remarks = list(_stretches(log)), [*log.remarks]
+    stretches = list(_stretches(log))
+    remarks = [*log.remarks]
     flights = [stretch for stretch in stretches if stretch.flew_in(log.autopilot.modes.mission) or stretch.rose]
     whole = tuple(stretch.flight(log) for stretch in flights if stretch.is_whole)
     if len(whole) < len(flights):
@@ -161,7 +163,8 @@ def read_flights(path: str | Path, system: int | None = None) -> FlightLog:
 
 def _gaps(log: Log, is_on_board: bool) -> Iterator[str]:
     """Report positions that are missing while armed, and wrong ones."""
-    fixes, times = log.fixes, log.fixes.times
+    fixes = log.fixes
+    times = fixes.times
     beats = sorted((time, event.armed) for time, event in log.events if isinstance(event, m.Heartbeat))
     if times.size and beats:
         times = np.concatenate([[min(beats[0][0], times[0])], times])  # an arming may open the log
@@ -238,13 +241,21 @@ class _Stretch:
 
     def flight(self, log: Log) -> LoggedFlight:
         parameters = self.later.parameters | self.at_arming.parameters
-        mission, flown = self._mission(log.autopilot), self.flew_in(log.autopilot.modes.mission)
-        messages, measured = tuple(self.messages), log.measured.between(self.armed_s, self.ends_s)
-        return LoggedFlight(log.autopilot, log.version, self.armed_s, mission, parameters, flown, messages, measured)
+        return LoggedFlight(
+            autopilot=log.autopilot,
+            version=log.version,
+            armed_s=self.armed_s,
+            mission=self._mission(log.autopilot),
+            parameters=parameters,
+            in_mission=self.flew_in(log.autopilot.modes.mission),
+            messages=tuple(self.messages),
+            measured=log.measured.between(self.armed_s, self.ends_s),
+        )
 
     def _mission(self, autopilot: Autopilot) -> Mission | None:
         """Return the logged mission, else the flown items: PX4 logs no list, ArduPilot none uploaded as a file."""
-        home, first = self.later.home or self.at_arming.home, autopilot.counts_home
+        first = autopilot.counts_home
+        home = self.later.home or self.at_arming.home
         place = next((message for message in self.messages if isinstance(message, m.Position)), None)
         if home is None and place is not None:
             home = Geodetic(place.latitude_deg, place.longitude_deg, place.altitude - place.height)
@@ -282,7 +293,8 @@ def _stretches(log: Log) -> Iterator[_Stretch]:
             elif not message.armed and stretch is not None:
                 stretch.is_open = False
                 yield stretch
-                stretch, current = None, None
+                stretch = None
+                current = None
             seen = True
         known.note(message)
     if stretch is not None:

@@ -39,7 +39,8 @@ class Measured:
 
     def power(self) -> Points:
         """Return all batteries' power (n, 2) [s, W], at the first one's times; refuse unmeasured current."""
-        measured, reasons = [], []
+        measured = []
+        reasons = []
         for battery in self.batteries:
             volts = battery[:, 1]  # [V]
             current = battery[:, 2]  # [A]
@@ -120,7 +121,8 @@ class Log:
 
 def messages_of(log: Log) -> Iterator[Message]:
     """Return positions and events in order, each after the clock at its time."""
-    events, fixes = sorted(log.events, key=lambda event: event[0]), log.fixes
+    fixes = log.fixes
+    events = sorted(log.events, key=lambda event: event[0])
     at = np.concatenate([fixes.times, np.array([time for time, _ in events])])
     order = np.argsort(at, kind="stable")
     last = None

@@ -66,7 +66,8 @@ class Transfers:
             case m.Ack(result, m.MissionType.MISSION | m.MissionType.ALL) if by_vehicle and self._list:
                 complete = self._list.whole if self._list.to_vehicle and result == m.Result.ACCEPTED else None
         if complete is not None:
-            self._onboard, self._list = complete, None
+            self._onboard = complete
+            self._list = None
         return complete
 
     def _note_file(self, message: m.FileTransfer, by_vehicle: bool) -> Items | None:
@@ -155,8 +156,10 @@ class PX4Event(IntEnum):
 
 def read_telemetry_log(path: Path, system: int | None = None) -> Log:
     """Return positions and events of one autopilot: this system id, or the first multicopter."""
-    codec, missing = Codec(m.STATION_SYSTEM, m.STATION_COMPONENT), LostFrames()
-    stamps, kinds = list[float](), dict[int, VehicleKind]()
+    codec = Codec(m.STATION_SYSTEM, m.STATION_COMPONENT)
+    missing = LostFrames()
+    stamps = list[float]()
+    kinds = dict[int, VehicleKind]()
     reader: _Reader | None = None
     for record in read_tlog(path, missing):
         heard = codec.decode(record.frame)
@@ -233,8 +236,9 @@ class _Reader:
         self._note_transfer(number, message, by_vehicle=False)
 
     def note_vehicle(self, number: int, message: m.Message) -> None:
-        if (time := vehicle_time(message)) is not None:
-            self.times.append((number, time))
+        time_s = vehicle_time(message)
+        if time_s is not None:
+            self.times.append((number, time_s))
         match message:
             case m.Heartbeat():
                 self._beat(number, message)
@@ -258,7 +262,8 @@ class _Reader:
         self._note_transfer(number, message, by_vehicle=True)
 
     def _note_transfer(self, number: int, message: m.Message, by_vehicle: bool) -> None:
-        if (items := self.transfers.note(message, by_vehicle)) is not None:
+        items = self.transfers.note(message, by_vehicle)
+        if items is not None:
             self.messages.append((number, Held(items)))
 
     @property
@@ -276,7 +281,8 @@ class _Reader:
             self._change(before.custom_mode)
         elif self.unconfirmed:
             self.changes.clear()
-        self.state, self.unconfirmed = beat, bool(self.changes)
+        self.state = beat
+        self.unconfirmed = bool(self.changes)
         if before is None or (before.armed, before.custom_mode) != (beat.armed, beat.custom_mode):
             self.messages.append((number, presence(self.autopilot, beat.armed, beat.custom_mode)))
 
