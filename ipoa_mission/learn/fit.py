@@ -18,8 +18,13 @@ from ipoa_mission.autopilot.learned import Learned, LearnedVehicle
 from ipoa_mission.errors import LogUseless, MissionError
 from ipoa_mission.forecast.timing.flight_model import FlightModel
 from ipoa_mission.geometry import Points, Vector
-from ipoa_mission.learn.flight_measurements import FlightMeasurements, hover_power, measure_flight
-from ipoa_mission.learn.powers import DEVIATIONS_OF_90_PERCENT, learned_powers
+from ipoa_mission.learn.flight_measurements import (
+    DEVIATIONS_OF_90_PERCENT,
+    FlightMeasurements,
+    hover_power,
+    learned_powers,
+    measure_flight,
+)
 from ipoa_mission.logs.flight_log import LoggedFlight, read_flights
 
 #: Of logarithms, and of delays [s].

@@ -20,7 +20,7 @@ from ipoa_mission.autopilot.learned import LearnedVehicle
 from ipoa_mission.cli.app import app
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.learn.fit import fit, flights_in
-from ipoa_mission.learn.powers import PowerSeconds, learned_powers
+from ipoa_mission.learn.flight_measurements import PowerSeconds, learned_powers
 from ipoa_mission.logs.vehicle_file import read_vehicle
 from ipoa_mission.mission.mission_io import read_mission
 from ipoa_mission.wind import CALM, Wind
