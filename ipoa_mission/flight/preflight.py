@@ -2,15 +2,19 @@
 
 import logging
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import suppress
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from typing import Protocol
 
 import numpy as np
 
+from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.autopilot.commands import Frame, plain_frame
 from ipoa_mission.autopilot.failsafe import FenceLimit, OwnFence
+from ipoa_mission.autopilot.parameters import Parameters
 from ipoa_mission.autopilot.returning import FlightStage
+from ipoa_mission.autopilot.version import Version
 from ipoa_mission.checks.check import check_mission
 from ipoa_mission.checks.firmware_check import NOT_MEASURED, check_aboard
 from ipoa_mission.checks.unsafe import refuse_errors
@@ -21,14 +25,74 @@ from ipoa_mission.forecast.itinerary.flown_legs import Leg
 from ipoa_mission.forecast.leg_limits import landings
 from ipoa_mission.geodesy import Geodetic, apart
 from ipoa_mission.link.dialogue import NoAnswer, TimeUp
+from ipoa_mission.link.messages import STATION_SYSTEM
 from ipoa_mission.link.vehicle import Vehicle
-from ipoa_mission.link.vehicle_setup import own_values
 from ipoa_mission.link.vehicle_state import NotReady
 from ipoa_mission.mission.items import Mission, item_of
 from ipoa_mission.mission.positions import refusals
 from ipoa_mission.progress import Progress, silent
 
 log = logging.getLogger(__name__)
+
+
+class HasParameters(Protocol):
+    autopilot: Autopilot
+
+    def parameters(self, wanted: Iterable[str | Sequence[str]]) -> Parameters: ...
+
+
+@dataclass(frozen=True)
+class OtherValue:
+    """Values of mission and vehicle, by the vehicle's name."""
+
+    name: str
+    wanted: float
+    has: float
+
+    def __str__(self) -> str:
+        return f"{self.name} is {self.has:g} on the vehicle, and the mission was made for {self.wanted:g}"
+
+
+def other_values(vehicle: HasParameters, wanted: Parameters) -> tuple[tuple[OtherValue, ...], tuple[str, ...]]:
+    """Return differing values, and parameters that the vehicle lacks. ArduCopter 4.7 has renamed and rescaled some."""
+    spelled = vehicle.autopilot.parameter_table.spellings
+    values = vehicle.parameters([name for name, _ in spelled(parameter)] for parameter in wanted) if wanted else {}
+    differing = []
+    missing = []
+    for parameter, value in wanted.items():
+        for name, unit in spelled(parameter):
+            if name in values:
+                if not abs(values[name] - value * unit) <= 1e-6 * max(1.0, abs(value * unit)):  # single; NaN differs
+                    differing.append(OtherValue(name, value * unit, values[name]))
+                break
+        else:
+            missing.append(parameter)
+    return tuple(differing), tuple(missing)
+
+
+def own_values(vehicle: HasParameters, names: Iterable[str]) -> Parameters:
+    table = vehicle.autopilot.parameter_table
+    return table.by_old_names(vehicle.parameters([name for name, _ in table.spellings(older)] for older in names))
+
+
+def without_station(vehicle: HasParameters, version: Version | None = None) -> str:
+    """Return what the vehicle does after losing this station, if known; by default of the newest measured version."""
+    loss = vehicle.autopilot.failsafe_profile.station_loss
+    if loss is None:
+        return ""
+    values = vehicle.parameters(loss.decided_by)
+    return loss.words(vehicle.autopilot.failsafes(values, version), values, STATION_SYSTEM)
+
+
+def idle_fence(vehicle: HasParameters, mission: Mission) -> str | None:
+    if not mission.fence:
+        return None
+    switch = vehicle.autopilot.parameter_table.by_meaning["fence switch"].name
+    if vehicle.parameters([switch]).get(switch, 1.0) != 0.0:
+        return None
+    bits = vehicle.autopilot.protocol_profile.limits_are_bits
+    more = f"; {bits} chooses the enabled limits: 4 is this fence alone" if bits else ""
+    return f"the fence does nothing on this vehicle: its {switch} is 0{more}"
 
 
 class FarFromHome(MissionError):
@@ -198,15 +262,11 @@ def breaches(mission: Mission, fence: OwnFence, there: Geodetic) -> tuple[str, .
     share = 0.01
     forecast = Forecast(mission)
     center = forecast.frame.local(there)[:2]
-    farthest = list[tuple[Leg, float]]()
-    highest = list[tuple[Leg, float]]()
-    lowest = list[tuple[Leg, float]]()
-    for leg in forecast.legs:
-        heights = forecast.frame.to_geodetic(leg.points)[2] - mission.home.altitude
-        farthest.append((leg, float(np.hypot(*(leg.points[:, :2] - center).T).max())))
-        highest.append((leg, float(heights.max())))
-        if leg.stage is FlightStage.ROUTE:
-            lowest.append((leg, float(heights.min())))
+    legs = forecast.legs
+    heights = [forecast.frame.to_geodetic(leg.points)[2] - mission.home.altitude for leg in legs]
+    farthest = [(leg, float(np.hypot(*(leg.points[:, :2] - center).T).max())) for leg in legs]
+    highest = [(leg, float(up.max())) for leg, up in zip(legs, heights, strict=True)]
+    lowest = [(leg, float(up.min())) for leg, up in zip(legs, heights, strict=True) if leg.stage is FlightStage.ROUTE]
     return (
         *_beyond(mission, fence.radius, farthest, "away from home", law.lateral(share)),
         *_beyond(mission, fence.ceiling, highest, "above home", law.highest.distance(share)),

@@ -9,13 +9,21 @@ from typing import TYPE_CHECKING, TypeAlias
 from ipoa_mission.checks.check import check
 from ipoa_mission.checks.unsafe import NotAtStart, begun_at, check_start, refuse_errors
 from ipoa_mission.errors import MissionError
-from ipoa_mission.flight.preflight import await_home, expect_charge, expect_fit, expect_slow_landing
+from ipoa_mission.flight.preflight import (
+    OtherValue,
+    await_home,
+    expect_charge,
+    expect_fit,
+    expect_slow_landing,
+    idle_fence,
+    other_values,
+    without_station,
+)
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.link.dialogue import Cancelled, NoAnswer, TimeUp
 from ipoa_mission.link.messages import MissionType
 from ipoa_mission.link.vehicle import Vehicle
-from ipoa_mission.link.vehicle_setup import OtherValue, idle_fence, other_values, without_station
 from ipoa_mission.mission.flight_record import FlightRecord
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.progress import Progress, silent

@@ -8,6 +8,7 @@ import pytest
 
 from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.autopilot.commands import Command, VehicleCommand
+from ipoa_mission.flight.preflight import without_station
 from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.link import reconnect
 from ipoa_mission.link.channel import LinkDown, Peer
@@ -18,7 +19,6 @@ from ipoa_mission.link.line import Interrupt, Line
 from ipoa_mission.link.loopback import Loopback
 from ipoa_mission.link.messages import CommandLong, Heartbeat, Message, MissionType, Position
 from ipoa_mission.link.reconnect import GIVE_UP_S, SILENT_S
-from ipoa_mission.link.vehicle_setup import without_station
 from ipoa_mission.mission.items import Mission, land, takeoff
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as Mock
 from ipoa_mission.simulator.station import Station

@@ -5,9 +5,9 @@ from dataclasses import dataclass, field
 import pytest
 
 from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.flight.preflight import idle_fence, other_values, own_values
 from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.link.messages import ARMED_FLAG, Current, ExtendedState, Heartbeat, MavAutopilot, Message, Position
-from ipoa_mission.link.vehicle_setup import idle_fence, other_values, own_values
 from ipoa_mission.link.vehicle_state import VehicleState
 from ipoa_mission.mission.items import FenceCircle, Mission, return_to_launch, takeoff
 

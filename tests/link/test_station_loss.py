@@ -6,7 +6,7 @@ import pytest
 from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.autopilot.failsafe import FailsafeProfile
 from ipoa_mission.autopilot.parameters import Parameters
-from ipoa_mission.link.vehicle_setup import without_station
+from ipoa_mission.flight.preflight import without_station
 
 ARDUPILOT, PX4 = Autopilot.ARDUPILOT, Autopilot.PX4
 
