@@ -10,7 +10,7 @@ from ipoa_mission.autopilot.parameters import Parameters
 from ipoa_mission.autopilot.vehicle_kind import QUADROTOR
 from ipoa_mission.link import messages as m
 from ipoa_mission.link.codec import EVERYONE, Target
-from ipoa_mission.link.events import mission_event
+from ipoa_mission.link.conversations import mission_event
 from ipoa_mission.link.messages import CRITICAL, INFO, Message, MissionType
 from ipoa_mission.link.vehicle_state import PREARM_CHECK
 from ipoa_mission.link.wire import saturated

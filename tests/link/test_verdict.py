@@ -1,7 +1,7 @@
 import pytest
 
 from ipoa_mission.autopilot.autopilot import Autopilot
-from ipoa_mission.link.events import event_number, mission_event, words_of
+from ipoa_mission.link.conversations import event_number, mission_event, words_of
 from ipoa_mission.link.messages import Ack, Count, Current, Event, ItemAt, Message, Request, RequestList, Text
 from ipoa_mission.link.upload import Upload, upload
 from ipoa_mission.mission.items import Item

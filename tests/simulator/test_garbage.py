@@ -23,10 +23,9 @@ from ipoa_mission.errors import MissionError
 from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.link import messages as m
 from ipoa_mission.link.codec import EVERYONE, Codec, Framer, Target, frames
-from ipoa_mission.link.conversations import clear, download
+from ipoa_mission.link.conversations import clear, download, event_number
 from ipoa_mission.link.departure import Departure, depart, prepare
 from ipoa_mission.link.dialogue import SPECIFIED, Cancelled, Exchange, TimeUp
-from ipoa_mission.link.events import event_number
 from ipoa_mission.link.mavftp import FileMessage, Opcode, read_file
 from ipoa_mission.link.mission_upload_file import upload_by_file
 from ipoa_mission.link.orders import request_parameters, set_current
