@@ -125,13 +125,12 @@ class UdpChannel(RealTime):
 
     def __init__(self, address: Address) -> None:
         super().__init__()
-        is_out = address.transport is Transport.UDP_OUT
         self._socket = socket.socket(_family(address.host), socket.SOCK_DGRAM)
         self._socket.setblocking(False)
         self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4 << 20)  # PX4 sends thousands of frames a second
         self._remote: Any = None
         try:
-            if is_out:
+            if address.transport is Transport.UDP_OUT:
                 self._remote = socket.getaddrinfo(address.host, address.port, type=socket.SOCK_DGRAM)[0][4]
                 host = self._remote[0]
                 self._socket.bind((host if host.startswith("127.") or host == "::1" else "", 0))
@@ -140,8 +139,6 @@ class UdpChannel(RealTime):
         except (OSError, ValueError):
             self._socket.close()
             raise
-        self._sender = self._socket.dup()  # reading sets a timeout; writing never blocks
-        self._sender.setblocking(False)
 
     @property
     def port(self) -> int:
@@ -150,9 +147,9 @@ class UdpChannel(RealTime):
     def receive(self, until: float) -> list[tuple[bytes, Peer]]:
         """Return one datagram at a time: its answer may be urgent."""
         try:
-            self._socket.settimeout(max(0.0, until - time.monotonic()))
-            return [self._socket.recvfrom(MAX_READ)]
-        except (TimeoutError, BlockingIOError, ConnectionError):  # a datagram met a closed port
+            ready, _, _ = select.select([self._socket], [], [], max(0.0, until - self.now()))
+            return [self._socket.recvfrom(MAX_READ)] if ready else []
+        except (BlockingIOError, ConnectionError):  # a datagram met a closed port
             return []
         except OSError as error:
             raise LinkDown(f"the link broke: {_reason(error)}") from error
@@ -163,7 +160,7 @@ class UdpChannel(RealTime):
         if to is None:
             return
         try:
-            self._sender.sendto(data, to)
+            self._socket.sendto(data, to)
         except (BlockingIOError, ConnectionError):
             return
         except OSError as error:
@@ -171,7 +168,6 @@ class UdpChannel(RealTime):
                 raise LinkDown(f"the link broke: {_reason(error)}") from error
 
     def close(self) -> None:
-        self._sender.close()
         self._socket.close()
 
 
@@ -183,9 +179,8 @@ class TcpChannel(RealTime):
         self._listener: socket.socket | None = None
         self._connections: list[socket.socket] = []
         if address.transport is Transport.TCP_IN:
-            family = _family(address.host)
             place = (address.host, address.port)
-            self._listener = socket.create_server(place, family=family, backlog=self.MAX_CONNECTIONS)
+            self._listener = socket.create_server(place, family=_family(address.host), backlog=self.MAX_CONNECTIONS)
             self._listener.setblocking(False)
         else:
             connection = socket.create_connection((address.host, address.port), timeout=5.0)

@@ -89,12 +89,8 @@ class Framer:
         self.buffer = b""
 
     def feed(self, data: bytes) -> Iterator[bytes]:
-        """Yield completed good frames; buffer one at most.
-
-        Some links split a frame over two datagrams. A whole frame at the beginning of `data` ends the wait for the rest
-        of the buffered one.
-        """
-        if self.buffer and frame_at(data, 0):
+        """Yield completed good frames; buffer one at most."""
+        if self.buffer and frame_at(data, 0):  # the rest of the buffered one is lost
             yield from frames(self.buffer)
             self.buffer = b""
         self.buffer += data

@@ -99,7 +99,7 @@ def meet(line: Line, system: int | None = None, options: ConnectionOptions | Non
     """Raise as `connect` does; pings meanwhile fit the first timers to the round trip."""
     options = options or ConnectionOptions()
     autopilots, trips_s = _listen(line, system, options)
-    vehicle = _choose(autopilots, system, _rejected(line, system))
+    vehicle = _choose(autopilots, system, line.rejected(system))
     if not (options.reading or vehicle.kind.is_flown):
         raise NotFlown(vehicle.kind, f"vehicle {vehicle.system}")
     if not options.anyway:
@@ -114,11 +114,10 @@ def _listen(
     autopilots: dict[int, FoundVehicle] = {}
     trips_s: dict[int, float] = {}
     until = line.now() + min(PRESENCE_S, options.patience.total_s)
-    is_met = False
-    is_rejected = False
+    is_met = is_rejected = False
     while line.now() < until:
         heard = line.receive(until)
-        if not is_rejected and _rejected(line, system):
+        if not is_rejected and line.rejected(system):
             is_rejected = True
             until = min(until, line.now() + 3.0)
         autopilots |= autopilots_in(heard)
@@ -149,8 +148,3 @@ def _choose(
         words = f"several vehicles are heard: {names}"
         raise MissionError(words, hint="choose one by its system id", code="several-vehicles")
     return next(iter(autopilots.values()))
-
-
-def _rejected(line: Line, system: int | None) -> SignsOtherwise | None:
-    doubted = line.doubted()
-    return next(iter(doubted.values()), None) if system is None else doubted.get(system)

@@ -87,10 +87,7 @@ Dialogue: TypeAlias = Generator[Step, Message | None, T]
 
 
 def hear(step: Ask | Pause, accept: Callable[[Message], Answer | None]) -> Dialogue[Answer | None]:
-    """Take a step, and pass messages to `accept` until it returns a true value.
-
-    Return that value, or None at the end of a pause. Raise NoAnswer if an `Ask` is not answered.
-    """
+    """Return the first true value of `accept`, None at the end of a pause; raise NoAnswer."""
     heard = yield step
     while heard is not None:
         accepted = accept(heard)
@@ -148,8 +145,7 @@ class Tempo:
         self.loses = False  # a repeat was too late for an echo
         self.doubts = 0  # answers to repeated questions since the last round trip
         self._mean: float | None = None
-        self._shortest = 0.0
-        self._spread = 0.0
+        self._shortest = self._spread = 0.0
         self._backoff = 1.0
 
     def wait_s(self, item: bool) -> float:

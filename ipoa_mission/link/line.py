@@ -211,13 +211,13 @@ class Line(Carrier):
             return SpeaksMavlink1(target.system)
         return SignsOtherwise(target.system, None) if target in self._signing and not self.codec.signer else None
 
-    def doubted(self) -> dict[int, SignsOtherwise]:
+    def rejected(self, system: int | None) -> SignsOtherwise | None:
+        """Return why frames of this autopilot are not accepted; None: of any."""
         doubts = self.codec.signer.doubts if self.codec.signer else {}
-        return {
-            system: SignsOtherwise(system, doubt)
-            for (system, component), doubt in sorted(doubts.items())
-            if component == AUTOPILOT_COMPONENT
-        }
+        for (sender, component), doubt in sorted(doubts.items()):
+            if component == AUTOPILOT_COMPONENT and system in (None, sender):
+                return SignsOtherwise(sender, doubt)
+        return None
 
     def reopen(self) -> None:
         assert self._again is not None, "asked of `reopens` first"
@@ -318,7 +318,6 @@ def converse(
     listening = listening or Listening()
     now = line.now
     until = listening.until
-    quiet_s = listening.quiet_s
     with noted_interrupts() as interrupt:
         exchange = Exchange(dialogue, now(), tempo.patience, tempo)
         try:
@@ -328,7 +327,7 @@ def converse(
                 moment = min(until, now() + NOTICE_S)
                 for heard in line.carry_on(exchange, target, moment, lambda: interrupt.is_pending):
                     if (heard.system, heard.component) == target and heard.message is not None:
-                        if now() - exchange.heard_s >= quiet_s:
+                        if now() - exchange.heard_s >= listening.quiet_s:
                             break
                         listening.overhear(heard.message)
                         exchange.receive(heard.message, now())
@@ -336,7 +335,7 @@ def converse(
                     line.note_answer(target)
                 elif exchange.asked_for_s(now()) >= CAUSE_S and (cause := line.no_reply_cause(target)):
                     exchange.interrupt(cause, now())
-                if now() - exchange.heard_s >= quiet_s:
+                if now() - exchange.heard_s >= listening.quiet_s:
                     exchange.interrupt(Silence("the vehicle is not heard"), now())
                 exchange.tick(now())
                 if not exchange.finished and interrupt.take():

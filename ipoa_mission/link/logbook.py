@@ -126,16 +126,8 @@ class Logbook:
         last_s = self.clock_s - flight.zero if flight.disarmed_s is None else flight.disarmed_s
         end = last_s if self.lands else reached.get(self._final, last_s)
         in_air = self.armed and bool(flight.path) and flight.path[-1].height > IN_AIR_HEIGHT
-        return FlightRecord(
-            item_reached_s=reached,
-            total_s=end,
-            path=tuple(flight.path),
-            messages=tuple(self._texts),
-            completed=not why_not,
-            why_not=why_not,
-            armed=self.armed,
-            in_air=in_air,
-        )
+        path = tuple(flight.path)
+        return FlightRecord(reached, end, path, tuple(self._texts), not why_not, why_not, self.armed, in_air)
 
     def _begin(self) -> None:
         self.armed = True

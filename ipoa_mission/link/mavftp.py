@@ -58,12 +58,6 @@ class FileMessage:
         """Return None if unsupported."""
         return int.from_bytes(self.data[:4], "little") if self.opcode == Opcode.ACK else None
 
-    def answer_in(self, heard: Message) -> "FileMessage | None":
-        """Return the answer to this question if it was heard."""
-        answer = unpack(heard) if isinstance(heard, FileTransfer) else None
-        is_ours = answer and answer.sequence == (self.sequence + 1) & 0xFFFF and answer.request == self.opcode
-        return answer if is_ours else None
-
     def pack(self) -> FileTransfer:
         size = len(self.data) if self.size is None else self.size
         numbers = (self.sequence & 0xFFFF, self.session, self.opcode, size, self.request, self.ends_burst, 0)
@@ -132,7 +126,7 @@ def list_checksum(kind: int, numbers: Iterator[int]) -> Dialogue[int | None]:
     asked: set[int] = set()
     for seconds in (0.5,) * 4 + (1.0,) * 6 + (2.0,) * 8:
         yield SendOnce(checksum_question(kind, numbers, asked))
-        answer = yield from hear(Pause(seconds), lambda heard: checksum_answer(heard, asked))
+        answer = yield from hear(Pause(seconds), lambda heard: answer_in(heard, asked))
         if answer is not None:
             return answer.checksum
     raise NoAnswer(f"the vehicle does not answer when asked for the checksum of {LIST_FILES[kind]}")
@@ -144,9 +138,10 @@ def checksum_question(kind: int, numbers: Iterator[int], asked: set[int]) -> Fil
     return question.pack()
 
 
-def checksum_answer(heard: Message, asked: set[int]) -> FileMessage | None:
+def answer_in(heard: Message, sequences: set[int], request: int = Opcode.CALC_FILE_CRC32) -> FileMessage | None:
+    """Return the answer to a request, with one of the sequence numbers."""
     answer = unpack(heard) if isinstance(heard, FileTransfer) else None
-    is_ours = answer is not None and answer.sequence in asked and answer.request == Opcode.CALC_FILE_CRC32
+    is_ours = answer is not None and answer.sequence in sequences and answer.request == request
     return answer if is_ours else None
 
 
@@ -156,8 +151,11 @@ def file_checksum(data: bytes) -> int:
 
 
 def ask_of_file(question: FileMessage, action: str, may_end: bool = False) -> Dialogue[FileMessage]:
+    sequences = {(question.sequence + 1) & 0xFFFF}
     try:
-        answer = yield from hear(Ask(question.pack(), item=True), question.answer_in)
+        answer = yield from hear(
+            Ask(question.pack(), item=True), lambda heard: answer_in(heard, sequences, question.opcode)
+        )
     except NoAnswer:
         raise NoAnswer(f"the vehicle does not answer when asked to {action}") from None
     assert answer is not None, "only a pause ends without an answer"

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from ipoa_mission.errors import MissionError
 from ipoa_mission.link.conversations import KeepsChanging, MissionRefused, list_name, open_list, read_consistent
 from ipoa_mission.link.dialogue import Dialogue, NoAnswer, SendOnce, until
-from ipoa_mission.link.mavftp import checksum_answer, checksum_question, list_checksum
+from ipoa_mission.link.mavftp import answer_in, checksum_question, list_checksum
 from ipoa_mission.link.messages import NO_MISSION, Current, Message, MissionType
 from ipoa_mission.link.upload import Replaced, Upload
 from ipoa_mission.link.vehicle_state import NotReady, VehicleState
@@ -41,7 +41,7 @@ class OnboardList:
         numbers = self.job.numbers
         if self.changed or numbers is None:
             return
-        answer = checksum_answer(heard, self._asked)
+        answer = answer_in(heard, self._asked)
         if answer is not None and answer.checksum is not None:
             self._asked.clear()
             if answer.checksum != self.list_id:

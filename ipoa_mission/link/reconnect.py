@@ -44,20 +44,15 @@ class KnownVehicle:
 
 
 class LinkLoss:
-    """The loss of the link to a watched vehicle.
-
-    `seconds`: its duration so far [s], None without a loss. `meanwhile`: what the vehicle does alone.
-    """
+    """`seconds`: its duration so far, None without a loss. `meanwhile`: what the vehicle does alone."""
 
     def __init__(self, line: Carrier) -> None:
         self.seconds: float | None = None
-        self.words = ""
-        self.meanwhile = ""
+        self.words = self.meanwhile = ""
         self._line = line
         self._is_open = True
         self._since_s = self._ends_s = self._reported_s = self._reopens_s = 0.0
-        self._why = ""
-        self._others = ""
+        self._why = self._others = ""
 
     def end(
         self,

@@ -74,10 +74,9 @@ class Routes:
         }
 
     def _make_room(self, now: float) -> bool:
-        oldest, when = next(iter(self._heard.items()))
-        if now - when < CLAIM_S:
-            if (unaddressed := next((entry for entry in self._heard if entry[0] not in self._spoken_to), None)) is None:
-                return False
-            oldest = unaddressed
-        del self._heard[oldest]
-        return True
+        """Drop the first entry that is silent or unaddressed; return whether there was one."""
+        for (name, peer), when in self._heard.items():
+            if now - when >= CLAIM_S or name not in self._spoken_to:
+                del self._heard[name, peer]
+                return True
+        return False

@@ -78,16 +78,13 @@ def read_tlog(path: str | Path, missing: LostFrames | None = None) -> Iterator[R
     last: dict[tuple[int, int], int] = {}
     while at < len(data):
         start = at + STAMP_BYTES
-        frame = frame_at(data, start)
-        if frame is None and (length := unknown_frame(data, start)) and _is_record(data, start + length):
-            frame, known = data[start : start + length], False
-        elif frame is None:
+        known = frame_at(data, start)
+        frame = known or _unknown_frame(data, start)
+        if frame is None:
             start = next((n for n in _beginnings(data, start + 1) if frame_at(data, n)), len(data) + STAMP_BYTES)
             missing.torn_bytes += start - STAMP_BYTES - at
             at = start - STAMP_BYTES
             continue
-        else:
-            known = True
         sender, number = numbered(frame)
         lost = (number - last.get(sender, number - 1) - 1) % 256
         missing.frames[sender[0]] += lost if lost < 128 else 0  # else it is reordered
@@ -104,5 +101,8 @@ def _beginnings(data: bytes, at: int) -> Iterator[int]:
         at += 1
 
 
-def _is_record(data: bytes, at: int) -> bool:
-    return at == len(data) or next_magic(data, at + STAMP_BYTES) == at + STAMP_BYTES
+def _unknown_frame(data: bytes, start: int) -> bytes | None:
+    """Return the frame of an unknown message, if a record or the end of the log follows."""
+    end = start + unknown_frame(data, start)
+    is_followed = end == len(data) or next_magic(data, end + STAMP_BYTES) == end + STAMP_BYTES
+    return data[start:end] if is_followed and end > start else None

@@ -241,16 +241,11 @@ class _Stretch:
 
     def flight(self, log: Log) -> LoggedFlight:
         parameters = self.later.parameters | self.at_arming.parameters
-        return LoggedFlight(
-            autopilot=log.autopilot,
-            version=log.version,
-            armed_s=self.armed_s,
-            mission=self._mission(log.autopilot),
-            parameters=parameters,
-            in_mission=self.flew_in(log.autopilot.modes.mission),
-            messages=tuple(self.messages),
-            measured=log.measured.between(self.armed_s, self.ends_s),
-        )
+        mission = self._mission(log.autopilot)
+        flew = self.flew_in(log.autopilot.modes.mission)
+        measured = log.measured.between(self.armed_s, self.ends_s)
+        messages = tuple(self.messages)
+        return LoggedFlight(log.autopilot, log.version, self.armed_s, mission, parameters, flew, messages, measured)
 
     def _mission(self, autopilot: Autopilot) -> Mission | None:
         """Return the logged mission, else the flown items: PX4 logs no list, ArduPilot none uploaded as a file."""
@@ -293,8 +288,7 @@ def _stretches(log: Log) -> Iterator[_Stretch]:
             elif not message.armed and stretch is not None:
                 stretch.is_open = False
                 yield stretch
-                stretch = None
-                current = None
+                stretch = current = None
             seen = True
         known.note(message)
     if stretch is not None:

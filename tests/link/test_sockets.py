@@ -36,15 +36,14 @@ def joined(channel: TcpChannel) -> socket.socket:
 
 def test_link_is_down_if_its_udp_socket_breaks_not_for_a_lost_peer() -> None:
     with closing(UdpChannel(parse_address("udpout:127.0.0.1:9"))) as channel:
-        channel._sender.close()
         channel._socket.close()
-        channel._socket = channel._sender = Failing(OSError(100, "Network is down"))  # type: ignore[assignment]
+        channel._socket = Failing(OSError(100, "Network is down"))  # type: ignore[assignment]
         with refuses("link-down", "", "Network is down"):
             channel.receive(0.0)
         with refuses("link-down", "", "Network is down"):
             channel.send(b"x", None)
         channel.send(b"x", ("240.0.0.1", 1))
-        channel._sender = Failing(ConnectionRefusedError())  # type: ignore[assignment]
+        channel._socket = Failing(ConnectionRefusedError())  # type: ignore[assignment]
         channel.send(b"x", None)
 
 
