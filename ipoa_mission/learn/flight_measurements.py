@@ -259,12 +259,7 @@ def _in_hover(times: np.ndarray, watts: np.ndarray, track: LoggedTrack) -> float
 
 
 def hover_power(flights: Sequence[FlightMeasurements]) -> Learned | None:
-    """Return the mean over flights [W] with its interval; None: unknown.
-
-    >>> power = hover_power([FlightMeasurements(hover_w=watts) for watts in (264.0, 266.0, 268.0)])
-    >>> round(power.low), power.value, round(power.high)
-    (263, 266.0, 269)
-    """
+    """Return the mean over flights [W] with its interval; None: unknown."""
     powers = np.array([flight.hover_w for flight in flights if flight.hover_w is not None])
     if len(powers) < 2:
         return None

@@ -62,9 +62,8 @@ class Codec:
     def frame(self, definition: Definition, payload: bytes, unix_s: float) -> bytes:
         """`payload` has no trailing zeros."""
         flags = SIGNED if self.signer else 0
-        number = definition.number
         sender = (self._sequence, self.system, self.component)
-        body = struct.pack("<6BHB", len(payload), flags, 0, *sender, number & 0xFFFF, number >> 16) + payload
+        body = struct.pack("<6B", len(payload), flags, 0, *sender) + definition.number.to_bytes(3, "little") + payload
         self._sequence = (self._sequence + 1) % 256
         frame = b"\xfd" + body + mcrf4xx(body + definition.seed).to_bytes(2, "little")
         return frame if self.signer is None else frame + self.signer.signature(frame, unix_s)

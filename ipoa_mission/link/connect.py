@@ -110,7 +110,7 @@ def meet(line: Line, system: int | None = None, options: ConnectionOptions | Non
 def _listen(
     line: Line, system: int | None, options: ConnectionOptions
 ) -> tuple[dict[int, FoundVehicle], dict[int, float]]:
-    """Return the autopilots that are heard, and the round trips to them [s], by system id."""
+    """Return autopilots and round trips [s], by system id."""
     autopilots: dict[int, FoundVehicle] = {}
     trips_s: dict[int, float] = {}
     until = line.now() + min(PRESENCE_S, options.patience.total_s)
@@ -133,7 +133,7 @@ def _listen(
 def _choose(
     autopilots: Mapping[int, FoundVehicle], system: int | None, rejected: SignsOtherwise | None
 ) -> FoundVehicle:
-    """Return the only vehicle, or that with the system id; raise `rejected` if none was believed."""
+    """Return the only vehicle, or that with the system id."""
     if system is not None and system in autopilots:
         return autopilots[system]
     if rejected is not None and (system is not None or not autopilots):

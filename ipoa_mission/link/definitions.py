@@ -146,11 +146,7 @@ def unit_and_type(message: str, field: str) -> tuple[str, str]:
 
 
 def params_in_words(command: int) -> dict[int, str]:
-    """Return MAVLink's descriptions of the used params, 1 to 7.
-
-    >>> params_in_words(177)
-    {1: 'Sequence number', 2: 'Repeat count'}
-    """
+    """Return MAVLink's descriptions of the used params, 1 to 7."""
     known = ardupilotmega.enums["MAV_CMD"].get(command)
     described = {} if known is None else known.param
     unused = ("Empty", "Reserved", "empty", "reserved", "Unused")

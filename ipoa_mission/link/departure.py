@@ -199,9 +199,9 @@ def _set_first(departure: Departure) -> Dialogue[None]:
     state = departure.state
     first = departure.first
     home = state.autopilot.counts_home
-    begins = range(first, departure.moving + 1)
     state.current = None
     yield from set_current(first, home, restart=True)
+    begins = range(first, departure.moving + 1)
     if not (yield from until(lambda: state.current is not None and state.current.seq in begins, SHOWN_S)):
         reported = "no item" if state.current is None else f"item {state.current.seq + 1 - home}"
         words = f"the mission was set to begin at item {first + 1 - home}, but the vehicle reports {reported}"

@@ -98,7 +98,7 @@ def hear(step: Ask | Pause, accept: Callable[[Message], Answer | None]) -> Dialo
 
 
 def until(condition: Callable[[], bool], seconds: float) -> Dialogue[bool]:
-    """Wait for a condition of the messages heard; return whether it holds."""
+    """Return whether the condition came true in time."""
     if not condition():
         yield from hear(Pause(seconds), lambda heard: condition())
     return condition()

@@ -53,7 +53,7 @@ def return_to_launch(state: VehicleState) -> Dialogue[None]:
 
 @dataclass
 class _Step:
-    """A command, repeated until its `mode` is shown, or without one until it is accepted; `otherwise`: if refused."""
+    """Repeat until the `mode` is shown, without one until accepted; `otherwise`: if refused."""
 
     name: str
     message: CommandLong

@@ -212,7 +212,7 @@ class Line(Carrier):
         return SignsOtherwise(target.system, None) if target in self._signing and not self.codec.signer else None
 
     def rejected(self, system: int | None) -> SignsOtherwise | None:
-        """Return why frames of this autopilot are not accepted; None: of any."""
+        """Return why frames of this autopilot, or of any, are not accepted."""
         doubts = self.codec.signer.doubts if self.codec.signer else {}
         for (sender, component), doubt in sorted(doubts.items()):
             if component == AUTOPILOT_COMPONENT and system in (None, sender):

@@ -139,7 +139,6 @@ def checksum_question(kind: int, numbers: Iterator[int], asked: set[int]) -> Fil
 
 
 def answer_in(heard: Message, sequences: set[int], request: int = Opcode.CALC_FILE_CRC32) -> FileMessage | None:
-    """Return the answer to a request, with one of the sequence numbers."""
     answer = unpack(heard) if isinstance(heard, FileTransfer) else None
     is_ours = answer is not None and answer.sequence in sequences and answer.request == request
     return answer if is_ours else None
@@ -152,10 +151,9 @@ def file_checksum(data: bytes) -> int:
 
 def ask_of_file(question: FileMessage, action: str, may_end: bool = False) -> Dialogue[FileMessage]:
     sequences = {(question.sequence + 1) & 0xFFFF}
+    step = Ask(question.pack(), item=True)
     try:
-        answer = yield from hear(
-            Ask(question.pack(), item=True), lambda heard: answer_in(heard, sequences, question.opcode)
-        )
+        answer = yield from hear(step, lambda heard: answer_in(heard, sequences, question.opcode))
     except NoAnswer:
         raise NoAnswer(f"the vehicle does not answer when asked to {action}") from None
     assert answer is not None, "only a pause ends without an answer"

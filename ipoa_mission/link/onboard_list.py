@@ -37,7 +37,7 @@ class OnboardList:
             log.warning("%s", ReplacedSince(self))
 
     def observe(self, heard: Message, now_s: float) -> Dialogue[None]:
-        """Ask for the checksum at intervals; after another one read the list again, because arming moves home."""
+        """Ask for the checksum at intervals; arming moves home, so another one only means to read again."""
         numbers = self.job.numbers
         if self.changed or numbers is None:
             return

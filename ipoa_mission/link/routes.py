@@ -74,7 +74,6 @@ class Routes:
         }
 
     def _make_room(self, now: float) -> bool:
-        """Drop the first entry that is silent or unaddressed; return whether there was one."""
         for (name, peer), when in self._heard.items():
             if now - when >= CLAIM_S or name not in self._spoken_to:
                 del self._heard[name, peer]

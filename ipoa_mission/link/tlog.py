@@ -102,7 +102,7 @@ def _beginnings(data: bytes, at: int) -> Iterator[int]:
 
 
 def _unknown_frame(data: bytes, start: int) -> bytes | None:
-    """Return the frame of an unknown message, if a record or the end of the log follows."""
+    """Return an unknown message's frame before another record or the end."""
     end = start + unknown_frame(data, start)
     is_followed = end == len(data) or next_magic(data, end + STAMP_BYTES) == end + STAMP_BYTES
     return data[start:end] if is_followed and end > start else None

@@ -35,18 +35,6 @@ MAX_BYTES = 100_000
 
 
 def write_vehicle(vehicle: LearnedVehicle) -> str:
-    """Return the file's text.
-
-    >>> print(write_vehicle(LearnedVehicle(Autopilot.PX4, drag=Learned(1.6, 1.5, 1.7), flights=4)))
-    autopilot = "px4"
-    flights = 4
-    <BLANKLINE>
-    [drag]  # times that of the simulated vehicle
-    value = 1.6
-    low = 1.5
-    high = 1.7
-    <BLANKLINE>
-    """
     lines = [f'autopilot = "{vehicle.autopilot}"']
     lines += [f'version = "{vehicle.version}"'] if vehicle.version else []
     lines += [f"flights = {vehicle.flights}", ""]

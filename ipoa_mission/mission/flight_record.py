@@ -15,8 +15,6 @@ class DeviationKind(StrEnum):
 
 
 class OnDeviation(StrEnum):
-    """The reaction to a deviation."""
-
     HOLD = "hold"
     RTL = "rtl"
     REPORT = "report"

@@ -84,6 +84,12 @@ def test_the_energy_of_a_flight_is_judged_by_the_others() -> None:
     assert energy_error(cross_validate(without)) is None
 
 
+def test_hover_power_is_the_mean_with_its_interval() -> None:
+    power = hover_power([FlightMeasurements(hover_w=watts) for watts in (264.0, 266.0, 268.0)])
+    assert power is not None
+    assert (round(power.low), power.value, round(power.high)) == (263, 266.0, 269)
+
+
 def test_powers_that_differ_too_much_or_are_one_tell_no_hover_power() -> None:
     assert hover_power([FlightMeasurements(hover_w=200.0)]) is None
     assert hover_power([FlightMeasurements(hover_w=200.0), FlightMeasurements(hover_w=260.0)]) is None

@@ -104,6 +104,19 @@ def test_the_built_in_autopilot_flies_the_learned_vehicle(autopilot: Autopilot) 
     assert flown.total_s > fly_built_in(same).total_s + 10.0
 
 
+def test_vehicle_file_names_its_quantities() -> None:
+    text = write_vehicle(LearnedVehicle(PX4, drag=Learned(1.6, 1.5, 1.7), flights=4))
+    assert text.splitlines() == [
+        'autopilot = "px4"',
+        "flights = 4",
+        "",
+        "[drag]  # times that of the simulated vehicle",
+        "value = 1.6",
+        "low = 1.5",
+        "high = 1.7",
+    ]
+
+
 def test_a_vehicle_file_is_read_as_it_was_written(tmp_path: Path) -> None:
     vehicle = LearnedVehicle(
         ARDUPILOT,
