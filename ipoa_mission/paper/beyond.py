@@ -10,28 +10,27 @@ from ipoa_mission.paper.map_tables import mean_over_maps
 from ipoa_mission.paper.markdown_table import Table, number
 from ipoa_mission.paper.problems import FUNCTIONS, MAPS
 from ipoa_mission.paper.published import ALGORITHMS
-from ipoa_mission.paper.rows import TrialRow, mean_evaluations, results, runs_of, settings_text
+from ipoa_mission.paper.rows import TrialRow, mean_evaluations, mean_results, results, runs_of, settings_text
 from ipoa_mission.paper.series import ABLATION, BEYOND, EQUAL
 from ipoa_mission.paper.statistics import Samples, against, compare_pairs, count_signs, places, ranking
 
 
 def table_equal(rows: Sequence[TrialRow]) -> Table:
-    settings = {name: settings_text(**wanted) for name, wanted in EQUAL.items()}
+    settings = {name: settings_text(**changed) for name, changed in EQUAL.items()}
 
-    def of(name: str, function: str) -> NDArray[np.float64]:
+    def errors_of(name: str, function: str) -> NDArray[np.float64]:
         return results(rows, function, name, settings=settings[name])
 
-    means = np.array([[of(name, f).mean() for name in EQUAL] for f in FUNCTIONS])
+    means = np.array([[errors_of(name, f).mean() for name in EQUAL] for f in FUNCTIONS])
     scores = [mean_log_error(rows, name, settings[name]) for name in EQUAL]
-    signs = _compare_each(of, "ipoa", [name for name in EQUAL if name != "ipoa"], FUNCTIONS)
+    signs = _compare_each(errors_of, "ipoa", [name for name in EQUAL if name != "ipoa"], FUNCTIONS)
     return Table(
         f"The six at equal budget: mean error (place), CEC2022, D = 20, 90,060 evaluations, {runs_of(rows)} runs.",
         ["", *(name.upper() for name in EQUAL)],
         [*_with_places(FUNCTIONS, means), ["mean log10", *(f"**{score:.2f}**" for score in scores)]],
         [
             "Iterations are set so that each spends the budget; mean evaluations: "
-            + ", ".join(f"{name.upper()} {mean_evaluations(rows, name):,.0f}" for name in EQUAL)
-            + ".",
+            f"{mean_evaluations(rows, list(EQUAL))}.",
             f"Mean rank: {ranking(list(EQUAL), means)}.",
             _sentence("IPOA", {rival.upper(): outcomes for rival, outcomes in signs.items()}, "twelve functions"),
         ],
@@ -71,12 +70,12 @@ def _ablation(
 ) -> Table:
     first = [results(rows, case, "ipoa") for case in cases]
     lines = []
-    for label, wanted in ABLATION.items():
-        settings = settings_text(**wanted)
-        ours = [results(rows, case, "ipoa", settings=settings) for case in cases]
-        compared = count_signs(compare_pairs(list(zip(ours, first, strict=True)))) if wanted else "-"
-        measured = [of(settings) for of in columns.values()]
-        lines.append([label, *measured, compared, *(number(costs.mean()) for costs in ours)])
+    for label, changed in ABLATION.items():
+        settings = settings_text(**changed)
+        costs = [results(rows, case, "ipoa", settings=settings) for case in cases]
+        compared = count_signs(compare_pairs(list(zip(costs, first, strict=True)))) if changed else "-"
+        measured = [measure(settings) for measure in columns.values()]
+        lines.append([label, *measured, compared, *(number(sample.mean()) for sample in costs)])
     return Table(caption, ["", *columns, "better / same / worse than the first", *cases], lines, [note])
 
 
@@ -107,13 +106,14 @@ def _rivals(
     last: tuple[str, Callable[[str], str]],
     *notes: str,
 ) -> Table:
-    names, ours = [*BEYOND, *ALGORITHMS], BEYOND[0]
-    means = np.array([[results(rows, case, name).mean() for name in names] for case in cases])
+    names = [*BEYOND, *ALGORITHMS]
+    ours = BEYOND[0]
+    means = mean_results(rows, cases, names)
 
-    def of(name: str, case: str) -> NDArray[np.float64]:
+    def costs_of(name: str, case: str) -> NDArray[np.float64]:
         return np.maximum(results(rows, case, name), FLOOR)
 
-    signs = _compare_each(of, ours, (*BEYOND[1:], "ipoa"), cases)
+    signs = _compare_each(costs_of, ours, (*BEYOND[1:], "ipoa"), cases)
     (caption, corner), (label, words) = heading, last
     return Table(
         caption,
@@ -128,9 +128,10 @@ def _rivals(
 
 
 def _compare_each(
-    of: Callable[[str, str], Samples], ours: str, rivals: Sequence[str], cases: Sequence[str]
+    costs_of: Callable[[str, str], Samples], ours: str, rivals: Sequence[str], cases: Sequence[str]
 ) -> dict[str, list[str]]:
-    return {rival: against(of, ours, [rival], cases)[rival] for rival in rivals}
+    """Compare like `against`, but correct each rival alone."""
+    return {rival: against(costs_of, ours, [rival], cases)[rival] for rival in rivals}
 
 
 def _sentence(ours: str, signs: dict[str, list[str]], over: str) -> str:

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from ipoa_mission.paper.markdown_table import Table, factor, number, ours_and_print
 from ipoa_mission.paper.problems import FUNCTIONS, OPTIMA
 from ipoa_mission.paper.published import ALGORITHMS, PRINTED, RIVALS_OF_TABLE_4
-from ipoa_mission.paper.rows import TrialRow, mean_evaluations, results, runs_of
+from ipoa_mission.paper.rows import TrialRow, mean_evaluations, mean_results, results, runs_of
 from ipoa_mission.paper.statistics import against, holm, places, rank_sum, ranking
 
 FLOOR = 1e-8  # smaller errors count as this, as in the CEC competitions
@@ -35,17 +35,20 @@ def table_3(rows: Sequence[TrialRow]) -> Table:
         "mean": lambda costs: float(costs.mean()),
         "sd": lambda costs: float(costs.std(ddof=1)) if len(costs) > 1 else 0.0,
     }
-    lines, firsts, printed_firsts = [], 0, 0
+    lines = []
+    firsts = 0
+    printed_firsts = 0
     for function, optimum in zip(FUNCTIONS, OPTIMA, strict=True):
         costs = [results(rows, function, name) + optimum for name in ALGORITHMS]
         for metric, of in metrics.items():
-            ours, theirs = [of(sample) for sample in costs], PRINTED["table_3"][function][metric]
+            ours = [of(sample) for sample in costs]
+            theirs = PRINTED["table_3"][function][metric]
             least = 0.0 if metric == "sd" else optimum
             ratios = (factor(o - least, t - least) for o, t in zip(ours, theirs, strict=True))
             cells = ours_and_print(ours, theirs, (number, number))
             firsts, printed_firsts = firsts + (places(ours)[0] == 1), printed_firsts + (places(theirs)[0] == 1)
             lines.append([function, metric, *(" · ".join(both) for both in zip(cells, ratios, strict=True))])
-    means = np.array([[results(rows, f, name).mean() for name in ALGORITHMS] for f in FUNCTIONS])
+    means = mean_results(rows, FUNCTIONS, ALGORITHMS)
     widest = np.sqrt(30) * (PRINTED["table_3"]["f7"]["mean"][2] - PRINTED["table_3"]["f7"]["best"][2])
     printed_means = np.array([PRINTED["table_3"][f]["mean"] for f in FUNCTIONS])
     return Table(
@@ -60,9 +63,7 @@ def table_3(rows: Sequence[TrialRow]) -> Table:
             f"The printed SD of POA on f7, {PRINTED['table_3']['f7']['sd'][2]}, is impossible: thirty numbers cannot "
             "have an SD above √30 times their mean less their least, here "
             f"{widest:.0f}. The place printed for it, 4, matches 28.35.",
-            "Mean evaluations of a run: "
-            + ", ".join(f"{name.upper()} {mean_evaluations(rows, name):,.0f}" for name in ALGORITHMS)
-            + ". MPOA is inferred, see its module.",
+            f"Mean evaluations of a run: {mean_evaluations(rows, ALGORITHMS)}. MPOA is inferred, see its module.",
         ],
     )
 
@@ -143,10 +144,10 @@ def dimension_of_the_print(rows_20: Sequence[TrialRow], rows_10: Sequence[TrialR
     for function, optimum in zip(FUNCTIONS, OPTIMA, strict=True):
         printed = np.array(PRINTED["table_3"][function]["mean"]) - optimum
         ours = {
-            d: np.array([max(results(rows, function, name).mean(), FLOOR) for name in ALGORITHMS])
-            for d, rows in ((20, rows_20), (10, rows_10))
+            dimension: np.maximum(mean_results(rows, [function], ALGORITHMS)[0], FLOOR)
+            for dimension, rows in ((20, rows_20), (10, rows_10))
         }
-        off = {d: float(np.mean(np.abs(np.log(o / printed)))) for d, o in ours.items()}
+        off = {dimension: float(np.mean(np.abs(np.log(means / printed)))) for dimension, means in ours.items()}
         lines.append(
             [
                 function,

@@ -8,18 +8,12 @@ from numpy.typing import NDArray
 from ipoa_mission.paper.markdown_table import Table, number, ours_and_print, per_cent
 from ipoa_mission.paper.problems import MAPS, WEIGHTS
 from ipoa_mission.paper.published import ALGORITHMS, PRINTED, improved
-from ipoa_mission.paper.rows import TrialRow, results, runs_of
+from ipoa_mission.paper.rows import TrialRow, mean_results, results, runs_of
 from ipoa_mission.paper.statistics import against, count_signs, places, ranking
 
 
-def mean_over_maps(
-    rows: Sequence[TrialRow],
-    algorithm: str,
-    measure: str | None = None,
-    settings: str = "{}",
-    cases: Sequence[str] = MAPS,
-) -> float:
-    return float(np.mean([results(rows, case, algorithm, measure, settings).mean() for case in cases]))
+def mean_over_maps(rows: Sequence[TrialRow], algorithm: str, measure: str | None = None, settings: str = "{}") -> float:
+    return float(np.mean([results(rows, case, algorithm, measure, settings).mean() for case in MAPS]))
 
 
 def table_5(rows: Sequence[TrialRow]) -> Table:
@@ -27,7 +21,8 @@ def table_5(rows: Sequence[TrialRow]) -> Table:
     for experiment, weights in WEIGHTS.items():
         costs = [results(rows, f"map-8-1/{experiment}", name) for name in ALGORITHMS]
         for metric, of in (("best", np.min), ("mean", np.mean), ("sd", lambda c: np.std(c, ddof=min(1, len(c) - 1)))):
-            ours, theirs = [float(of(c)) for c in costs], PRINTED["table_5"][experiment][metric]
+            ours = [float(of(c)) for c in costs]
+            theirs = PRINTED["table_5"][experiment][metric]
             cells = ours_and_print(ours, theirs, (number, number))
             lines.append([" / ".join(f"{w:g}" for w in weights), metric, *cells])
     return Table(
@@ -55,28 +50,25 @@ def _flights(title: str, rows: Sequence[TrialRow], maps: dict[str, dict[str, lis
     lines = []
     for case, printed in maps.items():
         for measure, label in measures.items():
-            ours = [float(results(rows, case, name, measure).mean()) for name in ALGORITHMS]
+            ours = mean_results(rows, [case], ALGORITHMS, measure)[0].tolist()
             lines.append([case, label, *ours_and_print(ours, printed[measure], ("{:.1f}".format, "{:g}".format))])
-        feasible = [results(rows, case, name, "feasible").mean() for name in ALGORITHMS]
+        feasible = mean_results(rows, [case], ALGORITHMS, "feasible")[0]
         lines.append([case, "collision-free", *(f"{share:.0%}" for share in feasible)])
     cases = list(maps)
-    smooth = [results(rows, case, name, "turn_smooth").mean() for case in cases for name in ALGORITHMS]
-    length = {name: mean_over_maps(rows, name, "distance", cases=cases) for name in ALGORITHMS}
-    printed_length = dict(
-        zip(ALGORITHMS, np.mean([printed["distance"] for printed in maps.values()], axis=0), strict=True)
-    )
+    smooth = mean_results(rows, cases, ALGORITHMS, "turn_smooth")
+    lengths = mean_results(rows, cases, ALGORITHMS, "distance")
+    length = lengths.mean(axis=0)
+    printed_length = np.mean([printed["distance"] for printed in maps.values()], axis=0)
     gains = ", ".join(
-        f"{name.upper()} {per_cent(length['ipoa'], length[name])} "
-        f"(printed {per_cent(float(printed_length['ipoa']), float(printed_length[name]))})"
-        for name in ALGORITHMS[1:]
+        f"{name.upper()} {per_cent(length[0], length[k])} (printed {per_cent(printed_length[0], printed_length[k])})"
+        for k, name in enumerate(ALGORITHMS[1:], 1)
     )
 
-    def lengths(name: str, case: str) -> NDArray[np.float64]:
+    def lengths_of(name: str, case: str) -> NDArray[np.float64]:
         return results(rows, case, name, "distance")
 
-    signs = against(lengths, "ipoa", ALGORITHMS[1:], cases)
+    signs = against(lengths_of, "ipoa", ALGORITHMS[1:], cases)
     comparison = "; ".join(f"{rival.upper()} {count_signs(outcomes)}" for rival, outcomes in signs.items())
-    means = np.array([[lengths(name, case).mean() for name in ALGORITHMS] for case in cases])
     return Table(
         f"{title}. Means of {runs_of(rows)} runs on our seeded maps. "
         "Each cell: ours (place) · printed, on other maps (place).",
@@ -86,10 +78,10 @@ def _flights(title: str, rows: Sequence[TrialRow], maps: dict[str, dict[str, lis
             f"Length of IPOA's paths against each: {gains}.",
             f"Shorter / no difference / longer on the maps (rank-sum, Holm over {len(cases)} maps and five "
             f"rivals, 0.05): {comparison}.",
-            *([f"Mean rank by length: {ranking(ALGORITHMS, means)}."] if len(cases) > 2 else []),
+            *([f"Mean rank by length: {ranking(ALGORITHMS, lengths)}."] if len(cases) > 2 else []),
             "Distance is the smooth curve's length. Iterations: the first, of a thousand, with the best cost within "
             "1 % of its last. Turn: mean angle between adjacent legs of the control points, which the algorithms "
-            f"vary. Over the hundred nodes of the smooth curve it is {min(smooth):.0f}° to {max(smooth):.0f}°, which "
+            f"vary. Over the hundred nodes of the smooth curve it is {smooth.min():.0f}° to {smooth.max():.0f}°, which "
             "contradicts the paper. Dis-obs: mean distance from the hull to the nearest obstacle at those hundred "
             "nodes; less is better, as in the paper. Collision-free: share of the runs whose smooth curve is proved to "
             "touch nothing; the paper does not give it.",

@@ -166,7 +166,8 @@ def flown(curve: Spline, scenario: Scenario, optimum: Optimum) -> Measures:
         return {"flyable": 0.0}
     record, predicted = fly_built_in(mission), estimate(mission)
     waypoints = [k for k, item in enumerate(mission.items) if item.command == Command.NAV_WAYPOINT]
-    first, last = waypoints[0] - 1, waypoints[-1]
+    first = waypoints[0] - 1
+    last = waypoints[-1]
     done = {item.seq: item.done_s for item in predicted.items}
     return {
         "flyable": 1.0,

@@ -40,13 +40,13 @@ def open_executor(jobs: int, address: str | None, patience_s: float = 10.0) -> I
         return
     needed = "an executor on a cluster needs Dask distributed, which is not installed"
     distributed = imported("distributed", needed, "cluster")
+    no_address = BadInput(f"expected a scheduler such as tcp://10.0.0.1:8786, not {address!r}", place="executor")
     if "://" not in address:
-        raise BadInput(f"expected a scheduler such as tcp://10.0.0.1:8786, not {address!r}", place="executor")
+        raise no_address
     try:
         client = distributed.Client(address, timeout=patience_s, set_as_default=False)
     except ValueError as error:
-        message = f"expected a scheduler such as tcp://10.0.0.1:8786, not {address!r}"
-        raise BadInput(message, place="executor") from error
+        raise no_address from error
     except OSError as error:
         raise MissionError(
             f"no Dask scheduler answers at {address}",

@@ -66,8 +66,17 @@ def results(
     return np.array([value for _, value in sorted(values)], dtype=np.float64)
 
 
-def mean_evaluations(rows: Sequence[TrialRow], algorithm: str) -> float:
-    return float(np.mean([row.evaluations for row in rows if row.trial.algorithm == algorithm]))
+def mean_results(
+    rows: Sequence[TrialRow], cases: Sequence[str], algorithms: Sequence[str], measure: str | None = None
+) -> NDArray[np.float64]:
+    """Return the means of `results`, (cases, algorithms)."""
+    return np.array([[results(rows, case, name, measure).mean() for name in algorithms] for case in cases])
+
+
+def mean_evaluations(rows: Sequence[TrialRow], algorithms: Sequence[str]) -> str:
+    """List the mean evaluations of a run by algorithm."""
+    means = {name: np.mean([row.evaluations for row in rows if row.trial.algorithm == name]) for name in algorithms}
+    return ", ".join(f"{name.upper()} {mean:,.0f}" for name, mean in means.items())
 
 
 def settings_text(**settings: object) -> str:

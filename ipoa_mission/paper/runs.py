@@ -26,7 +26,6 @@ Rival = Callable[[Callable[[Candidates], Costs], Box, int, np.random.Generator],
 def _by_minionpy(
     name: str, cost: Callable[[Candidates], Costs], box: Box, budget: int, rng: np.random.Generator
 ) -> Optimum:
-    """Minimize with the algorithm `name` of minionpy and its defaults."""
     algorithms = imported("minionpy.algorithms", f"{name} needs minionpy, which is not installed", "paper")
     counted = CountedCost(cost, box, budget)
 
@@ -76,12 +75,6 @@ PROBLEMS: dict[str, Callable[[str, int], Problem]] = {"cec2022": cec2022, "map":
 
 
 def run_trial(trial: Trial) -> TrialRow:
-    """Run one trial and measure its optimum.
-
-    Raises:
-        UnknownName: the trial's problem, case or algorithm does not exist.
-        BadInput: a rival and a registered optimizer have the same name.
-    """
     if trial.problem not in PROBLEMS:
         raise UnknownName(f"expected {' or '.join(PROBLEMS)}, not {trial.problem!r}", place="problem")
     if trial.algorithm in RIVALS and trial.algorithm in optimizer_names():

@@ -34,10 +34,10 @@ def compare_pairs(pairs: Sequence[tuple[Samples, Samples]]) -> list[str]:
 
 
 def against(
-    of: Callable[[str, str], Samples], ours: str, rivals: Sequence[str], cases: Sequence[str]
+    costs_of: Callable[[str, str], Samples], ours: str, rivals: Sequence[str], cases: Sequence[str]
 ) -> dict[str, list[str]]:
     """Return for each rival and case whether `ours` is lower (+), higher (-), or neither (=), Holm over all."""
-    signs = iter(compare_pairs([(of(ours, case), of(rival, case)) for rival in rivals for case in cases]))
+    signs = iter(compare_pairs([(costs_of(ours, case), costs_of(rival, case)) for rival in rivals for case in cases]))
     return {rival: [next(signs) for _ in cases] for rival in rivals}
 
 
@@ -65,7 +65,8 @@ def places(values: Sequence[float]) -> list[int]:
 
 def ranking(names: Sequence[str], costs: NDArray[np.float64], control: str = "ipoa") -> str:
     """Describe Friedman's test on `costs` (blocks, names), against `control`."""
-    ranks, own = scipy.stats.rankdata(costs, axis=1).mean(axis=0), names.index(control)
+    ranks = scipy.stats.rankdata(costs, axis=1).mean(axis=0)
+    own = names.index(control)
     in_order = sorted(zip(ranks, names, post_hoc(ranks, len(costs), own), strict=True))
     signs = {name: "=" if p >= 0.05 else "+" if ranks[own] < rank else "-" for rank, name, p in in_order}
     return (
