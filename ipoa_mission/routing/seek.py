@@ -90,14 +90,6 @@ class SeekEffort:
 EFFORT = SeekEffort()
 
 
-class TooNear(NoPath):
-    """Too few flights would keep the limits on any path."""
-
-    def __init__(self, nearest: Attempt) -> None:
-        super().__init__("too few flights would keep the limits")
-        self.nearest = nearest
-
-
 def plan_with_margins(scenario: Scenario, seed: int, progress: Progress) -> Attempt:
     """Return a route along a plan whose flights keep what is required.
 
@@ -117,30 +109,31 @@ def plan_with_margins(scenario: Scenario, seed: int, progress: Progress) -> Atte
 def _plan(scenario: Scenario, seed: int, progress: Progress) -> Attempt:
     trials = ChangeTrials(scenario, lambda changed: _plan_once(changed, seed))
     try:
-        return seek(scenario, seed, progress)
-    except TooNear as error:
-        slowed = slowed_where_needed(error.nearest, trials)
-        if slowed is None:
-            raise refusal(error.nearest, trials) from None
-        return slowed
+        attempt = seek(scenario, seed, progress)
     except TooNarrow as error:
         raise too_few_flights(str(error), ", or move the places of this leg", trials) from None
+    if attempt.is_acceptable:
+        return attempt
+    slowed = slowed_where_needed(attempt, trials)
+    if slowed is None:
+        raise refusal(attempt, trials)
+    return slowed
 
 
 def _plan_once(scenario: Scenario, seed: int) -> Attempt | None:
     try:
-        return seek(scenario, seed, silent, plans=1)
+        attempt = seek(scenario, seed, silent, plans=1)
     except MissionError:
         return None
+    return attempt if attempt.is_acceptable else None
 
 
 def seek(scenario: Scenario, seed: int, progress: Progress, plans: int = EFFORT.max_searches) -> Attempt:
-    """Return the first attempt that holds, of at most `plans` paths, or that of the next path if it is quicker.
+    """Return the first acceptable attempt of at most `plans` paths, or the next if quicker, or else the nearest.
 
     The next path is planned if the first lost time to its contingencies.
 
     Raises:
-        TooNear: no attempt holds.
         TooNarrow: no attempt can hold.
         NoPath, NoRoute, Unsafe, BadInput: as `plan_with_margins`.
     """
@@ -180,7 +173,7 @@ def seek(scenario: Scenario, seed: int, progress: Progress, plans: int = EFFORT.
         return slow
     if nearest is None:
         raise no_path
-    raise TooNear(nearest)
+    return nearest
 
 
 @dataclass(frozen=True)
