@@ -16,13 +16,16 @@ def solve_banded(band, right):
 
     `band` (k + 1, n) is the lower band of H: `band[i - j, j]` is its element i, j.
     """
-    reach, n = band.shape[0] - 1, band.shape[1]
-    low, x = band.T.copy(), right.copy()
+    reach = band.shape[0] - 1
+    n = band.shape[1]
+    low = band.T.copy()
+    x = right.copy()
     for j in range(n):
         if not low[j, 0] > 0.0:
             return x, 0
         low[j, 0] = math.sqrt(low[j, 0])
-        share, below = 1.0 / low[j, 0], min(reach, n - 1 - j)
+        share = 1.0 / low[j, 0]
+        below = min(reach, n - 1 - j)
         for i in range(1, below + 1):
             low[j, i] *= share
         for k in range(1, below + 1):

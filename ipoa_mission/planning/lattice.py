@@ -140,7 +140,8 @@ class Lattice:
         fro.
         """
         strides = STRIDES * self.spacing
-        level, rise = np.hypot(strides[:, 0], strides[:, 1]), strides[:, 2]
+        level = np.hypot(strides[:, 0], strides[:, 1])
+        rise = strides[:, 2]
         climb, descent = self.steepest[::-1] if backwards else self.steepest
         needed = np.maximum(rise / climb, -rise / descent)
         too_steep = needed > (1 + 1e-6) * level
@@ -169,7 +170,8 @@ def guesses(problem: PreparedProblem, coarsest: int, strategy: LatticeStrategy =
     most = strategy.max_ways_climbing if problem.climbs_limited else strategy.max_ways
     for fineness in strategy.refinements[coarsest:]:
         lattice = lay(problem, fineness, strategy)
-        if routes := ways(lattice, problem, most):
+        routes = ways(lattice, problem, most)
+        if routes:
             routes = _mended(routes, lattice, problem)
             break
     routes = routes or ways(lattice, problem, most, looking=False)
@@ -195,18 +197,21 @@ def _climbing(
 
 
 def lay(problem: PreparedProblem, fineness: float = 1.0, strategy: LatticeStrategy = USUAL_LATTICE) -> Lattice:
+    """`fineness` divides the spacing."""
     lower, upper = _region(problem)
     size = upper - lower
     steepest = (problem.rules.climb, problem.rules.descent)
-    flattest, area = max(min(*steepest, 1.0), strategy.min_slope), size[0] * size[1]
+    flattest = max(min(*steepest, 1.0), strategy.min_slope)
+    area = size[0] * size[1]
     pitch = (area * size[2] / flattest / strategy.nodes) ** (1 / 3)
-    if upright := min(steepest) >= UNLIMITED:  # cells may then be higher
+    is_upright = min(steepest) >= UNLIMITED  # cells may then be higher
+    if is_upright:
         pitch = min(pitch, (area * strategy.max_levels / strategy.nodes) ** 0.5)
     pitch = max(pitch, size[:2].max() / strategy.max_nodes_per_side) / fineness
     count = np.ones(3, int)
     count[:2] += np.ceil(size[:2] / pitch).astype(int)
     rise = min(flattest * float((size[:2] / (count[:2] - 1)).min()), max(size[2] / 6, 0.5))
-    if upright:
+    if is_upright:
         rise = max(rise, size[2] / (strategy.max_levels * fineness))
     count[2] += int(np.ceil(size[2] / rise))
     spacing = size / (count - 1)
@@ -269,9 +274,11 @@ def _mended(routes: list[Points], lattice: Lattice, problem: PreparedProblem) ->
         closed.append(way[np.union1d(narrow, narrow + 1)])
     if not len(closed[0]):
         return mended
-    nodes, shut_nodes = (np.ascontiguousarray(each).view("V24").ravel() for each in (lattice.places, np.vstack(closed)))
-    shut = np.isin(nodes, shut_nodes)
-    price = np.where(shut.reshape(lattice.price.shape), np.inf, lattice.price)
+    nodes, narrow_nodes = (
+        np.ascontiguousarray(places).view("V24").ravel() for places in (lattice.places, np.vstack(closed))
+    )
+    is_narrow = np.isin(nodes, narrow_nodes).reshape(lattice.price.shape)
+    price = np.where(is_narrow, np.inf, lattice.price)
     return mended + ways(replace(lattice, price=price), problem, lattice.strategy.max_ways_beside)
 
 
@@ -289,11 +296,13 @@ def _occupy_gaps(
     count = np.round((nodes[-1] - lower) / spacing).astype(int) + 1
     heights = lower[2] + spacing[2] * np.arange(count[2])
     widest = 2 * problem.limits.obstacle_distance + DETAILS.widest_gap * float(spacing[:2].max())
-    slack_before, most = slack.copy(), np.full(len(slack), -np.inf)
+    slack_before = slack.copy()
+    most = np.full(len(slack), -np.inf)
     for places in gap_places(problem, widest, float(spacing[:2].max()), heights):
         number = np.round((places - lower) / spacing).astype(int)
         inside = ((number >= 0) & (number < count)).all(axis=1)
-        places, node = places[inside], np.ravel_multi_index(tuple(number[inside].T), tuple(count))
+        places = places[inside]
+        node = np.ravel_multi_index(tuple(number[inside].T), tuple(count))
         room, danger = problem.survey(places)
         better = np.nonzero(((room >= 0) | (room > slack_before[node])) & (room >= most[node]))[0]
         better = better[np.argsort(room[better], kind="stable")]
@@ -303,6 +312,7 @@ def _occupy_gaps(
 
 
 def _end(lattice: Lattice, problem: PreparedProblem, place: Vector) -> int | None:
+    """Return the nearest node with a clear leg to a place, else that with the clearest."""
     free = np.nonzero(np.isfinite(lattice.price.ravel()))[0]
     away = ((lattice.places[free] - place) ** 2).sum(axis=1)
     most = DETAILS.end_nodes
@@ -324,30 +334,31 @@ def _leg_routes(
     if source is None or target is None:
         return []
     look = looking and float(np.linalg.norm(lattice.spacing)) > 2 * problem.limits.obstacle_distance
-    nodes, world = Nodes(lattice.price, lattice.slack, lattice.places, lattice.spacing), (problem.grid, problem.rules)
+    nodes = Nodes(lattice.price, lattice.slack, lattice.places, lattice.spacing)
     ratio = lattice.strategy.max_cost_ratio * (1 + ROUNDING)
-    there, before = spread(nodes, lattice.steps(), look, (source, target, ratio), *world)
+    onward, backward = (source, target, ratio), (target, source, ratio)
+    there, before = spread(nodes, lattice.steps(), look, onward, problem.grid, problem.rules)
     if not np.isfinite(there[target]):
         return []
-    back, after = spread(nodes, lattice.steps(backwards=True), look, (target, source, ratio), *world)
-    through = there + back
-    routes, even = list[Points](), list[Points]()
-    for node in [target, *_passages(through, there, lattice)]:
-        way = [*_trace(before, node)[::-1], *_trace(after, node)[1:]]
-        points = np.vstack([start, lattice.places[way], goal])
+    back, after = spread(nodes, lattice.steps(backwards=True), look, backward, problem.grid, problem.rules)
+
+    routes, courses = list[Points](), list[Points]()
+    for node in [target, *_passages(there + back, there, lattice)]:
+        passed = [*_trace(before, node)[::-1], *_trace(after, node)[1:]]
+        points = np.vstack([start, lattice.places[passed], goal])
         traveled = arc_lengths(points)
-        even_lengths = np.linspace(0, traveled[-1], 24)
-        course = np.column_stack([np.interp(even_lengths, traveled, points[:, k]) for k in range(3)])
-        if all(np.linalg.norm(course - other, axis=1).max() > 4 * lattice.spacing[0] for other in even):
+        stations = np.linspace(0, traveled[-1], 24)
+        course = np.column_stack([np.interp(stations, traveled, points[:, k]) for k in range(3)])
+        if all(np.linalg.norm(course - other, axis=1).max() > 4 * lattice.spacing[0] for other in courses):
             routes.append(points)
-            even.append(course)
+            courses.append(course)
         if len(routes) == most:
             break
     return routes
 
 
 def _passages(through: Vector, there: Vector, lattice: Lattice) -> Iterator[int]:
-    """Return locally cheapest nodes, cheapest first."""
+    """Return locally cheapest nodes, cheapest first, by costs of routes `through` and of ways `there`, (n,)."""
     best = through[np.isfinite(through)].min()
     share = np.divide(there, through, out=np.zeros_like(there), where=np.isfinite(through) & (through > 0))
     chosen: list[tuple[float, int]] = []
@@ -357,7 +368,8 @@ def _passages(through: Vector, there: Vector, lattice: Lattice) -> Iterator[int]
         nodes = np.flatnonzero(on_surface)
         strides = np.array([surface.shape[1] * surface.shape[2], surface.shape[2], 1])
         at = (np.column_stack(np.unravel_index(nodes, lattice.price.shape)) + 2) @ strides
-        values, least = surface.ravel(), through[nodes]
+        values = surface.ravel()
+        least = through[nodes]
         for offset in (CUBE @ strides).tolist():
             kept = values[at + offset] >= least
             nodes, at, least = nodes[kept], at[kept], least[kept]
@@ -373,10 +385,11 @@ def _least_around(values: NDArray[Any], reach: int) -> NDArray[Any]:
 
 
 def _trace(before: NDArray[np.int64], node: int) -> list[int]:
-    way = [node]
-    while (node := before.item(node)) >= 0:
-        way.append(node)
-    return way
+    passed = []
+    while node >= 0:
+        passed.append(node)
+        node = before.item(node)
+    return passed
 
 
 def _turns(way: Points, tolerance: float) -> int:

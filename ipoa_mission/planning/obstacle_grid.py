@@ -138,7 +138,7 @@ class Soft(NamedTuple):
 
 
 def obstacle_grid_of(airspace: "Airspace", limits: "Limits", reach: float) -> ObstacleGrid:
-    """Return the grid; its lists hold the parts within `reach` [m] of each cell, and a fence in every cell."""
+    """Return the grid, with lists of all within `reach` [m] of each cell."""
     lower = np.asarray(airspace.bounds.lower, float)
     upper = np.asarray(airspace.bounds.upper, float)
     size = upper[:2] - lower[:2]
@@ -221,9 +221,9 @@ def _shapes(bodies: Sequence[GridRow]) -> tuple[NDArray[np.float64], NDArray[np.
 def _lists(
     bounds: NDArray[np.float64], reached: Vector, cells: Raster, cell: float, reach: float
 ) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
-    """Return the begin of each cell's list (cells + 1,), and the lists of bodies.
+    """Return the begin of each cell's list (cells + 1,), and the lists.
 
-    `bounds` (k, 2, 3) and plan radii `reached` (k,) [m], which include `reach`, are of the bodies. `cell`: a side [m].
+    Bodies have `bounds` (k, 2, 3), and plan radii `reached` (k,) [m] that include `reach`.
     """
     corner = np.array([cells.east, cells.north])
     last = (cells.columns - 1, cells.rows - 1)

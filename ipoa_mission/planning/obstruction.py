@@ -93,7 +93,7 @@ class _View:
         return Closure(tuple(np.array(self.names)[near]), (float(place[0]), float(place[1])), 0.0, 0.0)
 
     def gap(self, share: float) -> Closure | None:
-        """Return the pair of obstacles, or obstacle and edge of the area, that closes at a share of the distance."""
+        """Return the pair that closes at a share of the distance."""
         piece = self.piece(share)
         tree = shapely.STRtree(self.shapes)
         reach = 2 * float((self.radii + self.required).max()) + DISTANCE_TOLERANCE
@@ -126,7 +126,7 @@ class _View:
 
 
 def _heights(problem: PreparedProblem, body: Obstacle) -> tuple[float, float]:
-    """Return the least and the greatest height at which the vehicle may be next to a body [m]."""
+    """Return the lowest and highest flight allowed next to a body [m]."""
     airspace = problem.task.airspace
     limits = problem.limits
     grid = problem.grid

@@ -5,7 +5,7 @@ polished until their proof holds.
 """
 
 from dataclasses import dataclass, field, replace
-from typing import TypeAlias
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -109,7 +109,7 @@ MOST_PLACES = 6  # of the usual strategy
 
 @dataclass
 class Searcher:
-    """Successive searches with one stream of random numbers."""
+    """Successive searches with one stream of random numbers; `best`: least costs after `spent` evaluations."""
 
     problem: PreparedProblem
     optimizer: Optimizer
@@ -128,8 +128,8 @@ class Searcher:
         spread = width * polyline_length(around.curve.control[1:-1][part])
         name = task.planning.encoding or ("absolute" if task.planning.planner == "paper" else "sine")
         encoding = surround(name, around, spread, task, part)
-        costs, box = self.problem.costs(encoding), encoding.box
-        optimum = minimize(costs, box, self.optimizer, self.rng, budget=self.budget, progress=progress)
+        costs = self.problem.costs(encoding)
+        optimum = minimize(costs, encoding.box, self.optimizer, self.rng, budget=self.budget, progress=progress)
         spent, best = (self.spent[-1], self.best[-1]) if self.spent else (0, np.inf)
         self.spent += [spent + int(evaluations) for evaluations in optimum.evaluations]
         candidate = Candidate(encoding.curve(optimum.x), around.via_at)
@@ -138,10 +138,6 @@ class Searcher:
         else:
             self.best += [best] * (len(optimum.history) - 1) + [min(best, self.problem.cost(candidate))]
         return candidate
-
-    def history(self) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
-        """Return the evaluations spent and the best cost by then, (k,) each."""
-        return np.array(self.spent), np.array(self.best)
 
 
 def optimizer_of(task: PathTask, short: bool) -> tuple[Optimizer, int | None]:
@@ -156,7 +152,10 @@ def optimizer_of(task: PathTask, short: bool) -> tuple[Optimizer, int | None]:
     return build_optimizer(name, (defaults or {}) | settings), budget
 
 
-PolishedCurve: TypeAlias = tuple[Candidate, Proof, CostTerms]
+class ProvedCurve(NamedTuple):
+    candidate: Candidate
+    proof: Proof
+    cost: CostTerms
 
 
 def plan_path(
@@ -189,22 +188,21 @@ def plan_path(
         >>> plan.proof.is_proved, plan.optimizer
         (True, 'ipoa')
     """
-    problem, planning = prepare(task), task.planning
+    problem = prepare(task)
     refuse_places(problem)
     refuse_closed(problem)
-    as_printed = planning.planner == "paper" or not planning.polish
+    as_printed = task.planning.planner == "paper" or not task.planning.polish
     search, budget = (optimizer, None) if optimizer else optimizer_of(task, short=not as_printed)
     effort = strategy or (USUAL if len(task.places) <= MOST_PLACES else MANY_LEGS)
     searcher = Searcher(problem, search, np.random.default_rng(seed), effort, budget)
     with threadpool_limits(1, "blas"):  # on small matrices threads only wait, and results depend on their number
         curves = [_search_once(searcher, progress)] if as_printed else _search_passages(searcher, progress)
-    safe = [proved for proved in curves if proved[1].is_proved]
+    safe = [curve for curve in curves if curve.proof.is_proved]
     if not safe:
-        nearest = max((proof for _, proof, _ in curves), key=lambda proof: proof.worst.slack)
-        raise not_found(nearest)
-    candidate, proof, cost = min(safe, key=lambda proved: proved[2].total)
+        raise not_found(max((curve.proof for curve in curves), key=lambda proof: proof.worst.slack))
+    best, proof, cost = min(safe, key=lambda curve: curve.cost.total)
     name = task.optimizer.name if optimizer is None else type(optimizer).__name__
-    return Plan(candidate.curve, cost, proof, name, seed, *searcher.history(), candidate.via_at)
+    return Plan(best.curve, cost, proof, name, seed, np.array(searcher.spent), np.array(searcher.best), best.via_at)
 
 
 def move_aside(plan: Plan, task: PathTask) -> Spline | None:
@@ -216,47 +214,57 @@ def move_aside(plan: Plan, task: PathTask) -> Spline | None:
     return candidate.curve if proof.is_proved else None
 
 
-def _search_once(searcher: Searcher, progress: Progress) -> PolishedCurve:
+def _search_once(searcher: Searcher, progress: Progress) -> ProvedCurve:
     task = searcher.problem.task
     straight = follow(task.places, task.planning.control_points, task)
     searched = searcher.search(straight, 2 * searcher.strategy.straight_width, progress=progress)
-    return searched, prove_curve(searched.curve, task), curve_cost(searched.curve, task)
+    return ProvedCurve(searched, prove_curve(searched.curve, task), curve_cost(searched.curve, task))
 
 
-def _search_passages(searcher: Searcher, progress: Progress) -> list[PolishedCurve]:
+def _search_passages(searcher: Searcher, progress: Progress) -> list[ProvedCurve]:
     """Return polished curves, if need be from a finer lattice."""
-    problem, strategy, proved = searcher.problem, searcher.strategy, list[PolishedCurve]()
+    strategy = searcher.strategy
+    curves = list[ProvedCurve]()
     for coarsest in range(len(strategy.lattice.refinements) - 1):
         improved = _improve(_find_passages(searcher, coarsest, progress), searcher, progress)
         for candidate in improved[: strategy.max_polished]:
-            proved.append(_polish_and_prove(candidate, searcher))
-            enough = 1 if proved[0][1].is_proved else strategy.enough_proved
-            if sum(proof.is_proved for _, proof, _ in proved) == enough:
+            curves.append(_polish_and_prove(candidate, searcher))
+            enough = 1 if curves[0].proof.is_proved else strategy.enough_proved
+            if sum(curve.proof.is_proved for curve in curves) == enough:
                 break
-        if safe := [candidate for candidate, proof, _ in proved if proof.is_proved]:
-            best = min(safe, key=problem.cost)
+        safe = [curve.candidate for curve in curves if curve.proof.is_proved]
+        if safe:
+            best = min(safe, key=searcher.problem.cost)
             if len(best.curve.control) < strategy.few_control_points:
-                proved.append(_polish_and_prove(refine(best), searcher, enough=1e-8))
+                curves.append(_polish_and_prove(refine(best), searcher, enough=1e-8))
             break
-    return proved
+    return curves
 
 
 def _find_passages(searcher: Searcher, coarsest: int, progress: Progress) -> list[Candidate]:
-    problem, strategy = searcher.problem, searcher.strategy
-    straight, *ways = guesses(problem, coarsest, strategy.lattice)
-    candidates, polished = [straight.candidate(problem)], [polish(straight.candidate(problem), problem)]
-    for way in ways:
-        candidates.append(way.candidate(problem))
-        polished.append(_approach(candidates[-1], problem))
-        if len(candidates[-1].curve.control) < strategy.coarse_control_points and problem.cost(polished[-1]) > UNSAFE:
-            candidates[-1] = refine(candidates[-1])
-            polished[-1] = _approach(candidates[-1], problem)
+    """Return roughly polished curves, cheapest first."""
+    problem = searcher.problem
+    strategy = searcher.strategy
+    straight, *routes = guesses(problem, coarsest, strategy.lattice)
+    candidates = [straight.candidate(problem)]
+    polished = [polish(candidates[0], problem)]
+    for route in routes:
+        candidate = route.candidate(problem)
+        near = _approach(candidate, problem)
+        if len(candidate.curve.control) < strategy.coarse_control_points and problem.cost(near) > UNSAFE:
+            candidate = refine(candidate)
+            near = _approach(candidate, problem)
+        candidates.append(candidate)
+        polished.append(near)
+
     costs = [problem.cost(candidate) for candidate in polished]
     best = 1 + np.argsort(costs[1:])
     cheapest = range(1, len(polished))[: strategy.cheapest_starts]
     promising = list(dict.fromkeys([*cheapest, *best.tolist()]))[: strategy.lattice_starts]
     if min(costs) > UNSAFE:
-        polished += [polish(way.candidate(problem, strategy.closer_factor), problem, FIRM_DESCENT) for way in ways]
+        closer = (route.candidate(problem, strategy.closer_factor) for route in routes)
+        polished += [polish(candidate, problem, FIRM_DESCENT) for candidate in closer]
+
     starts = [(candidates[0], strategy.straight_width)] * strategy.straight_starts
     starts += [(candidates[i], strategy.lattice_width) for i in promising]
     for i, (guess, width) in enumerate(starts):
@@ -267,18 +275,21 @@ def _find_passages(searcher: Searcher, coarsest: int, progress: Progress) -> lis
 
 def _approach(candidate: Candidate, problem: PreparedProblem) -> Candidate:
     """Polish roughly; with limited climbs until all limits hold: a shortcut must be climbed."""
-    return (
-        polish_until_proved(candidate, problem, replace(ROUGH_DESCENT, steps=60))[0]
-        if problem.climbs_limited
-        else polish(candidate, problem)
-    )
+    if not problem.climbs_limited:
+        return polish(candidate, problem)
+    return polish_until_proved(candidate, problem, replace(ROUGH_DESCENT, steps=60))[0]
 
 
 def _improve(candidates: list[Candidate], searcher: Searcher, progress: Progress) -> list[Candidate]:
-    problem, rng, strategy = searcher.problem, searcher.rng, searcher.strategy
-    is_coarse = [len(candidate.curve.control) < strategy.enough_control_points for candidate in candidates]
-    finer = [refine(one) if coarse else one for one, coarse in zip(candidates, is_coarse, strict=True)]
-    improved = [(problem.cost(candidate), candidate) for candidate in finer]
+    """Search the curves again piece by piece; return all, cheapest first."""
+    problem = searcher.problem
+    rng = searcher.rng
+    strategy = searcher.strategy
+    improved = list[tuple[float, Candidate]]()
+    for candidate in candidates:
+        is_coarse = len(candidate.curve.control) < strategy.enough_control_points
+        finer = refine(candidate) if is_coarse else candidate
+        improved.append((problem.cost(finer), finer))
     inner = max(len(candidate.curve.control) for _, candidate in improved) - 2
     rounds = int(np.clip((inner - strategy.piece) // 4, 4, strategy.max_rounds))
     for i in range(rounds):
@@ -292,16 +303,19 @@ def _improve(candidates: list[Candidate], searcher: Searcher, progress: Progress
     return [candidate for _, candidate in improved]
 
 
-def _polish_and_prove(candidate: Candidate, searcher: Searcher, enough: float = 1e-7) -> PolishedCurve:
+def _polish_and_prove(candidate: Candidate, searcher: Searcher, enough: float = 1e-7) -> ProvedCurve:
     """Polish; if clustered control points hide a loop, again evenly."""
-    problem, task = searcher.problem, searcher.problem.task
-    descent = replace(FINE_DESCENT, enough=enough)
-    polished, proof = polish_until_proved(candidate, problem, descent)
-    cost = curve_cost(polished.curve, task)
-    if cost.total <= searcher.strategy.hidden_loop * even_cost(polished.curve, task).total:
-        return polished, proof, cost
-    count = len(polished.curve.control)
-    even, even_proof = polish_until_proved(follow(polished.curve.sample(4 * count), count - 2, task), problem, descent)
-    even_terms = curve_cost(even.curve, task)
-    is_better = even_proof.is_proved and (even_terms.total < cost.total or not proof.is_proved)
-    return (even, even_proof, even_terms) if is_better else (polished, proof, cost)
+    task = searcher.problem.task
+
+    def polished(rough: Candidate) -> ProvedCurve:
+        fine, proof = polish_until_proved(rough, searcher.problem, replace(FINE_DESCENT, enough=enough))
+        return ProvedCurve(fine, proof, curve_cost(fine.curve, task))
+
+    first = polished(candidate)
+    curve = first.candidate.curve
+    if first.cost.total <= searcher.strategy.hidden_loop * even_cost(curve, task).total:
+        return first
+    count = len(curve.control)
+    even = polished(follow(curve.sample(4 * count), count - 2, task))
+    is_cheaper = even.cost.total < first.cost.total or not first.proof.is_proved
+    return even if even.proof.is_proved and is_cheaper else first

@@ -29,7 +29,9 @@ def moves_along(ways: Matrix, band: int) -> Moves:
     spread = _sparse(row, column, np.repeat(ways[point, way], 3), size)
     below, column = np.divmod(np.arange((band + 1) * size), size)
     inside = below + column < size  # row j + k, column j
-    cell, below, column = np.arange(len(below))[inside], below[inside], column[inside]
+    cell = np.arange(len(below))[inside]
+    below = below[inside]
+    column = column[inside]
     many = np.diff(spread.starts)
     pairs = many[column + below] * many[column]
     number = np.arange(pairs.sum()) - np.repeat(np.cumsum(pairs) - pairs, pairs)
@@ -39,7 +41,8 @@ def moves_along(ways: Matrix, band: int) -> Moves:
     a, b = spread.columns[one], spread.columns[other]
     weight = np.where(a == b, 2.0, 1.0) * np.where(below == 0, 0.5, 1.0)
     weight *= spread.weights[one] * spread.weights[other]
-    beside, first = np.abs(a - b), np.minimum(a, b)
+    beside = np.abs(a - b)
+    first = np.minimum(a, b)
     reach = int(beside.max(initial=0))
     cells = _sparse(beside * free + first, cell, weight, (reach + 1) * free)
     rows = np.repeat(np.arange(size), many)
@@ -92,11 +95,14 @@ def polish(
 
     stages, enough = descent.stages, descent.enough
     nodes = descent.finer * max(problem.nodes, NODES_PER_SPAN * candidate.curve.spans)
-    control, (some, bench) = candidate.curve.control.copy(), _prepare(candidate, problem, part, nodes)
-    moved, signs = np.ascontiguousarray(control[some]), np.zeros((len(bench.spans.first), 2))
+    control = candidate.curve.control.copy()
+    some, bench = _prepare(candidate, problem, part, nodes)
+    moved = np.ascontiguousarray(control[some])
+    signs = np.zeros((len(bench.spans.first), 2))
     for k, soft in enumerate(stages, 1):
         good = enough if k == len(stages) else max(enough, EARLY_GAIN)
-        scaled, until = soft.scaled(problem.scale), (descent.steps, good)
+        scaled = soft.scaled(problem.scale)
+        until = (descent.steps, good)
         moved, signs = descend(moved, signs, bench, problem.grid, problem.rules, scaled, until)
     control[some] = moved
     return Candidate(Spline(control), candidate.via_at)
@@ -109,7 +115,9 @@ def polish_until_proved(
 
     With limited climbs it restarts for more room: a curve that must become longer at once would make loops.
     """
-    rough, stages, more = candidate, descent.stages, dict.fromkeys(("aside", "above", "flatter"), 0.0)
+    rough = candidate
+    stages = descent.stages
+    more = dict.fromkeys(("aside", "above", "flatter"), 0.0)
     for _ in range(attempts):
         wider = [stage._replace(**{name: getattr(stage, name) + by for name, by in more.items()}) for stage in stages]
         base = rough if problem.climbs_limited else candidate
@@ -122,8 +130,10 @@ def polish_until_proved(
             if check.unit == "deg":
                 short = float(np.tan(np.radians(check.required)) - np.tan(np.radians(check.required - short)))
             more[_REMEDY[check.limit]] += short
-    if not proof.is_proved and (unpolished := prove_curve(rough.curve, problem.task)).is_proved:
-        return rough, unpolished
+    if not proof.is_proved:
+        unpolished = prove_curve(rough.curve, problem.task)
+        if unpolished.is_proved:
+            return rough, unpolished
     return candidate, proof
 
 
@@ -147,7 +157,8 @@ def _prepare(candidate: Candidate, problem: PreparedProblem, part: slice, nodes:
     """Return the control points that are seen, and what they are moved by."""
     n = len(candidate.curve.control)
     varied = np.arange(1, n - 1)[part]
-    low, high = max(int(varied[0]) - CHANGE_REACH, 0), min(int(varied[-1]) + CHANGE_REACH + 1, n)
+    low = max(int(varied[0]) - CHANGE_REACH, 0)
+    high = min(int(varied[-1]) + CHANGE_REACH + 1, n)
     first, window = _windows(n, nodes)
     seen = slice(*np.searchsorted(first, (low, high - 4)))
     spans = Spans(first[seen] - low, np.ascontiguousarray(window[:, :, seen]))

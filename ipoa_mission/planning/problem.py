@@ -1,8 +1,7 @@
 """Map a decision vector to control points and cost.
 
-In `chord` and `sine` the origin is a good path: pelicans multiply coordinates, which draws them to it. The cost, eqs.
-(4)-(10), is of length, turns, and threat of near obstacles. By default the threat is integrated over arc length; with
-`form = "nodes"` it is summed as in the paper, in degrees.
+In `chord` and `sine` the origin is a good path: pelicans multiply coordinates, which draws them to it. The cost is that
+of eqs. (4)-(10). The threat is integrated over arc length; with `form = "nodes"` it is summed as in the paper.
 """
 
 from collections.abc import Callable
@@ -12,7 +11,7 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from ipoa_mission.geometry import Points, Vector, climb_angles, leg_lengths, turning_angles
+from ipoa_mission.geometry import Points, Vector, climb_angles, leg_lengths, polyline_length, turning_angles
 from ipoa_mission.optimize.search import Box, Candidates, Costs
 from ipoa_mission.planning.obstacle_grid import LEAST, UNLIMITED, ObstacleGrid, Rules, obstacle_grid_of
 from ipoa_mission.planning.path_problem import PathTask
@@ -39,10 +38,12 @@ class CostTerms:
 
 def path_cost(nodes: Points, task: PathTask) -> CostTerms:
     """Return the cost of nodes (n, 3): a sum, or a trapezoidal integral."""
-    turning, climbing = turning_angles(nodes), np.diff(climb_angles(nodes))
+    turning = turning_angles(nodes)
+    climbing = np.diff(climb_angles(nodes))
     threat = float(threats(nodes, task) @ node_weights(nodes, task.cost.form == "nodes"))
     w1, w2, w3 = task.cost.omega
-    length, turning_deg = float(leg_lengths(nodes).sum()), float(np.degrees(turning.sum()))
+    length = polyline_length(nodes)
+    turning_deg = float(np.degrees(turning.sum()))
     climbing_deg = float(np.degrees(np.abs(climbing).sum()))
     turns = task.cost.a1 * turning_deg + task.cost.a2 * climbing_deg
     return CostTerms(length, turning_deg, climbing_deg, threat, w1 * length + w2 * turns + w3 * threat)
@@ -54,8 +55,11 @@ def curve_cost(curve: Spline, task: PathTask) -> CostTerms:
         return path_cost(curve.points(np.linspace(0.0, 1.0, task.planning.samples)), task)
     spans = np.linspace(0.0, 1.0, STEPS_PER_SPAN * curve.spans + 1)
     u = np.union1d(curve.parameters(_steps(curve)), spans)
-    nodes, velocity, between = curve.points(u), curve.points(u, 1), curve.points((u[:-1] + u[1:]) / 2, 1)
-    cost, turned = path_cost(nodes, task), FULL_TURN_DEG * _doublings(nodes, velocity, between)
+    nodes = curve.points(u)
+    velocity = curve.points(u, 1)
+    between = curve.points((u[:-1] + u[1:]) / 2, 1)
+    cost = path_cost(nodes, task)
+    turned = FULL_TURN_DEG * _doublings(nodes, velocity, between)
     total = cost.total + task.cost.omega[1] * task.cost.a1 * turned
     return replace(cost, turning_deg=cost.turning_deg + turned, total=total) if turned else cost
 
@@ -67,7 +71,8 @@ def _doublings(nodes: Points, velocity: Points, between: Points) -> int:
     """
     legs = np.diff(nodes, axis=0)
     start, middle, end = (np.einsum("kj,kj->k", at, legs) for at in (velocity[:-1], between, velocity[1:]))
-    slope, bend = 4 * middle - 3 * start - end, 2 * (start - 2 * middle + end)
+    slope = 4 * middle - 3 * start - end
+    bend = 2 * (start - 2 * middle + end)
     lowest = np.clip(np.divide(-slope, 2 * bend, out=np.zeros_like(bend), where=bend > 0), 0.0, 1.0)
     back = np.minimum(np.minimum(start, end), start + (slope + bend * lowest) * lowest) < 0
     back_at = np.nonzero(back)[0]
@@ -89,9 +94,9 @@ def threats(nodes: Points, task: PathTask) -> Vector:
     """Return eq. (9)'s summand at each node (n,): lambda / d where the hull is within d_safe."""
     cost, radius = task.cost, task.radius
     total = np.zeros(len(nodes))
-    for _, which, distance in task.airspace.near(nodes, cost.d_safe + radius):
+    for _, near, distance in task.airspace.near(nodes, cost.d_safe + radius):
         hull = distance - radius
-        total[which] += np.where(hull < cost.d_safe, cost.lambda_obs / np.maximum(hull, LEAST), 0.0)
+        total[near] += np.where(hull < cost.d_safe, cost.lambda_obs / np.maximum(hull, LEAST), 0.0)
     return total
 
 
@@ -108,7 +113,9 @@ def rules_of(task: PathTask) -> Rules:
 
     A broken limit costs ten times the direct distance, and more with depth: a search can escape.
     """
-    cost, limits, direct = task.cost, task.limits, float(np.linalg.norm(task.places[-1] - task.places[0]))
+    cost = task.cost
+    limits = task.limits
+    direct = float(np.linalg.norm(task.places[-1] - task.places[0]))
     length, turning, threat = cost.omega
     return Rules(
         clearance=limits.obstacle_distance,
@@ -138,7 +145,8 @@ MIN_SPANS_BETWEEN_VIA = 2.0
 COMPARING_FACTOR = 4  # of nodes
 UNSAFE = 1e6  # at least, for a breach
 ROUGH_STEEPNESS = 1.02  # on the greatest slope of a rough curve
-GREATEST_LEG, MAX_NODES = 0.3, 4000  # for comparing curves [m]
+GREATEST_LEG = 0.3  # for comparing curves [m]
+MAX_NODES = 4000
 LENIENCE = 0.1  # of a rough curve; the fine polish mends it [m]
 FULL_SIZE = 50.0  # on a shorter route, lengths shrink in proportion [m]
 
@@ -172,7 +180,7 @@ class PreparedProblem:
 
     @property
     def scale(self) -> float:
-        return min(float(leg_lengths(self.task.places).sum()) / FULL_SIZE, 1.0)
+        return min(polyline_length(self.task.places) / FULL_SIZE, 1.0)
 
     @property
     def climbs_limited(self) -> bool:
@@ -187,7 +195,8 @@ class PreparedProblem:
         look = look[max(changed[0] - 2, 0) : changed[-1] + 3]
         active = np.nonzero(look.any(axis=0))[0]
         look = np.ascontiguousarray(look[:, active].T)
-        start, span = _by_axis(encoding.origin[None, active])[0], _by_axis(encoding.matrix[:, active])
+        start = _by_axis(encoding.origin[None, active])[0]
+        span = _by_axis(encoding.matrix[:, active])
 
         def cost(x: Candidates) -> Costs:
             control = (x @ span + start).reshape(-1, len(active))
@@ -225,7 +234,8 @@ class PreparedProblem:
 
 
 def prepare(task: PathTask) -> PreparedProblem:
-    limits, rules = task.limits, rules_of(task)
+    limits = task.limits
+    rules = rules_of(task)
     reach = max(limits.obstacle_distance, rules.d_safe + rules.radius) + 0.5
     return PreparedProblem(task, limits, obstacle_grid_of(task.airspace, limits, reach), rules, _nodes(task))
 
@@ -275,14 +285,16 @@ def surround(name: str, around: Candidate, spread: float, task: PathTask, part: 
     n, inner = len(control), len(varied)
     if name == "absolute":
         lower, upper = np.asarray(task.airspace.bounds.lower), np.asarray(task.airspace.bounds.upper)
-        origin, box = control.copy(), Box(np.tile(lower, inner), np.tile(upper, inner))
+        origin = control.copy()
+        box = Box(np.tile(lower, inner), np.tile(upper, inner))
         origin[varied] = 0.0
         matrix = np.zeros((inner, 3, n, 3))
         for k in range(3):
             matrix[np.arange(inner), k, varied, k] = 1.0
     else:
         shapes = np.eye(inner) if name == "chord" else _waves(inner)
-        origin, box = control, Box(np.full(2 * inner, -spread), np.full(2 * inner, spread))
+        origin = control
+        box = Box(np.full(2 * inner, -spread), np.full(2 * inner, spread))
         matrix = np.zeros((inner, 2, n, 3))
         matrix[:, :, varied] = np.einsum("mi,iak->maik", shapes, _axes(control)[part])
     lift, project, _ = _pins(around, task)
@@ -292,11 +304,13 @@ def surround(name: str, around: Candidate, spread: float, task: PathTask, part: 
 
 def _pins(candidate: Candidate, task: PathTask) -> tuple[Points, Matrix, NDArray[np.intp]]:
     """Return the map lift + project @ control onto the via points, and the moved control points."""
-    n, via = len(candidate.curve.control), task.places[1:-1]
+    n = len(candidate.curve.control)
+    via = task.places[1:-1]
     if not len(via):
         return np.zeros((n, 3)), np.eye(n), np.zeros(0, int)
     rows = basis(n, candidate.via_at)
-    weight, moved = rows.copy(), list[int]()
+    weight = rows.copy()
+    moved = list[int]()
     weight[:, [0, -1]] = -1.0
     for row in weight:
         row[moved] = -1.0
@@ -335,7 +349,9 @@ def _waves(inner: int) -> Matrix:
 
 
 def corners(guide: Points, via: Points) -> list[int]:
-    corners, after = list[int](), 1
+    """Return a guide's indices at the via points."""
+    corners = list[int]()
+    after = 1
     for place in via:
         after += int(np.argmin(np.linalg.norm(guide[after:-1] - place, axis=1)))
         corners.append(after)

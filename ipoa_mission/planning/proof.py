@@ -99,13 +99,17 @@ def prove_curve(curve: Spline, task: PathTask) -> Proof:
     """Prove the limits for a curve: lower bounds, at most 2 mm less than exact."""
     tolerance = CHORD / (1 + task.airspace.terrain.steepness)
     u = curve.chords(tolerance)
-    legs, velocity, bend = curve.points(u), curve.points(u, order=1), curve.points(u[:-1], order=2)
+    legs = curve.points(u)
+    velocity = curve.points(u, order=1)
+    bend = curve.points(u[:-1], order=2)
     return _prove(legs, task, _steepness(velocity, bend, np.diff(u)), tolerance, np.inf)
 
 
 def _prove(legs: Points, task: PathTask, steepness: tuple[Vector, Vector], stray: float, spare: float) -> Proof:
     """`steepness`: angles of climb and descent, (n-1,) each [rad]."""
-    checks, airspace, limits = list[Check](), task.airspace, task.limits
+    checks = list[Check]()
+    airspace = task.airspace
+    limits = task.limits
     if airspace.obstacles:
         clearance = airspace.obstacle_clearance(legs, within=limits.obstacle_distance + stray + spare)
         checks.append(Check("obstacles", clearance.minus(stray), limits.obstacle_distance))
@@ -165,8 +169,10 @@ def _runs(legs: Points, limits: Limits, stray: float) -> Iterator[tuple[float, P
     limits = replace(limits, low_zones=tuple(replace(z, radius=max(z.radius - stray, 0.0)) for z in limits.low_zones))
     cuts = [(np.arange(len(legs)), np.zeros(len(legs)))]
     for zone in limits.low_zones:
-        step, away = np.diff(legs[:, :2], axis=0), legs[:-1, :2] - (zone.east, zone.north)
-        square, half = (step**2).sum(axis=1), (step * away).sum(axis=1)
+        step = np.diff(legs[:, :2], axis=0)
+        away = legs[:-1, :2] - (zone.east, zone.north)
+        square = (step**2).sum(axis=1)
+        half = (step * away).sum(axis=1)
         root = np.sqrt(np.maximum(half**2 - square * ((away**2).sum(axis=1) - zone.radius**2), 0.0))
         for side in (-root, root):
             fraction = np.divide(side - half, square, out=np.zeros_like(half), where=square > 0)

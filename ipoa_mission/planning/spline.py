@@ -97,7 +97,8 @@ def local_basis(n: int, u: Vector, order: int = 0) -> tuple[NDArray[np.intp], ND
     values[:, -1] = 1.0  # N_i,0
     for k in range(1, DEGREE + 1):
         starts, ends = (knots[span[:, None] + np.arange(1 - k, 1) + shift] for shift in (0, k))
-        share, values = values[:, -k:] / (ends - starts), np.zeros_like(values)
+        share = values[:, -k:] / (ends - starts)
+        values = np.zeros_like(values)
         if k <= DEGREE - order:
             values[:, -k:] += (u[:, None] - starts) * share
             values[:, -k - 1 : -1] += (ends - u[:, None]) * share

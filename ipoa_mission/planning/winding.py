@@ -37,7 +37,8 @@ def wind(way: Points, inner: int, problem: PreparedProblem, step: float) -> tupl
     Steep pieces of up to two steps [m] in height are left to the polish.
     """
     way = _without_detours(way, problem)
-    pieces, loops = [way[:1]], [np.zeros(0, bool)]
+    pieces = [way[:1]]
+    loops = [np.zeros(0, bool)]
     for first, last in _runs(way):
         steep = first + np.nonzero(_too_steep(way[first : last + 1], problem))[0]
         height = float(np.diff(way[:, 2])[steep].sum())
@@ -73,17 +74,21 @@ def lift(way: Points, problem: PreparedProblem, step: float) -> tuple[Points, fl
 
     A detour is a share of the distance of the climb; infinite if the lifted route is not free.
     """
-    lifted, rules, longest = way.copy(), problem.rules, 0.0
+    lifted = way.copy()
+    longest = 0.0
+    climb_slope = LOOPS.lift_slope_share * problem.rules.climb
+    descent_slope = LOOPS.lift_slope_share * problem.rules.descent
     traveled = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(way[:, :2], axis=0).T))])
     for first, last in pairwise([0, *corners(way, problem.task.places[1:-1]), len(way) - 1]):
-        along, height = traveled[first : last + 1] - traveled[first], way[first : last + 1, 2]
-        climb, descent = LOOPS.lift_slope_share * rules.climb * along, LOOPS.lift_slope_share * rules.descent * along
+        along = traveled[first : last + 1] - traveled[first]
+        height = way[first : last + 1, 2]
+        climb, descent = climb_slope * along, descent_slope * along
         after = np.maximum.accumulate(height + descent) - descent  # no lower than a descent from behind
         before = np.maximum.accumulate((after - climb)[::-1])[::-1]  # and than a climb to what is ahead
         lifted[first + 1 : last, 2] = (before + climb)[1:-1]
         for missing, slope, within in (
-            (before[0] - height[0], rules.climb, along[np.argmax(after - climb)]),
-            (after[-1] - height[-1], rules.descent, along[-1] - along[np.argmax(height + descent)]),
+            (before[0] - height[0], problem.rules.climb, along[np.argmax(after - climb)]),
+            (after[-1] - height[-1], problem.rules.descent, along[-1] - along[np.argmax(height + descent)]),
         ):
             if missing > 2 * step:
                 longest = max(longest, float(missing / slope / max(within, LOOPS.shortest_detour)))
@@ -110,7 +115,8 @@ def _runs(way: Points) -> list[tuple[int, int]]:
 
 
 def _too_steep(way: Points, problem: PreparedProblem) -> NDArray[np.bool_]:
-    step, rules = np.diff(way, axis=0), problem.rules
+    step = np.diff(way, axis=0)
+    rules = problem.rules
     level = LOOPS.slope_factor * np.hypot(step[:, 0], step[:, 1])
     return np.asarray(np.maximum(step[:, 2] / rules.climb, -step[:, 2] / rules.descent) > level)
 
@@ -152,7 +158,8 @@ def _room(shapes: NDArray[np.float64], a: Vector, b: Vector, problem: PreparedPr
 def _closely(shape: NDArray[np.float64], problem: PreparedProblem) -> NDArray[np.float64]:
     """Return a shape (k, 2) and the line to it, sampled finely, (1, m, 2)."""
     step = max(problem.limits.obstacle_distance, 0.1)
-    along, away = np.roll(shape, -1, axis=0) - shape, float(np.linalg.norm(shape[0]))
+    along = np.roll(shape, -1, axis=0) - shape
+    away = float(np.linalg.norm(shape[0]))
     side = float(np.linalg.norm(along, axis=1).max())
     shares = np.linspace(0.0, 1.0, int(np.clip(side / step, 1, 50)), endpoint=False)[:, None, None]
     outline = (shape + shares * along).reshape(-1, 2)
