@@ -42,7 +42,8 @@ def njit(**options: Any) -> Any:
         if options.get("cache"):  # numba would check the time of one file, without its imports
             index = kernel._cache._cache_file
             # numba unpickles only its own version's index; other sources may have other module names
-            index._version, index._source_stamp = f"{numba.__version__} {_digest()}", _digest()
+            index._version = f"{numba.__version__} {_digest()}"
+            index._source_stamp = _digest()
         return kernel
 
     return decorated
@@ -77,7 +78,9 @@ def compiled(function: Any) -> Any:
 
 def called_by(function: Any) -> set[FunctionType]:
     """Return all functions of its distribution that a function calls."""
-    package, found, todo = function.__module__.partition(".")[0], set[FunctionType](), [function]
+    package = function.__module__.partition(".")[0]
+    found = set[FunctionType]()
+    todo = [function]
     while todo:
         caller = todo.pop()
         named = {caller.__globals__.get(name) for name in caller.__code__.co_names}

@@ -1,6 +1,6 @@
 """Find the shipped machine code for this CPU and these sources, and call it without numba.
 
-A clone may shadow an installed package, whose machine code is used if its digest of the sources matches.
+A clone also finds that of an installed package of the same sources.
 
 Numba's calling convention: a tuple is packed as its parts; an array as two unused words, size, item size, address,
 shape and strides. The result is written to the first argument in the same layout.
@@ -26,7 +26,8 @@ import numpy as np
 from ipoa_mission.files import copies
 
 Type = str | Sequence["Type"]
-RETURNED, RETURNED_NONE = 0, -2  # numba's status codes
+RETURNED = 0
+RETURNED_NONE = -2  # numba's status codes
 CACHED_TUPLES = 4  # cached per argument
 
 _NUMBERS = {"float": "d", "int": "q", "bool": "q"}  # of `struct`
@@ -114,7 +115,8 @@ class Native:
     """A kernel, called like its Python function."""
 
     def __init__(self, library: ctypes.CDLL, name: str, arguments: Sequence[Type], result: Type | None) -> None:
-        self._call, self._name = library[name], name
+        self._call = library[name]
+        self._name = name
         self._call.argtypes = [ctypes.c_void_p, ctypes.c_char_p]
         self._call.restype = ctypes.c_int32
         self._arguments = [_packer(kind) if isinstance(kind, str) else _CachedPacker(kind) for kind in arguments]
@@ -162,7 +164,8 @@ def _packer(kind: Type) -> Callable[[Any], bytes]:
         number = struct.Struct("=" + _NUMBERS[kind]).pack
         return number if kind == "float" else lambda value: number(int(value))
     dtype, dimensions = _array(kind)
-    row, item = struct.Struct("=" + _layout(kind)).pack, dtype.itemsize
+    row = struct.Struct("=" + _layout(kind)).pack
+    item = dtype.itemsize
 
     def packed(value: Any) -> bytes:
         there, shape = value.dtype, value.shape

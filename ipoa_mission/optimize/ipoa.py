@@ -129,7 +129,8 @@ class IPOA:
                     (g,) = yield trial
                     if g < f[b]:
                         x, f = x.copy(), f.copy()
-                        x[b], f[b] = trial[0], g
+                        x[b] = trial[0]
+                        f[b] = g
                 else:
                     center = x[b] if self.mutated == "each" else x
                     trial = box.clip(center + center * rng.standard_t(nu, (n, steps)))

@@ -1,6 +1,7 @@
 """Build a mission from a route."""
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 
@@ -53,7 +54,8 @@ def draft_mission(route: Route, scenario: Scenario) -> Mission:
     Raises:
         BadInput: the start is too low for a take-off to end there.
     """
-    frame, home = scenario.frame, scenario.frame.home
+    frame = scenario.frame
+    home = frame.home
     first, *onward = [(place, round(place.altitude - home.altitude, 3)) for place in _geodetic(route.points, frame)]
     if first[1] < LEAST_TAKEOFF_HEIGHT:
         words = f"expected {LEAST_TAKEOFF_HEIGHT} m above home or more, for the take-off, not {first[1]:.1f} m"
@@ -64,21 +66,23 @@ def draft_mission(route: Route, scenario: Scenario) -> Mission:
         *(_item_at(route, n, place, defaults, scenario) for n, place in enumerate(onward[:-1], 1)),
         spline_waypoint(*onward[-1]) if route.spline and route.brakes_on_curve else waypoint(*onward[-1], *defaults),
     ]
-    cruise, changes = scenario.vehicle.cruise_speed, route.speed_changes
+    cruise = scenario.vehicle.cruise_speed
+    changes = route.speed_changes
     items: list[Item] = [
         takeoff(first[0] if over_home else home, first[1]),
         change_speed(cruise),
         *([] if over_home else [waypoint(*first, *defaults)]),
     ]
     for leg, item in enumerate(flown_to):
-        items += [change_speed(route.slow_speed if leg in route.slow else cruise)] if leg in changes else []
+        if leg in changes:
+            items.append(change_speed(route.slow_speed if leg in route.slow else cruise))
         items.append(item)
     items.append(return_to_launch() if scenario.route.ending == "rtl" else land(onward[-1][0]))
     return Mission(
         home=home,
         items=tuple(items),
         autopilot=scenario.vehicle.autopilot,
-        cruise_speed=scenario.vehicle.cruise_speed,
+        cruise_speed=cruise,
         fence=tuple(_fences(scenario)),
         rally=_rally(scenario),
         parameters=scenario.vehicle.autopilot_parameters(),
@@ -89,24 +93,29 @@ def draft_mission(route: Route, scenario: Scenario) -> Mission:
 
 
 def items_of_waypoints(route: Route) -> tuple[int, ...]:
+    """Return the index of each waypoint's item in `draft_mission`, (k,)."""
     first = 0 if starts_over_home(route) else 2
-    changes, at = np.array(route.speed_changes, dtype=int), max(first, 1) + 1
-    return first, *(at + leg + int((changes <= leg).sum()) for leg in range(route.legs))
+    changes = np.array(route.speed_changes, dtype=int)
+    second = max(first, 1) + 1
+    return first, *(second + leg + int((changes <= leg).sum()) for leg in range(route.legs))
 
 
 def starts_over_home(route: Route) -> bool:
     return bool(np.hypot(*route.points[0, :2]) < OVER_HOME)
 
 
-def _item_at(route: Route, n: int, at: tuple[Geodetic, float], defaults: WaypointDefaults, scenario: Scenario) -> Item:
-    place, height = at
+def _item_at(
+    route: Route, n: int, position: tuple[Geodetic, float], defaults: WaypointDefaults, scenario: Scenario
+) -> Item:
+    """Return the item of waypoint `n`; `position`: place, and height above home [m]."""
+    place, height = position
     if route.spline:
         if turn_deg(*route.points[n - 1 : n + 2]) > MAX_TURN_DEG - 5.0:  # as a spline its path is unknown
             return waypoint(place, height, 1.0, defaults.radius)
         return spline_waypoint(place, height)
-    via = np.linalg.norm(scenario.via_points - route.points[n], axis=1) <= VISITED
+    is_via = (np.linalg.norm(scenario.via_points - route.points[n], axis=1) <= VISITED).any()
     radius = float(np.broadcast_to(route.radius, len(route.points))[n])
-    return waypoint(place, height, defaults.hold, defaults.radius if via.any() or radius == 0.0 else radius)
+    return waypoint(place, height, defaults.hold, defaults.radius if is_via or radius == 0.0 else radius)
 
 
 def _prove_departure(start: Vector, scenario: Scenario) -> None:
@@ -140,6 +149,6 @@ def _fences(scenario: Scenario) -> Iterator[FencePolygon | FenceCircle]:
 
 
 def _rally(scenario: Scenario) -> tuple[Geodetic, ...]:
-    frame, home = scenario.frame, scenario.frame.home
+    frame = scenario.frame
     places = map(frame.geodetic, scenario.rally_points)
-    return tuple(Geodetic(p.latitude_deg, p.longitude_deg, round(p.altitude - home.altitude, 3)) for p in places)
+    return tuple(replace(place, altitude=round(place.altitude - frame.home.altitude, 3)) for place in places)

@@ -37,20 +37,25 @@ class ObstacleGrowth:
     inside: float = 0.0
 
     def more(self, attempt: Attempt, scenario: Scenario) -> "ObstacleGrowth":
-        guarantee, curve, shortfalls = attempt.guarantee, attempt.plan.curve, attempt.short
-        tightening = {kept.limit: _needed(-kept.slack) for kept in guarantee.broken if kept.in_cruise}
+        """Add what an attempt lacks."""
+        broken = [kept for kept in attempt.guarantee.broken if kept.in_cruise]
+        curve = attempt.plan.curve
+        shortfalls = attempt.short
+        tightening = {kept.limit: _needed(-kept.slack) for kept in broken}
         low = [shortfall for shortfall in shortfalls if not shortfall.body and shortfall.part < ReturnLeg.RETURNS]
         tightening["ground"] = max([tightening.get("ground", 0.0), *(_needed(shortfall.missing) for shortfall in low)])
-        near = [kept.to for kept in guarantee.broken if kept.in_cruise and kept.limit == "obstacles"]
-        names = [body.name for body in scenario.airspace.obstacles]
-        wanted = [([n for n, name in enumerate(names) if name == to], tightening["obstacles"]) for to in near]
+        needs = list[tuple[list[int], float]]()  # numbers of obstacles, and a distance [m]
+        for kept in broken:
+            if kept.limit == "obstacles":
+                named = [n for n, body in enumerate(scenario.airspace.obstacles) if body.name == kept.to]
+                needs.append((named, tightening["obstacles"]))
         for shortfall in shortfalls:
             if shortfall.body and not shortfall.overhead and not shortfall.comes_down:
-                wanted.append(([shortfall.number], _needed(shortfall.missing)))
+                needs.append(([shortfall.number], _needed(shortfall.missing)))
         growth = self.growth
         spots = curve.sample(max(2, int(curve.length / SAMPLE_STEP)))
-        for which, missing in wanted:
-            growth = np.maximum(growth, _growth(spots, which, missing, scenario))
+        for numbers, missing in needs:
+            growth = np.maximum(growth, _growth(spots, numbers, missing, scenario))
         return ObstacleGrowth(
             growth,
             _wider(self.below_overhangs, (shortfall for shortfall in shortfalls if shortfall.overhead)),
@@ -85,8 +90,7 @@ def _needed(missing: float) -> float:
 def _wider(rooms: Vector, short: Iterable[Shortfall]) -> Vector:
     wider = rooms.copy()
     for n, missing in {shortfall.number: shortfall.missing for shortfall in short}.items():
-        wide = rooms[n]
-        wider[n] = 0.0 if wide < 0.0 else wide + missing * GROWTH_FACTOR + GROWTH_MARGIN
+        wider[n] = 0.0 if rooms[n] < 0.0 else rooms[n] + missing * GROWTH_FACTOR + GROWTH_MARGIN
     return wider
 
 
@@ -101,14 +105,14 @@ def _upright(air: Airspace, body: Obstacle, column: float, tower: float) -> Obst
     return Cylinder(body.name, (west + east) / 2, (south + north) / 2, radius, floor, ceiling)
 
 
-def _growth(spots: np.ndarray, which: list[int], missing: float, scenario: Scenario) -> Vector:
-    """Return the growth (n,) that moves `spots` (k, 3) away from obstacles `which` by `missing` [m]."""
+def _growth(spots: np.ndarray, numbers: list[int], missing: float, scenario: Scenario) -> Vector:
+    """Return the growth (n,) that moves `spots` (k, 3) away from obstacles of these numbers by `missing` [m]."""
     bodies, required = scenario.airspace.obstacles, scenario.limits.obstacle_distance
     number = {id(body): n for n, body in enumerate(bodies)}
     away = np.full(len(bodies), np.inf)
     for body, _, distance in scenario.airspace.near(spots, required + 4 * missing + 10.0):
         away[number[id(body)]] = float(distance.min())
-    nearest = float(away[which].min(initial=np.inf))
+    nearest = float(away[numbers].min(initial=np.inf))
     nearest = nearest if np.isfinite(nearest) else float(away.min())
     return np.where(away <= nearest + missing + NEAREST_MARGIN, np.maximum(away + missing - required, 0.0), 0.0)
 
@@ -121,7 +125,8 @@ def approximation_growth(scenario: Scenario) -> ObstacleGrowth:
 
 def initial_growth(scenario: Scenario) -> ObstacleGrowth:
     """Return no growth, but above landings if the vehicle may land by choice."""
-    none, vehicle = np.full(len(scenario.airspace.obstacles), -1.0), scenario.vehicle
+    none = np.full(len(scenario.airspace.obstacles), -1.0)
+    vehicle = scenario.vehicle
     failsafes = vehicle.autopilot.failsafes(vehicle.autopilot_parameters(), vehicle.version)
     lands = scenario.safety.returns == "planned" and any(failsafe.lands_by_choice for failsafe in failsafes)
     return ObstacleGrowth(np.zeros_like(none), none, np.zeros_like(none) if lands else none)

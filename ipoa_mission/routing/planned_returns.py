@@ -57,8 +57,9 @@ def choose_returns(forecast: Forecast) -> tuple[Forecast, tuple[Shortfall, ...]]
     if not names_return_altitude(forecast.world) and (short or return_altitude(forecast) > highest_return(forecast)):
         tried = try_return_altitudes(paths, forecast, short)
     if any(shortfall.part >= ReturnLeg.RETURNS for shortfall in tried[0][1]) and not forecast.mission.rally:
-        for altitude in tried[:RALLIED_ALTITUDES]:
-            tried.append(rallied := _with_rally_points(paths, *altitude))
+        for result in tried[:RALLIED_ALTITUDES]:
+            rallied = _with_rally_points(paths, *result)
+            tried.append(rallied)
             if not any(shortfall.part >= ReturnLeg.RETURNS for shortfall in rallied[1]):
                 break
         tried.sort(key=lambda result: any(shortfall.part >= ReturnLeg.RETURNS for shortfall in result[1]))
@@ -75,33 +76,37 @@ def _with_rally_points(
 ) -> tuple[Forecast, list[Shortfall]]:
     """Return the fewest rally points that make RTL clear with a slow landing."""
     times = [shortfall.time for shortfall in short if shortfall.part >= ReturnLeg.RETURNS]
-    search, seen = _RallySearch(paths.returning(forecast), times), set[Shortfall]()
+    search = _RallySearch(paths.returning(forecast), times)
+    known = set[Shortfall]()
     for _ in range(EFFORT.max_proved):
-        if (rally := search.propose()) is None:
+        rally = search.propose()
+        if rally is None:
             break
         try:
             mission = slow_landings(replace(forecast.mission_as_read, rally=rally), forecast.world)
         except Unsafe:
             continue
-        landing = Forecast(mission, forecast.scenario, forecast.wind)
-        left = find_return_shortfalls(paths.returning(landing))
-        if not (unclear := {shortfall for shortfall in left if shortfall.part >= ReturnLeg.RETURNS}):
-            return landing, left
-        if unclear & seen:  # wherever it returns to
+        rallied = Forecast(mission, forecast.scenario, forecast.wind)
+        remaining = find_return_shortfalls(paths.returning(rallied))
+        unclear = {shortfall for shortfall in remaining if shortfall.part >= ReturnLeg.RETURNS}
+        if not unclear:
+            return rallied, remaining
+        if unclear & known:  # wherever it returns to
             break
-        seen |= unclear
+        known |= unclear
         search.add_samples([shortfall.time for shortfall in unclear])
     return forecast, short
 
 
 def why_not_planned(forecast: Forecast) -> str:
-    contingencies = forecast.cached(Contingencies)
-    asked = [
-        contingency
+    """Describe the worst contingency that is not clear."""
+    rows = [
+        row
         for contingency in contingencies_of(forecast)
         if contingency is not Contingency.LAND or lands_by_choice(forecast)
+        for row in forecast.cached(Contingencies).rows(contingency, timed=False)
+        if not row.clear
     ]
-    rows = [row for contingency in asked for row in contingencies.rows(contingency, timed=False) if not row.clear]
     worst = min(rows, key=lambda row: row.least_m - row.required_m)
     when = f"from {worst.from_s:.1f} to {worst.to_s:.1f} s after arming"
     if worst.contingency is Contingency.LAND:
@@ -130,8 +135,8 @@ def return_remarks(forecast: Forecast) -> Iterator[str]:
         places = (forecast.frame.local(replace(p, altitude=mission.home.altitude)) for p in mission.rally)
         words = "; ".join(f"east {east:.0f}, north {north:.0f} m" for east, north, _ in places)
         yield f"RTL is clear from every second by rally points, at {words}: they are uploaded with the mission"
-    asked = scenario.safety.returns == "planned" and Contingency.LAND in contingencies_of(forecast)
-    if asked and not lands_by_choice(forecast):
+    may_land = scenario.safety.returns == "planned" and Contingency.LAND in contingencies_of(forecast)
+    if may_land and not lands_by_choice(forecast):
         yield from _lands_on(forecast)
 
 
@@ -141,11 +146,12 @@ def _lands_on(forecast: Forecast) -> Iterator[str]:
     shortfalls = find_shortfalls(paths, Contingency.LAND, samples)
     names = list(dict.fromkeys(shortfall.body or "the ground" for shortfall in shortfalls))
     if names:
-        lasts, whole = np.diff(samples.times), samples.times[-1] - samples.times[0]
-        seconds = lasts[~(samples.clear[1:] & samples.clear[:-1])].sum()
+        is_clear = samples.clear[1:] & samples.clear[:-1]
+        unclear_s = np.diff(samples.times)[~is_clear].sum()
+        in_air_s = samples.times[-1] - samples.times[0]
         more = f" and {len(names) - NAMED} more" if len(names) > NAMED else ""
         yield (
-            f"LAND in place may, in {seconds:.0f} of {whole:.0f} s in the air, end "
+            f"LAND in place may, in {unclear_s:.0f} of {in_air_s:.0f} s in the air, end "
             f"on or too near {', '.join(names[:NAMED])}{more} (`check --contingencies` says when)"
         )
 
@@ -175,18 +181,17 @@ class _RallySearch:
     """
 
     def __init__(self, paths: ContingencyPaths, times: list[float]) -> None:
-        self._paths, forecast = paths, paths.forecast
+        self._paths = paths
         self._tried = set[tuple[int, ...]]()
-        self._margins = self._away = np.zeros((0, 0))
         self._goals = np.vstack([np.zeros(3), _with_room(paths, _places(paths))])
         self._sample(np.unique([*np.linspace(*paths.in_air, EFFORT.sample_count), *times]))
-        if forecast.mission.items[-1].command == Command.NAV_RETURN_TO_LAUNCH:
+        if paths.forecast.mission.items[-1].command == Command.NAV_RETURN_TO_LAUNCH:
             end_of_cruise = int(np.searchsorted(self._times, paths.flight.cruise_span[1]))
-            keep = self._margins[min(end_of_cruise, len(self._times) - 1)] >= 0.0
-            keep[0] = True
-            self._goals = self._goals[keep]
-            self._margins = self._margins[:, keep]
-            self._away = self._away[:, keep]
+            reachable = self._margins[min(end_of_cruise, len(self._times) - 1)] >= 0.0
+            reachable[0] = True
+            self._goals = self._goals[reachable]
+            self._margins = self._margins[:, reachable]
+            self._away = self._away[:, reachable]
 
     def add_samples(self, times: list[float]) -> None:
         """Sample next to the times [s] of shortfalls, which lie between the samples."""
@@ -206,7 +211,8 @@ class _RallySearch:
             ranks = dict[tuple[int, ...], tuple[int, float]]()
             for chosen in beam:
                 least = _least_margins(self._margins, self._away, chosen)
-                unserved, worst = np.count_nonzero(least < 0.0, axis=0), least.min(axis=0)
+                unserved = np.count_nonzero(least < 0.0, axis=0)
+                worst = least.min(axis=0)
                 for n in np.lexsort((-worst, unserved))[: EFFORT.beam].tolist():
                     if n not in chosen:
                         ranks[tuple(sorted((*chosen, n)))] = int(unserved[n]), -float(worst[n])
@@ -236,11 +242,12 @@ def _margins(paths: ContingencyPaths, stopped: Points, height: NDArray[np.float6
 
 
 def _places(paths: ContingencyPaths) -> Points:
+    """Return places on the ground near the path, (n, 3)."""
     track = paths.flight.pieces.points
     steps = np.hypot(*np.diff(track[:, :2], axis=0).T)
     traveled = np.concatenate([[0.0], np.cumsum(steps)])
-    at = np.arange(0.0, traveled[-1] + EFFORT.place_step, EFFORT.place_step)
-    spots = np.column_stack([np.interp(at, traveled, track[:, k]) for k in range(2)])
+    stations = np.arange(0.0, traveled[-1] + EFFORT.place_step, EFFORT.place_step)
+    spots = np.column_stack([np.interp(stations, traveled, track[:, k]) for k in range(2)])
     ahead = np.gradient(spots, axis=0) if len(spots) > 1 else np.zeros_like(spots)
     aside = np.column_stack([-ahead[:, 1], ahead[:, 0]]) / np.maximum(np.hypot(*ahead.T), 1e-9)[:, None]
     spaced: list[np.ndarray] = [np.zeros(2)]
@@ -254,6 +261,7 @@ def _places(paths: ContingencyPaths) -> Points:
 
 
 def _with_room(paths: ContingencyPaths, places: Points) -> Points:
+    """Return the places to which a descent is clear."""
     if not len(places):
         return places
     air = paths.enlarged.airspace

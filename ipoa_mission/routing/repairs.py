@@ -30,11 +30,10 @@ def slow_landings(mission: Mission, scenario: Scenario) -> Mission:
     highest = max(landings(Forecast(mission, scenario)), key=lambda landing: landing.assumed_height, default=None)
     if highest is None or not stretch.is_fast(highest.assumed_height + HEIGHT_UNCERTAINTY):
         return mission
-    wanted, most = (
-        mission.autopilot.slowed(mission.parameters, highest.assumed_height),
-        mission.autopilot.slowed_by.most,
-    )
-    slowed = mission.autopilot.slow_stretch({**mission.parameters, **wanted})
+    slowing = mission.autopilot.slowed(mission.parameters, highest.assumed_height)
+    parameters = {**mission.parameters, **slowing}
+    most = mission.autopilot.slowed_by.most
+    slowed = mission.autopilot.slow_stretch(parameters)
     if slowed is not None and slowed.is_fast(highest.assumed_height):
         raise Unsafe(
             f"{highest.words}, and {' and '.join(names)} count up to {most:.0f} m above home: "
@@ -44,12 +43,13 @@ def slow_landings(mission: Mission, scenario: Scenario) -> Mission:
             "[vehicle.parameters], on your own responsibility",
             code="fast-touchdown",
         )
-    return replace(mission, parameters={**mission.parameters, **wanted})
+    return replace(mission, parameters=parameters)
 
 
 def slow_landings_remarks(forecast: Forecast) -> Iterator[str]:
     mission, scenario = forecast.mission, forecast.world
-    named, slowing = scenario.vehicle.autopilot_parameters(), mission.autopilot.slowed_by.names
+    named = scenario.vehicle.autopilot_parameters()
+    slowing = mission.autopilot.slowed_by.names
     wanted = {name: mission.parameters[name] for name in slowing if name in mission.parameters and name not in named}
     if wanted:
         highest = max(landings(forecast), key=lambda landing: landing.assumed_height)

@@ -94,7 +94,8 @@ def _broken(legs: Points, task: PathTask) -> list[Check]:
 
 def _push(ends: Points, is_free: NDArray[np.bool_], check: Check, airspace: Airspace) -> None:
     """Move the free ones of a leg's ends (2, 3) in place."""
-    place, ahead = np.array(check.nearest.place), ends[1] - ends[0]
+    place = np.array(check.nearest.place)
+    ahead = ends[1] - ends[0]
     share = float(np.clip((place - ends[0]) @ ahead / max(float(ahead @ ahead), 1e-12), 0, 1))
     weights = np.array([1 - share, share]) * is_free
     if not weights.any():

@@ -75,7 +75,8 @@ class Bounds:
 
     def leg_margin(self, a: Vector, b: Vector) -> Clearance:
         """Return the least margin of the leg `a` to `b` [m], and its place."""
-        fractions, b = np.array([0.0, 1.0]), straightened(a, b)
+        fractions = np.array([0.0, 1.0])
+        b = straightened(a, b)
         if self.footprint is not None:
             inner = (self.footprint.break_parameters(a[:2], b[:2]), self.footprint.balance_parameters(a[:2], b[:2]))
             fractions = np.concatenate([fractions, *(t[(t > 0) & (t < 1)] for t in inner)])
@@ -174,7 +175,8 @@ class Airspace:
 
         A bound is exact for a level or vertical leg outside an upright obstacle.
         """
-        least, which = np.full(len(starts), np.inf), np.full(len(starts), -1)
+        least = np.full(len(starts), np.inf)
+        which = np.full(len(starts), -1)
         if not self.obstacles:
             return least, which
         lines = shapely.linestrings(np.stack([starts[:, :2], ends[:, :2]], axis=1))
@@ -185,7 +187,8 @@ class Airspace:
         for body, near in _grouped(np.stack([legs[level_with], bodies[level_with]])):
             away = self.obstacles[body].leg_distances(starts[near], ends[near])
             nearer = (away < least[near]) & (away <= within)
-            least[near[nearer]], which[near[nearer]] = away[nearer], body
+            least[near[nearer]] = away[nearer]
+            which[near[nearer]] = body
         return least, which
 
     def obstacle_clearance(self, points: Points, within: float = np.inf) -> Clearance:
@@ -221,7 +224,8 @@ class Airspace:
         return least
 
     def bounds_margin(self, points: Points) -> Clearance:
-        box, margins = replace(self.bounds, footprint=None), self.bounds.box_margin(points)
+        box = replace(self.bounds, footprint=None)
+        margins = self.bounds.box_margin(points)
         spot = int(np.argmin(margins))
         limit = box.nearest_limit(points[spot])
         least = Clearance(float(margins[spot]), _place(points[spot]), limit, max(spot - 1, 0))

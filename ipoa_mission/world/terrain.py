@@ -208,7 +208,8 @@ class Grid:
         bowl = curvature > 0
         lowest = 0.5 + (at_first - at_last)[bowl] / (4 * curvature[bowl])
         vertex = first[bowl] + np.clip(lowest, 0.0, 1.0) * (last - first)[bowl]
-        leg, fraction = np.concatenate([leg, legs[bowl]]), np.concatenate([fraction, vertex])
+        leg = np.concatenate([leg, legs[bowl]])
+        fraction = np.concatenate([fraction, vertex])
         return above(leg, fraction), leg, fraction
 
     def _crossings(self, starts: Points, ends: Points, axis: int) -> tuple[NDArray[np.intp], Vector]:

@@ -117,7 +117,8 @@ class Sphere(Part):
         return np.asarray(np.linalg.norm(self._away(a, b), axis=1) - self.radius)
 
     def _away(self, a: Points, b: Points) -> Points:
-        step, center = b - a, np.asarray(self.center)
+        step = b - a
+        center = np.asarray(self.center)
         squares = np.maximum((step**2).sum(axis=1), 1e-12)
         along = np.clip(((center - a) * step).sum(axis=1) / squares, 0.0, 1.0)
         return np.asarray(a + along[:, None] * step - center)
@@ -205,7 +206,8 @@ class Cylinder(Part):
         """
         b = straightened(a, b)
         axis = np.array([self.east, self.north])
-        away, step = a[:2] - axis, (b - a)[:2]
+        away = a[:2] - axis
+        step = (b - a)[:2]
         q = np.array([away @ away, 2 * away @ step, step @ step])
         candidates = [feet := foot(a[:2], b[:2], axis)]
         nearest = min(1.0, max(0.0, float(feet[0]))) if len(feet) else 0.0
@@ -216,7 +218,8 @@ class Cylinder(Part):
             if not crosses and max(height, height + climb) <= 0:
                 continue
             w_squared = np.array([height**2, 2 * height * climb, climb**2])
-            slope, both = derivative(q), derivative(q + w_squared)
+            slope = derivative(q)
+            both = derivative(q + w_squared)
             slope_squared = np.pad(np.convolve(slope, slope), (0, 2))
             quartic = np.convolve(np.convolve(both, both), q) - self.radius**2 * slope_squared
             candidates.append(roots(quartic))
