@@ -72,18 +72,14 @@ def refusal(nearest: Attempt, trials: ChangeTrials) -> NoPath:
         words = f"{floor_cm(tightest.nominal):.2f} m from {tightest.to}, where it needs {ceil_cm(needed):.2f} m"
     else:
         words = f"{tightest.to}, where {tightest.words(guarantee.confidence)}"
-    return too_few_flights(f"{words}, {where}", ", or add a via point that leads round", trials)
-
-
-def too_few_flights(words: str, otherwise: str, trials: ChangeTrials) -> NoPath:
     who = f"on {trials.scenario.vehicle.autopilot}"
     chance = trials.scenario.safety.chance
     if chance is None:
         why = f"a path exists, but flights {who} would leave its limits"
     else:
         why = f"a path exists, but fewer than {100 * (1 - chance):g} % of flights {who} would keep its limits"
-    helps, hint, remedies = _try_changes(otherwise, trials)
-    return NoPath(f"{why}: {words}; {helps}", hint=hint, remedies=remedies)
+    helps, hint, remedies = _try_changes(", or add a via point that leads round", trials)
+    return NoPath(f"{why}: {words}, {where}; {helps}", hint=hint, remedies=remedies)
 
 
 def _leg(nearest: Attempt, tightest: KeptLimit) -> str:
