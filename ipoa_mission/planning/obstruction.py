@@ -16,7 +16,7 @@ from ipoa_mission.planning.path_problem import place_names
 from ipoa_mission.planning.problem import PreparedProblem
 from ipoa_mission.planning.proof import Check, Proof
 from ipoa_mission.world.obstacles import Obstacle
-from ipoa_mission.world.terrain import Flat, Grid
+from ipoa_mission.world.terrain import Grid
 
 COARSE_SEGMENTS = 2  # of a quarter circle, inside the true one
 QUARTER_SEGMENTS = 16
@@ -138,7 +138,7 @@ def _heights(problem: PreparedProblem, body: Obstacle) -> tuple[float, float]:
     west, south = np.clip(first, 0, (columns - 2, rows - 2))
     east, north = np.clip(last + 2, 2, (columns, rows))
     near = grid.heights[south:north, west:east]
-    unsure = 0.0 if isinstance(airspace.terrain, Flat | Grid) else airspace.terrain.steepness * step
+    unsure = 0.0 if isinstance(airspace.terrain, Grid) else airspace.terrain.steepness * step
     lowest = max(airspace.bounds.lower[2], float(near.min()) - unsure)
     return lowest, min(airspace.bounds.upper[2], float(near.max()) + unsure + limits.ceiling_above_ground)
 

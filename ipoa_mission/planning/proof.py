@@ -115,9 +115,8 @@ def _prove(legs: Points, task: PathTask, steepness: tuple[Vector, Vector], stray
         checks.append(Check("obstacles", clearance.minus(stray), limits.obstacle_distance))
     checks.append(Check("bounds", airspace.bounds_margin(legs).minus(stray), 0.0))
     checks += prove_heights(legs, task, stray, spare)
-    for limit, angles, most in zip(
-        ("climb", "descent"), steepness, (limits.climb_angle, limits.descent_angle), strict=True
-    ):
+    climbs, descents = steepness
+    for limit, angles, most in (("climb", climbs, limits.climb_angle), ("descent", descents, limits.descent_angle)):
         if np.isfinite(most):
             steepest = int(np.argmax(angles))
             east, north, up = (float(x) for x in legs[steepest])

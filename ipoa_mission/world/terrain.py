@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Protocol, TypeAlias
+from typing import ClassVar, Protocol, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -54,10 +54,7 @@ class Flat:
     """
 
     level: float = 0.0
-
-    @property
-    def steepness(self) -> float:
-        return 0.0
+    steepness: ClassVar[float] = 0.0
 
     def height(self, points: NDArray[np.float64]) -> Vector:
         return np.full(len(points), self.level)
