@@ -77,17 +77,17 @@ def _outlines(airspace: Airspace, distance: float) -> tuple[NDArray[np.object_],
 
 @dataclass(frozen=True)
 class LatticeStrategy:
-    """`max_ways_climbing`: with limited climbs."""
+    """`max_routes_climbing`: with limited climbs."""
 
     nodes: int = 100_000
     max_nodes_per_side: int = 200
     max_levels: int = 60  # without limited climbs
     min_slope: float = 0.07  # flatter climbs would need too many levels
     refinements: tuple[float, ...] = (1.0, 2.0, 3.0)  # of the spacing, each if the one before has no route
-    max_ways: int = 24
-    max_ways_climbing: int = 8
+    max_routes: int = 24
+    max_routes_climbing: int = 8
     max_cost_ratio: float = 1.6  # of a route to the cheapest
-    max_ways_beside: int = 8  # besides those through narrow gaps
+    max_routes_beside: int = 8  # besides those through narrow gaps
     control_points_per_turn: int = 4
     max_control_points: int = 80
 
@@ -167,16 +167,16 @@ def guesses(problem: PreparedProblem, coarsest: int, strategy: LatticeStrategy =
     straight = problem.task.places
     inner = max(problem.task.planning.control_points, 3, 5 * (len(straight) - 1))
     routes: list[Points] = []
-    most = strategy.max_ways_climbing if problem.climbs_limited else strategy.max_ways
+    most = strategy.max_routes_climbing if problem.climbs_limited else strategy.max_routes
     for fineness in strategy.refinements[coarsest:]:
-        lattice = lay(problem, fineness, strategy)
-        routes = ways(lattice, problem, most)
+        lattice = lay_lattice(problem, fineness, strategy)
+        routes = find_routes(lattice, problem, most)
         if routes:
-            routes = _mended(routes, lattice, problem)
+            routes = _mend(routes, lattice, problem)
             break
-    routes = routes or ways(lattice, problem, most, looking=False)
+    routes = routes or find_routes(lattice, problem, most, looking=False)
     tolerance = min(2 * lattice.spacing[0], max(lattice.spacing[0], problem.rules.d_safe))
-    turns = max((_turns(way, tolerance) for way in routes), default=0)
+    turns = max((_count_turns(route, tolerance) for route in routes), default=0)
     inner = int(max(inner, min(4 + strategy.control_points_per_turn * turns, strategy.max_control_points)))
     return [Guess(straight, None, inner), *_climbing(routes, inner, problem, lattice, both=coarsest > 0)]
 
@@ -186,17 +186,17 @@ def _climbing(
 ) -> Iterator[Guess]:
     """Yield guesses that climb within limits; in loops if a detour is long or blocked, or `both`."""
     step = float(lattice.spacing[2])
-    for way in routes:
+    for route in routes:
         detour = np.inf
         if problem.climbs_limited:
-            lifted, detour = lift(way, problem, step)
+            lifted, detour = lift(route, problem, step)
             if detour < DETAILS.long_detour:
                 yield Guess(lifted, None, inner)
         if both or detour >= DETAILS.long_detour:
-            yield Guess(*wind(way, inner, problem, step), inner)
+            yield Guess(*wind(route, inner, problem, step), inner)
 
 
-def lay(problem: PreparedProblem, fineness: float = 1.0, strategy: LatticeStrategy = USUAL_LATTICE) -> Lattice:
+def lay_lattice(problem: PreparedProblem, fineness: float = 1.0, strategy: LatticeStrategy = USUAL_LATTICE) -> Lattice:
     """`fineness` divides the spacing."""
     lower, upper = _region(problem)
     size = upper - lower
@@ -229,7 +229,7 @@ def lay(problem: PreparedProblem, fineness: float = 1.0, strategy: LatticeStrate
     return Lattice(lower, spacing, nodes, slack, price, steepest, winding, strategy)
 
 
-def ways(lattice: Lattice, problem: PreparedProblem, most: int, looking: bool = True) -> list[Points]:
+def find_routes(lattice: Lattice, problem: PreparedProblem, most: int, looking: bool = True) -> list[Points]:
     """Return up to `most` distinct routes (k, 3), cheapest first; thin obstacles are missed without `looking`."""
     legs = [_leg_routes(lattice, problem, ends, most, looking) for ends in pairwise(problem.task.places)]
     if not all(legs):
@@ -237,7 +237,7 @@ def ways(lattice: Lattice, problem: PreparedProblem, most: int, looking: bool = 
     cheapest = [leg[0] for leg in legs]
     others = ([*cheapest[:i], other, *cheapest[i + 1 :]] for i, leg in enumerate(legs) for other in leg[1:])
     variants = [cheapest, *others]
-    return [np.vstack([variant[0], *(way[1:] for way in variant[1:])]) for variant in variants[:most]]
+    return [np.vstack([variant[0], *(route[1:] for route in variant[1:])]) for variant in variants[:most]]
 
 
 def _in_gaps(slack: NDArray[np.float64], spacing: Vector) -> NDArray[np.bool_]:
@@ -258,20 +258,20 @@ def _centered(nodes: Points, spacing: Vector, problem: PreparedProblem) -> Point
     return centered(nodes, offsets, _region(problem), problem.grid, problem.rules)  # type: ignore[no-any-return]
 
 
-def _mended(routes: list[Points], lattice: Lattice, problem: PreparedProblem) -> list[Points]:
+def _mend(routes: list[Points], lattice: Lattice, problem: PreparedProblem) -> list[Points]:
     """Return the routes with extra points where a leg cuts an obstacle.
 
     If the cheapest is not repairable, add routes that avoid such nodes.
     """
     mended, closed = list[Points](), list[Points]()
-    for way in routes:
-        points, cut = _cuts(way, problem)
+    for route in routes:
+        points, cut = _blocked_samples(route, problem)
         points[cut] = _centered(points[cut], lattice.spacing, problem)
         kept = cut | (np.arange(len(points)) % DETAILS.samples_per_leg == 0)
         mended.append(points[kept])
-        still = np.nonzero(_cuts(mended[-1], problem)[1])[0] // DETAILS.samples_per_leg
+        still = np.nonzero(_blocked_samples(mended[-1], problem)[1])[0] // DETAILS.samples_per_leg
         narrow = np.nonzero(kept)[0][still] // DETAILS.samples_per_leg
-        closed.append(way[np.union1d(narrow, narrow + 1)])
+        closed.append(route[np.union1d(narrow, narrow + 1)])
     if not len(closed[0]):
         return mended
     nodes, narrow_nodes = (
@@ -279,12 +279,12 @@ def _mended(routes: list[Points], lattice: Lattice, problem: PreparedProblem) ->
     )
     is_narrow = np.isin(nodes, narrow_nodes).reshape(lattice.price.shape)
     price = np.where(is_narrow, np.inf, lattice.price)
-    return mended + ways(replace(lattice, price=price), problem, lattice.strategy.max_ways_beside)
+    return mended + find_routes(replace(lattice, price=price), problem, lattice.strategy.max_routes_beside)
 
 
-def _cuts(way: Points, problem: PreparedProblem) -> tuple[Points, NDArray[np.bool_]]:
+def _blocked_samples(route: Points, problem: PreparedProblem) -> tuple[Points, NDArray[np.bool_]]:
     shares = np.linspace(0.0, 1.0, DETAILS.samples_per_leg, endpoint=False)[:, None]
-    points = np.vstack([(way[:-1, None] + shares * np.diff(way, axis=0)[:, None]).reshape(-1, 3), way[-1:]])
+    points = np.vstack([(route[:-1, None] + shares * np.diff(route, axis=0)[:, None]).reshape(-1, 3), route[-1:]])
     return points, (problem.survey(points)[0] < 0) & (np.arange(len(points)) % DETAILS.samples_per_leg > 0)
 
 
@@ -311,7 +311,7 @@ def _occupy_gaps(
         most[node] = room[better]
 
 
-def _end(lattice: Lattice, problem: PreparedProblem, place: Vector) -> int | None:
+def _end_node(lattice: Lattice, problem: PreparedProblem, place: Vector) -> int | None:
     """Return the nearest node with a clear leg to a place, else that with the clearest."""
     free = np.nonzero(np.isfinite(lattice.price.ravel()))[0]
     away = ((lattice.places[free] - place) ** 2).sum(axis=1)
@@ -330,7 +330,7 @@ def _leg_routes(
     from ipoa_mission.planning._kernels import spread
 
     start, goal = ends
-    source, target = _end(lattice, problem, start), _end(lattice, problem, goal)
+    source, target = _end_node(lattice, problem, start), _end_node(lattice, problem, goal)
     if source is None or target is None:
         return []
     look = looking and float(np.linalg.norm(lattice.spacing)) > 2 * problem.limits.obstacle_distance
@@ -392,9 +392,9 @@ def _trace(before: NDArray[np.int64], node: int) -> list[int]:
     return passed
 
 
-def _turns(way: Points, tolerance: float) -> int:
+def _count_turns(route: Points, tolerance: float) -> int:
     """Return the corners of a route within a tolerance [m] (Douglas and Peucker)."""
-    return len(shapely.simplify(shapely.LineString(way[:, :2]), tolerance, preserve_topology=False).coords) - 2
+    return len(shapely.simplify(shapely.LineString(route[:, :2]), tolerance, preserve_topology=False).coords) - 2
 
 
 def _region(problem: PreparedProblem) -> tuple[Vector, Vector]:

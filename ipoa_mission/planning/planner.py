@@ -98,7 +98,7 @@ class SearchStrategy:
 USUAL = SearchStrategy()
 # Each of many legs is short and has fewer options.
 MANY_LEGS = SearchStrategy(
-    lattice=LatticeStrategy(nodes=30_000, max_ways=8, max_ways_climbing=4),
+    lattice=LatticeStrategy(nodes=30_000, max_routes=8, max_routes_climbing=4),
     lattice_starts=1,
     cheapest_starts=1,
     max_improved=1,

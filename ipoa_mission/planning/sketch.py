@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 from threadpoolctl import threadpool_limits
 
-from ipoa_mission.planning.lattice import Guess, lay, ways
+from ipoa_mission.planning.lattice import Guess, find_routes, lay_lattice
 from ipoa_mission.planning.obstruction import refuse_places
 from ipoa_mission.planning.path_problem import PathTask
 from ipoa_mission.planning.polish import polish, polish_until_proved
@@ -55,6 +55,6 @@ def _guesses(problem: PreparedProblem) -> list[Guess]:
     straight = problem.task.places
     inner = max(CONTROL_POINTS, 5 * (len(straight) - 1))
     for fineness in (FIRST_FINENESS, SECOND_FINENESS):
-        if routes := ways(lay(problem, fineness), problem, MAX_ROUTES):
-            return [Guess(straight, None, inner), *(Guess(way, None, inner) for way in routes)]
+        if routes := find_routes(lay_lattice(problem, fineness), problem, MAX_ROUTES):
+            return [Guess(straight, None, inner), *(Guess(route, None, inner) for route in routes)]
     return [Guess(straight, None, inner)]

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from ipoa_mission.planning.lattice import LatticeStrategy, _mended, guesses, lay, ways
+from ipoa_mission.planning.lattice import LatticeStrategy, _mend, find_routes, guesses, lay_lattice
 from ipoa_mission.planning.problem import prepare
 from ipoa_mission.planning.winding import wind
 from tests.examples import some
@@ -13,7 +13,7 @@ FULL = {"kind": "box", "east": 50, "north": 0, "width": 6, "height": 120, "base"
 
 def test_a_pillar_is_passed_on_both_sides(scenario: Make) -> None:
     problem = prepare(scenario(obstacles=[PILLAR]))
-    paths = ways(lay(problem), problem, 8)
+    paths = find_routes(lay_lattice(problem), problem, 8)
     sides = [np.sign(path[np.argmin(np.abs(path[:, 0] - 50)), 1]) for path in paths]
     assert {-1.0, 1.0} <= set(sides)
     for path in paths:
@@ -23,7 +23,7 @@ def test_a_pillar_is_passed_on_both_sides(scenario: Make) -> None:
 
 def test_the_cheapest_way_comes_first(scenario: Make) -> None:
     problem = prepare(scenario(obstacles=[PILLAR | {"north": 8}], cost={"omega": (1, 0, 0)}))
-    paths = ways(lay(problem), problem, 8)
+    paths = find_routes(lay_lattice(problem), problem, 8)
     lengths = [np.linalg.norm(np.diff(path, axis=0), axis=1).sum() for path in paths]
     assert np.argmin(lengths) == 0
     assert paths[0][np.argmin(np.abs(paths[0][:, 0] - 50)), 1] < 0
@@ -31,7 +31,7 @@ def test_the_cheapest_way_comes_first(scenario: Make) -> None:
 
 def test_every_way_passes_all_via_points(scenario: Make) -> None:
     problem = prepare(scenario(obstacles=[PILLAR], via=[(50, 60, 30), (80, -40, 30)]))
-    paths = ways(lay(problem), problem, 8)
+    paths = find_routes(lay_lattice(problem), problem, 8)
     assert len(paths) > 1
     for path in paths:
         for place in problem.task.places[1:-1]:
@@ -41,7 +41,7 @@ def test_every_way_passes_all_via_points(scenario: Make) -> None:
 def test_a_wall_from_bound_to_bound_leaves_no_way(scenario: Make) -> None:
     problem = prepare(scenario(obstacles=[FULL | {"name": "wall", "depth": 300}]))
     thin = LatticeStrategy(nodes=20_000)
-    assert ways(lay(problem, strategy=thin), problem, 8) == []
+    assert find_routes(lay_lattice(problem, strategy=thin), problem, 8) == []
     assert len(guesses(problem, 0, thin)) == 1  # the straight one
 
 
@@ -53,7 +53,7 @@ def test_a_door_between_two_nodes_is_found(scenario: Make, aside: float) -> None
         FULL | {"name": "right", "north": aside - 60.875, "depth": 120},
     ]
     problem = prepare(scenario(obstacles=walls, vehicle={"radius": 0.3}, safety_distance=0.5))
-    path = ways(lay(problem), problem, 8)[0]
+    path = find_routes(lay_lattice(problem), problem, 8)[0]
     door = path[np.argmin(np.abs(path[:, 0] - 50))]
     assert door[1] == pytest.approx(aside, abs=0.075)
 
@@ -61,9 +61,9 @@ def test_a_door_between_two_nodes_is_found(scenario: Make, aside: float) -> None
 def test_lattice_finds_paths_around_a_too_narrow_gap(scenario: Make) -> None:
     pillars = [PILLAR | {"name": f"{side}", "radius": 12, "north": 12.95 * side} for side in (-1, 1)]  # 0.1 m short
     problem = prepare(scenario(obstacles=pillars, vehicle={"radius": 0.5}, safety_distance=0.5))
-    lattice, (start, goal) = lay(problem), problem.task.places
+    lattice, (start, goal) = lay_lattice(problem), problem.task.places
     before, after = (lattice.places[np.argmin(((lattice.places - (e, 0, 20)) ** 2).sum(axis=1))] for e in (44, 56))
-    first, *others = _mended([np.array([start, before, after, goal])], lattice, problem)
+    first, *others = _mend([np.array([start, before, after, goal])], lattice, problem)
     assert first.shape[0] > 4  # it was tried
     assert others
     for path in others:
@@ -78,8 +78,8 @@ def test_lattice_paths_climb_within_the_limit_and_add_loops_where_needed(
     limits = {"max_climb_angle_deg": climb, "max_descent_angle_deg": descent}
     low_wall = FULL | {"name": "wall", "depth": 300, "height": 50}
     problem = prepare(scenario(obstacles=[low_wall], planning=limits))
-    lattice = lay(problem)
-    path = ways(lattice, problem, 1)[0]
+    lattice = lay_lattice(problem)
+    path = find_routes(lattice, problem, 1)[0]
     guide, shares = wind(path, 8, problem, lattice.spacing[2])
     assert len(shares) == len(guide) - 1
     np.testing.assert_array_equal(guide[[0, -1]], path[[0, -1]])
@@ -93,7 +93,7 @@ def test_lattice_paths_climb_within_the_limit_and_add_loops_where_needed(
 
 @pytest.mark.parametrize("fineness", [1.0, 2.0])
 def test_a_lattice_covers_the_bounds_in_even_steps(scenario: Make, fineness: float) -> None:
-    lattice = lay(prepare(scenario(obstacles=[PILLAR])), fineness)
+    lattice = lay_lattice(prepare(scenario(obstacles=[PILLAR])), fineness)
     far = lattice.corner + lattice.spacing * (np.array(lattice.slack.shape) - 1)
     np.testing.assert_allclose(lattice.corner[:2], (-50, -100))
     np.testing.assert_allclose(far[:2], (150, 100))

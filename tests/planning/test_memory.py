@@ -3,7 +3,7 @@ import tracemalloc
 import numpy as np
 
 from ipoa_mission import Airspace, Bounds, Limits, PathProblem
-from ipoa_mission.planning.lattice import lay
+from ipoa_mission.planning.lattice import lay_lattice
 from ipoa_mission.planning.problem import prepare
 from ipoa_mission.world.obstacles import Cylinder
 from ipoa_mission.world.terrain import Flat
@@ -21,7 +21,7 @@ def test_a_lattice_among_thousands_of_gaps_is_laid_in_little_memory() -> None:
     ends = np.array([[-40.0, -40.0, 30.0], [SIDE + 40.0, SIDE + 40.0, 30.0]])
     problem = prepare(PathProblem(airspace, Limits(obstacle_distance=2.6, height_above_ground=5.0), ends))
     tracemalloc.start()
-    lattice = lay(problem)
+    lattice = lay_lattice(problem)
     most = tracemalloc.get_traced_memory()[1] / 2**20
     tracemalloc.stop()
     assert np.isfinite(lattice.price).any()
