@@ -38,7 +38,7 @@ class Closure:
     needed: float
 
 
-def closure(problem: PreparedProblem, start: Vector, goal: Vector) -> Closure | None:
+def find_closure(problem: PreparedProblem, start: Vector, goal: Vector) -> Closure | None:
     """Return the closure between two places, (3,) each; None if open or uncertain."""
     view = _View(problem, start, goal)
     if not len(view.shapes) or view.piece(1.0, COARSE_SEGMENTS) is not None or view.piece(1.0) is not None:
@@ -191,7 +191,7 @@ def refuse_closed(problem: PreparedProblem) -> None:
         NoPath: the widest gap, or the obstacles around an end.
     """
     for a, b in pairwise(problem.task.places):
-        barrier = closure(problem, a, b)
+        barrier = find_closure(problem, a, b)
         if barrier is None:
             continue
         east, north = barrier.place

@@ -243,17 +243,17 @@ def prepare(task: PathTask) -> PreparedProblem:
 def follow(guide: Points, inner: int, task: PathTask, shares: Vector | None = None) -> Candidate:
     """Return a curve that follows a polyline (k, 3), evenly or by shares (k-1,) on its legs."""
     traveled = np.concatenate([[0.0], np.cumsum(leg_lengths(guide) if shares is None else shares)])
-    stops = [0, *corners(guide, task.places[1:-1]), len(guide) - 1]
+    stops = [0, *via_indices(guide, task.places[1:-1]), len(guide) - 1]
     legs = np.diff(traveled[stops]) / traveled[-1]
     least = min(MIN_SPANS_BETWEEN_VIA / (inner - 1), 0.5 / len(legs))  # else via points would share control points
     legs = np.maximum(legs, least)
     reached = np.concatenate([[0.0], np.cumsum(legs) / legs.sum()])
     progress = np.interp(traveled, traveled[stops], reached)
     control = np.column_stack([np.interp(_greville(inner + 2), progress, guide[:, k]) for k in range(3)])
-    return pinned(Candidate(Spline(control), reached[1:-1]), task)
+    return pin_to_via(Candidate(Spline(control), reached[1:-1]), task)
 
 
-def pinned(candidate: Candidate, task: PathTask) -> Candidate:
+def pin_to_via(candidate: Candidate, task: PathTask) -> Candidate:
     """Return the curve exactly through the via points."""
     lift, project, _ = _pins(candidate, task)
     return Candidate(Spline(lift + project @ candidate.curve.control), candidate.via_at)
@@ -348,15 +348,15 @@ def _waves(inner: int) -> Matrix:
     return np.asarray(np.sin(np.pi * k * _greville(inner + 2)[1:-1]) / k)
 
 
-def corners(guide: Points, via: Points) -> list[int]:
+def via_indices(guide: Points, via: Points) -> list[int]:
     """Return a guide's indices at the via points."""
-    corners = list[int]()
+    indices = list[int]()
     after = 1
     for place in via:
         after += int(np.argmin(np.linalg.norm(guide[after:-1] - place, axis=1)))
-        corners.append(after)
+        indices.append(after)
         after += 1
-    return corners
+    return indices
 
 
 def _nodes(task: PathTask) -> int:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ipoa_mission.geometry import Points, Vector, leg_lengths
-from ipoa_mission.planning.problem import PreparedProblem, corners
+from ipoa_mission.planning.problem import PreparedProblem, via_indices
 
 
 @dataclass(frozen=True)
@@ -79,7 +79,7 @@ def lift(way: Points, problem: PreparedProblem, step: float) -> tuple[Points, fl
     climb_slope = LOOPS.lift_slope_share * problem.rules.climb
     descent_slope = LOOPS.lift_slope_share * problem.rules.descent
     traveled = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(way[:, :2], axis=0).T))])
-    for first, last in pairwise([0, *corners(way, problem.task.places[1:-1]), len(way) - 1]):
+    for first, last in pairwise([0, *via_indices(way, problem.task.places[1:-1]), len(way) - 1]):
         along = traveled[first : last + 1] - traveled[first]
         height = way[first : last + 1, 2]
         climb, descent = climb_slope * along, descent_slope * along

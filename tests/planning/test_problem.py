@@ -3,7 +3,7 @@ import pytest
 
 from ipoa_mission.planning.obstacle_grid import Sparse
 from ipoa_mission.planning.polish import moves_along
-from ipoa_mission.planning.problem import Matrix, encode, follow, null_space, pinned, prepare, refine, surround
+from ipoa_mission.planning.problem import Matrix, encode, follow, null_space, pin_to_via, prepare, refine, surround
 from tests.planning.conftest import Make, Place
 
 ENCODINGS = ("absolute", "chord", "sine")
@@ -70,7 +70,7 @@ def test_freedom_moves_everything_but_ends_and_via_points(scenario: Make) -> Non
     np.testing.assert_array_equal(free[[0, -1]], 0.0)
     moved = candidate.curve.control + free @ np.random.default_rng(2).normal(size=(13, 3))
     assert np.abs(moved - candidate.curve.control)[1:-1].min() > 0
-    again = pinned(type(candidate)(type(candidate.curve)(moved), candidate.via_at), job)
+    again = pin_to_via(type(candidate)(type(candidate.curve)(moved), candidate.via_at), job)
     np.testing.assert_allclose(again.curve.control, moved, atol=1e-9)
 
 
