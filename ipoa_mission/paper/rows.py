@@ -74,7 +74,6 @@ def mean_results(
 
 
 def mean_evaluations(rows: Sequence[TrialRow], algorithms: Sequence[str]) -> str:
-    """List the mean evaluations of a run by algorithm."""
     means = {name: np.mean([row.evaluations for row in rows if row.trial.algorithm == name]) for name in algorithms}
     return ", ".join(f"{name.upper()} {mean:,.0f}" for name, mean in means.items())
 

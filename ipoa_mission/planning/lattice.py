@@ -312,7 +312,7 @@ def _occupy_gaps(
 
 
 def _end_node(lattice: Lattice, problem: PreparedProblem, place: Vector) -> int | None:
-    """Return the nearest node with a clear leg to a place, else that with the clearest."""
+    """Return the nearest node with a clear leg to a place, if any."""
     free = np.nonzero(np.isfinite(lattice.price.ravel()))[0]
     away = ((lattice.places[free] - place) ** 2).sum(axis=1)
     most = DETAILS.end_nodes
@@ -358,7 +358,7 @@ def _leg_routes(
 
 
 def _passages(through: Vector, there: Vector, lattice: Lattice) -> Iterator[int]:
-    """Return locally cheapest nodes, cheapest first, by costs of routes `through` and of ways `there`, (n,)."""
+    """Return locally cheapest nodes, cheapest first."""
     best = through[np.isfinite(through)].min()
     share = np.divide(there, through, out=np.zeros_like(there), where=np.isfinite(through) & (through > 0))
     chosen: list[tuple[float, int]] = []

@@ -71,10 +71,7 @@ class Plan:
 
 @dataclass(frozen=True)
 class SearchStrategy:
-    """A width is a share of the varied length.
-
-    >>> quick = SearchStrategy(straight_starts=1, lattice_starts=2, max_rounds=4)
-    """
+    """Effort of a search. A width is a share of the varied length."""
 
     lattice: LatticeStrategy = USUAL_LATTICE
     straight_starts: int = 1  # searches
@@ -120,10 +117,7 @@ class Searcher:
     best: list[float] = field(default_factory=list)
 
     def search(self, around: Candidate, width: float, part: slice = ALL, progress: Progress = silent) -> Candidate:
-        """Return the best curve found around one, or around a `part` of it.
-
-        `width` is a share of the varied length.
-        """
+        """Return the best curve found around one, or around a `part` of it, within a `width` (a share)."""
         task = self.problem.task
         spread = width * polyline_length(around.curve.control[1:-1][part])
         name = task.planning.encoding or ("absolute" if task.planning.planner == "paper" else "sine")

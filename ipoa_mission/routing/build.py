@@ -49,11 +49,7 @@ def build_mission(route: Route, scenario: Scenario) -> Mission:
 
 
 def draft_mission(route: Route, scenario: Scenario) -> Mission:
-    """Build the mission without a check of the ways from home and back.
-
-    Raises:
-        BadInput: the start is too low for a take-off to end there.
-    """
+    """Build the mission without a check of the ways from home and back; raise BadInput for a start that is too low."""
     frame = scenario.frame
     home = frame.home
     first, *onward = [(place, round(place.altitude - home.altitude, 3)) for place in _geodetic(route.points, frame)]
@@ -107,7 +103,6 @@ def starts_over_home(route: Route) -> bool:
 def _item_at(
     route: Route, n: int, position: tuple[Geodetic, float], defaults: WaypointDefaults, scenario: Scenario
 ) -> Item:
-    """Return the item of waypoint `n`; `position`: place, and height above home [m]."""
     place, height = position
     if route.spline:
         if turn_deg(*route.points[n - 1 : n + 2]) > MAX_TURN_DEG - 5.0:  # as a spline its path is unknown

@@ -99,7 +99,6 @@ def _with_rally_points(
 
 
 def why_not_planned(forecast: Forecast) -> str:
-    """Describe the worst contingency that is not clear."""
     rows = [
         row
         for contingency in contingencies_of(forecast)
@@ -175,10 +174,7 @@ EFFORT = RallyEffort()
 
 
 class _RallySearch:
-    """A search for the fewest rally points by which returns from sampled instants are clear.
-
-    `times` [s]: sampled too.
-    """
+    """A search for the fewest rally points by which returns from sampled instants are clear."""
 
     def __init__(self, paths: ContingencyPaths, times: list[float]) -> None:
         self._paths = paths
