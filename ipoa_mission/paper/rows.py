@@ -99,11 +99,13 @@ def read_rows(path: Path) -> list[TrialRow]:
 def _rows(path: Path, lines: Sequence[str]) -> Iterator[TrialRow]:
     for number, cells in enumerate(csv.reader(lines), start=2):
         try:
-            problem, case, dimension, algorithm, settings, budget, run, cost, spent, seconds, history, *rest = cells
-            measures, day, versions = rest
+            problem, case, dimension, algorithm, settings, budget, run, *measured = cells
+            cost, evaluations, seconds, history, measures, day, versions = measured
             trial = Trial(problem, case, int(dimension), algorithm, settings, int(budget), int(run))
-            curve = tuple(float(h) for h in history.split())
-            yield TrialRow(trial, float(cost), int(spent), float(seconds), curve, json.loads(measures), day, versions)
+            costs = tuple(float(h) for h in history.split())
+            yield TrialRow(
+                trial, float(cost), int(evaluations), float(seconds), costs, json.loads(measures), day, versions
+            )
         except ValueError as error:
             raise WrongFormat(f"expected {len(_COLUMNS)} cells of a run: {error}", place=f"{path}:{number}") from error
 

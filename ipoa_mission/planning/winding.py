@@ -40,24 +40,10 @@ def wind(way: Points, inner: int, problem: PreparedProblem, step: float) -> tupl
     pieces = [way[:1]]
     loops = [np.zeros(0, bool)]
     for first, last in _runs(way):
-        steep = first + np.nonzero(_too_steep(way[first : last + 1], problem))[0]
-        height = float(np.diff(way[:, 2])[steep].sum())
-        level = way[first : last + 1].copy()
-        steep_rises = np.where(np.isin(np.arange(first, last), steep), np.diff(way[first : last + 1, 2]), 0)
-        level[1:, 2] -= np.cumsum(steep_rises)
-        climb = None
-        high = abs(height) > 2 * step
-        for at in np.unique(steep[[0, len(steep) // 2, -1]] - first) if high else ():
-            lifted = level.copy()
-            lifted[at + 1 :, 2] += height
-            if not _free(lifted[: at + 1], problem) or not _free(lifted[at + 1 :], problem):
-                continue
-            top = lifted[at] + (0.0, 0.0, height)
-            turns = _loops(lifted[at], top, (lifted[at + 1] - lifted[at])[:2], problem)
-            if turns is not None and (climb is None or len(turns) < len(climb[1])):
-                climb = lifted[1 : at + 1], turns, lifted[at + 1 :]
+        run = way[first : last + 1]
+        climb = _climb_in_loops(run, step, problem)
         if climb is None:
-            pieces.append(way[first + 1 : last + 1])
+            pieces.append(run[1:])
             loops.append(np.zeros(last - first, bool))
         else:
             pieces += climb
@@ -67,6 +53,28 @@ def wind(way: Points, inner: int, problem: PreparedProblem, step: float) -> tupl
     legs = leg_lengths(guide)
     straight = max(float(legs[~turning].sum()), LOOPS.shortest_detour)
     return guide, np.where(turning, LOOPS.control_points_per_turn / LOOPS.sides, inner * legs / straight)
+
+
+def _climb_in_loops(run: Points, step: float, problem: PreparedProblem) -> tuple[Points, Points, Points] | None:
+    """Return a run without its first point, with loops for its steep pieces: before, in and after them."""
+    steep = np.nonzero(_too_steep(run, problem))[0]
+    rises = np.diff(run[:, 2])
+    height = float(rises[steep].sum())
+    if abs(height) <= 2 * step:
+        return None
+    level = run.copy()
+    level[1:, 2] -= np.cumsum(np.where(np.isin(np.arange(len(rises)), steep), rises, 0))
+    climb = None
+    for k in np.unique(steep[[0, len(steep) // 2, -1]]):
+        lifted = level.copy()
+        lifted[k + 1 :, 2] += height
+        if not _free(lifted[: k + 1], problem) or not _free(lifted[k + 1 :], problem):
+            continue
+        top = lifted[k] + (0.0, 0.0, height)
+        turns = _loops(lifted[k], top, (lifted[k + 1] - lifted[k])[:2], problem)
+        if turns is not None and (climb is None or len(turns) < len(climb[1])):
+            climb = lifted[1 : k + 1], turns, lifted[k + 1 :]
+    return climb
 
 
 def lift(way: Points, problem: PreparedProblem, step: float) -> tuple[Points, float]:
