@@ -130,7 +130,6 @@ def _rivals(
 def _compare_each(
     costs_of: Callable[[str, str], Samples], ours: str, rivals: Sequence[str], cases: Sequence[str]
 ) -> dict[str, list[str]]:
-    """Compare like `against`, but correct each rival alone."""
     return {rival: against(costs_of, ours, [rival], cases)[rival] for rival in rivals}
 
 

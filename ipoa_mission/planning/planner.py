@@ -71,7 +71,7 @@ class Plan:
 
 @dataclass(frozen=True)
 class SearchStrategy:
-    """Effort of a search. A width is a share of the varied length."""
+    """A width is a share of the varied length."""
 
     lattice: LatticeStrategy = USUAL_LATTICE
     straight_starts: int = 1  # searches

@@ -56,7 +56,7 @@ def wind(way: Points, inner: int, problem: PreparedProblem, step: float) -> tupl
 
 
 def _climb_in_loops(run: Points, step: float, problem: PreparedProblem) -> tuple[Points, Points, Points] | None:
-    """Return a run without its first point, with loops for its steep pieces: before, in and after them."""
+    """Return a run before, in and after the shortest loops for its steep pieces."""
     steep = np.nonzero(_too_steep(run, problem))[0]
     rises = np.diff(run[:, 2])
     height = float(rises[steep].sum())

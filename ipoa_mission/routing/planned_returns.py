@@ -238,7 +238,6 @@ def _margins(paths: ContingencyPaths, stopped: Points, height: NDArray[np.float6
 
 
 def _places(paths: ContingencyPaths) -> Points:
-    """Return places on the ground near the path, (n, 3)."""
     track = paths.flight.pieces.points
     steps = np.hypot(*np.diff(track[:, :2], axis=0).T)
     traveled = np.concatenate([[0.0], np.cumsum(steps)])
@@ -257,7 +256,6 @@ def _places(paths: ContingencyPaths) -> Points:
 
 
 def _with_room(paths: ContingencyPaths, places: Points) -> Points:
-    """Return the places to which a descent is clear."""
     if not len(places):
         return places
     air = paths.enlarged.airspace

@@ -94,7 +94,6 @@ def _leg(nearest: Attempt, tightest: KeptLimit) -> str:
 
 
 def _try_changes(otherwise: str, trials: ChangeTrials) -> tuple[str, str, tuple[Remedy, ...]]:
-    """Return words, a hint and remedies; `otherwise`: a hint if no change helps."""
     in_vain = list[Remedy]()
     for change in trials.changes:
         attempt = trials.attempt(change)
@@ -111,7 +110,7 @@ ROUNDS = 20
 
 
 def slowed_where_needed(nearest: Attempt, trials: ChangeTrials) -> Attempt | None:
-    """Return the quickest acceptable attempt with some slow legs."""
+    """Return the quickest acceptable attempt with slow legs."""
     changes = dict(_slower(trials.scenario))
     speeds = [changed.vehicle.cruise_speed for changed in changes.values()]
     speeds = [speed for speed in speeds if speed < trials.scenario.vehicle.cruise_speed]
