@@ -66,10 +66,8 @@ def _outlines(airspace: Airspace, distance: float) -> tuple[NDArray[np.object_],
     for body in airspace.obstacles:
         if (column := body.column) is not None:
             outlines.append((column.shape, column.radius, distance, column.base, column.top))
-    lower, upper = airspace.bounds.lower[:2], airspace.bounds.upper[:2]
-    area = airspace.bounds.footprint.shape if airspace.bounds.footprint else shapely.box(*lower, *upper)
-    corners = shapely.get_coordinates(area.exterior)
-    outlines += [(shapely.LineString(side), 0.0, 0.0, -np.inf, np.inf) for side in pairwise(corners)]
+    sides = pairwise(shapely.get_coordinates(airspace.bounds.area.exterior))
+    outlines += [(shapely.LineString(side), 0.0, 0.0, -np.inf, np.inf) for side in sides]
     shapes, *numbers = zip(*outlines, strict=True)
     radii, required, base, top = np.array(numbers)
     return np.array(shapes), radii, required, np.column_stack([base, top])
@@ -77,15 +75,13 @@ def _outlines(airspace: Airspace, distance: float) -> tuple[NDArray[np.object_],
 
 @dataclass(frozen=True)
 class LatticeStrategy:
-    """`max_routes_climbing`: with limited climbs."""
-
     nodes: int = 100_000
     max_nodes_per_side: int = 200
     max_levels: int = 60  # without limited climbs
     min_slope: float = 0.07  # flatter climbs would need too many levels
     refinements: tuple[float, ...] = (1.0, 2.0, 3.0)  # of the spacing, each if the one before has no route
     max_routes: int = 24
-    max_routes_climbing: int = 8
+    max_routes_climbing: int = 8  # with limited climbs
     max_cost_ratio: float = 1.6  # of a route to the cheapest
     max_routes_beside: int = 8  # besides those through narrow gaps
     control_points_per_turn: int = 4
@@ -118,13 +114,12 @@ CUBE: NDArray[np.int64] = np.array(sorted(np.ndindex(5, 5, 5), key=lambda at: su
 
 @dataclass(frozen=True, eq=False)
 class Lattice:
-    """Nodes in steps of `spacing` (3,) from `corner` (3,), at `places` (nx ny nz, 3).
+    """Nodes in steps of `spacing` (3,), at `places` (nx ny nz, 3).
 
     `slack` beyond the required clearance [m] and `price` per meter are (nx, ny, nz); the price of negative slack is
     infinite.
     """
 
-    corner: Vector
     spacing: Vector
     places: Points
     slack: NDArray[np.float64]
@@ -178,14 +173,14 @@ def guesses(problem: PreparedProblem, coarsest: int, strategy: LatticeStrategy =
     tolerance = min(2 * lattice.spacing[0], max(lattice.spacing[0], problem.rules.d_safe))
     turns = max((_count_turns(route, tolerance) for route in routes), default=0)
     inner = int(max(inner, min(4 + strategy.control_points_per_turn * turns, strategy.max_control_points)))
-    return [Guess(straight, None, inner), *_climbing(routes, inner, problem, lattice, both=coarsest > 0)]
+    return [
+        Guess(straight, None, inner),
+        *_climbing(routes, inner, problem, float(lattice.spacing[2]), both=coarsest > 0),
+    ]
 
 
-def _climbing(
-    routes: list[Points], inner: int, problem: PreparedProblem, lattice: Lattice, both: bool
-) -> Iterator[Guess]:
+def _climbing(routes: list[Points], inner: int, problem: PreparedProblem, step: float, both: bool) -> Iterator[Guess]:
     """Yield guesses that climb within limits; in loops if a detour is long or blocked, or `both`."""
-    step = float(lattice.spacing[2])
     for route in routes:
         detour = np.inf
         if problem.climbs_limited:
@@ -197,7 +192,6 @@ def _climbing(
 
 
 def lay_lattice(problem: PreparedProblem, fineness: float = 1.0, strategy: LatticeStrategy = USUAL_LATTICE) -> Lattice:
-    """`fineness` divides the spacing."""
     lower, upper = _region(problem)
     size = upper - lower
     steepest = (problem.rules.climb, problem.rules.descent)
@@ -225,8 +219,7 @@ def lay_lattice(problem: PreparedProblem, fineness: float = 1.0, strategy: Latti
     winding = problem.rules.turning / max(problem.rules.length, DETAILS.least_price) / radius
     _occupy_gaps(nodes, (slack, threat), lower, spacing, problem)
     price = np.where(slack >= 0, problem.rules.length + threat, np.inf)
-    slack, price = slack.reshape(count), price.reshape(count)
-    return Lattice(lower, spacing, nodes, slack, price, steepest, winding, strategy)
+    return Lattice(spacing, nodes, slack.reshape(count), price.reshape(count), steepest, winding, strategy)
 
 
 def find_routes(lattice: Lattice, problem: PreparedProblem, most: int, looking: bool = True) -> list[Points]:
@@ -274,9 +267,8 @@ def _mend(routes: list[Points], lattice: Lattice, problem: PreparedProblem) -> l
         closed.append(route[np.union1d(narrow, narrow + 1)])
     if not len(closed[0]):
         return mended
-    nodes, narrow_nodes = (
-        np.ascontiguousarray(places).view("V24").ravel() for places in (lattice.places, np.vstack(closed))
-    )
+    nodes = np.ascontiguousarray(lattice.places).view("V24").ravel()
+    narrow_nodes = np.vstack(closed).view("V24").ravel()
     is_narrow = np.isin(nodes, narrow_nodes).reshape(lattice.price.shape)
     price = np.where(is_narrow, np.inf, lattice.price)
     return mended + find_routes(replace(lattice, price=price), problem, lattice.strategy.max_routes_beside)
@@ -336,12 +328,11 @@ def _leg_routes(
     look = looking and float(np.linalg.norm(lattice.spacing)) > 2 * problem.limits.obstacle_distance
     nodes = Nodes(lattice.price, lattice.slack, lattice.places, lattice.spacing)
     ratio = lattice.strategy.max_cost_ratio * (1 + ROUNDING)
-    onward, backward = (source, target, ratio), (target, source, ratio)
-    there, before = spread(nodes, lattice.steps(), look, onward, problem.grid, problem.rules)
+    there, before = spread(nodes, lattice.steps(), look, (source, target, ratio), problem.grid, problem.rules)
     if not np.isfinite(there[target]):
         return []
-    back, after = spread(nodes, lattice.steps(backwards=True), look, backward, problem.grid, problem.rules)
-
+    steps = lattice.steps(backwards=True)
+    back, after = spread(nodes, steps, look, (target, source, ratio), problem.grid, problem.rules)
     routes, courses = list[Points](), list[Points]()
     for node in [target, *_passages(there + back, there, lattice)]:
         passed = [*_trace(before, node)[::-1], *_trace(after, node)[1:]]
@@ -368,10 +359,9 @@ def _passages(through: Vector, there: Vector, lattice: Lattice) -> Iterator[int]
         nodes = np.flatnonzero(on_surface)
         strides = np.array([surface.shape[1] * surface.shape[2], surface.shape[2], 1])
         at = (np.column_stack(np.unravel_index(nodes, lattice.price.shape)) + 2) @ strides
-        values = surface.ravel()
         least = through[nodes]
         for offset in (CUBE @ strides).tolist():
-            kept = values[at + offset] >= least
+            kept = surface.take(at + offset) >= least
             nodes, at, least = nodes[kept], at[kept], least[kept]
         chosen += zip(least.tolist(), nodes.tolist(), strict=True)
     return (node for _, node in sorted(chosen))

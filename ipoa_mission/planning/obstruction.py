@@ -54,8 +54,7 @@ def find_closure(problem: PreparedProblem, start: Vector, goal: Vector) -> Closu
 
 class _View:
     def __init__(self, problem: PreparedProblem, start: Vector, goal: Vector) -> None:
-        bounds = problem.task.airspace.bounds
-        self.area = bounds.footprint.shape if bounds.footprint else shapely.box(*bounds.lower[:2], *bounds.upper[:2])
+        self.area = problem.task.airspace.bounds.area
         self.ends = shapely.points([start[:2], goal[:2]])
         shapes, radii, required, names = [], [], [], []
         for body in problem.task.airspace.obstacles:

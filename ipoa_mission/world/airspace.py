@@ -63,6 +63,10 @@ class Bounds:
         if not all(low < high for low, high in zip(self.lower, self.upper, strict=True)):
             raise BadInput(f"expected lower below upper, not {self.lower} and {self.upper}", place="bounds")
 
+    @property
+    def area(self) -> shapely.Polygon:
+        return self.footprint.shape if self.footprint else shapely.box(*self.lower[:2], *self.upper[:2])
+
     def margin(self, points: Points) -> Vector:
         """Return distances of points (n, 3) to the nearest limit, (n,) [m]: negative outside."""
         inside = self.box_margin(points)

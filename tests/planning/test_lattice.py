@@ -94,7 +94,7 @@ def test_lattice_paths_climb_within_the_limit_and_add_loops_where_needed(
 @pytest.mark.parametrize("fineness", [1.0, 2.0])
 def test_a_lattice_covers_the_bounds_in_even_steps(scenario: Make, fineness: float) -> None:
     lattice = lay_lattice(prepare(scenario(obstacles=[PILLAR])), fineness)
-    far = lattice.corner + lattice.spacing * (np.array(lattice.slack.shape) - 1)
-    np.testing.assert_allclose(lattice.corner[:2], (-50, -100))
+    far = lattice.places[0] + lattice.spacing * (np.array(lattice.slack.shape) - 1)
+    np.testing.assert_allclose(lattice.places[0, :2], (-50, -100))
     np.testing.assert_allclose(far[:2], (150, 100))
     assert 20_000 * fineness**3 < lattice.slack.size < 150_000 * fineness**3
