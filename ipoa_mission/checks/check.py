@@ -5,14 +5,8 @@ from collections.abc import Iterable
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+import ipoa_mission.checks.firmware_check as firmware
 from ipoa_mission.autopilot.vehicle_kind import NO_AIRCRAFT
-from ipoa_mission.checks.firmware_check import (
-    check_firmware,
-    check_known_path,
-    check_passing,
-    check_version,
-    is_too_long,
-)
 from ipoa_mission.checks.landings import check_landings
 from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.forecast.forecast import Forecast
@@ -59,8 +53,8 @@ def check(forecast: Forecast, ignore: Iterable[str] = (), read: Iterable[Finding
     ignored = expect_ignorable(ignore) | (frozenset() if scenario is None else scenario.safety.ignored)
     positions = tuple(check_positions(mission))
     findings = list(read)
-    findings += check_version(mission.autopilot, mission.firmware_version, mission.unmeasured_version)
-    findings += check_firmware(mission)
+    findings += firmware.check_version(mission.autopilot, mission.firmware_version, mission.unmeasured_version)
+    findings += firmware.check_firmware(mission)
     findings += positions
 
     if mission.vehicle_type in NO_AIRCRAFT:
@@ -75,11 +69,11 @@ def check(forecast: Forecast, ignore: Iterable[str] = (), read: Iterable[Finding
         findings.append(Finding("another-place", Severity.ERROR, 0, str(elsewhere), elsewhere.hint))
     is_sound = not unsound(positions)
     if is_sound and mission.vehicle_type not in NO_AIRCRAFT:
-        findings += check_known_path(forecast)
+        findings += firmware.check_known_path(forecast)
 
     flown = None if elsewhere else sound_part(forecast, positions)
     if flown is not None:
-        findings += check_passing(flown)
+        findings += firmware.check_passing(flown)
         if flown.mission.fence:
             from ipoa_mission.checks.fence import check_fence
 
@@ -87,7 +81,7 @@ def check(forecast: Forecast, ignore: Iterable[str] = (), read: Iterable[Finding
         if scenario is not None:
             from ipoa_mission.checks.world_check import check_world
 
-            findings += check_world(flown, is_sound and not is_too_long(mission), findings)
+            findings += check_world(flown, is_sound and not firmware.is_too_long(mission), findings)
         elif mission.landing_ground is not None:
             findings += check_landings(flown)
     findings = [finding for finding in findings if finding.code not in ignored]
@@ -120,4 +114,4 @@ def sound_part(forecast: Forecast, positions: Iterable[Finding]) -> Forecast | N
 
 def guarantee_if_flown(forecast: Forecast) -> "ClearanceGuarantee | None":
     mission = forecast.mission_as_read
-    return None if refusals(mission) or is_too_long(mission) else forecast.guarantee_if_known
+    return None if refusals(mission) or firmware.is_too_long(mission) else forecast.guarantee_if_known

@@ -50,7 +50,6 @@ def remedy(forecast: Forecast) -> tuple[str, tuple[Remedy, ...]]:
     """Return a hint and changes of the scenario that make the way home clear.
 
     Both name the lowest return altitude within the bounds, in steps of 5 m, that keeps the required clearance.
-    Near home there may be none: an autopilot does not climb to it there.
     """
     advice = 'plan the way home too, with the goal over home and this one under via; or land: route.ending = "land"'
     mission, scenario = forecast.mission, forecast.world

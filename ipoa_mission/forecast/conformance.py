@@ -37,9 +37,9 @@ SPACING = 0.5  # of the corridor's points [m]
 
 
 class _Leg(NamedTuple):
-    """`goal` is None where nothing is compared. `excursion`: of the predicted flight away from the goal [m].
+    """`goal`: None where nothing is compared. `excursion`: of the predicted flight away from it [m].
 
-    `comes_back`: beyond the goal, where the vehicle may turn back [m]. `longest_s`: of nine flights in ten.
+    `comes_back`: beyond it, where the vehicle may turn back [m]. `longest_s`: of nine flights in ten.
     """
 
     points: Points
@@ -68,7 +68,8 @@ class ConformanceMonitor:
     """
 
     def __init__(self, forecast: Forecast) -> None:
-        self._forecast, self._estimate = forecast, forecast.estimate
+        self._forecast = forecast
+        self._estimate = forecast.estimate
         self._visits, self._program = forecast.itinerary.visits, forecast.itinerary.program
         if not self._visits:
             raise MissionError("the mission has no items", code="empty")
@@ -162,7 +163,8 @@ class ConformanceMonitor:
         if self._detour is not None:
             points = np.vstack([points, self._detour])
             limits = np.vstack([limits, np.tile(limits.max(axis=0), (len(self._detour), 1))])
-        level, higher = np.hypot(*(place[:2] - points[:, :2]).T), place[2] - points[:, 2]
+        level = np.hypot(*(place[:2] - points[:, :2]).T)
+        higher = place[2] - points[:, 2]
         shares = level / limits[:, 0]
         if self._knows_height:
             shares = np.maximum(shares, np.where(higher > 0.0, higher / limits[:, 2], -higher / limits[:, 1]))
@@ -208,7 +210,8 @@ class ConformanceMonitor:
         return np.array(self._program.places[visit])
 
     def _leg_to(self, visit: int) -> _Leg:
-        commands, items = [each.item.command for each in self._visits], self._estimate.items
+        commands = [each.item.command for each in self._visits]
+        items = self._estimate.items
         target = next((n for n in range(visit, len(items)) if self._goal(n) is not None), None)
         before = next((n for n in reversed(range(visit)) if commands[n] in FLOWN_TO), None)
         begin = 0.0 if before is None else items[before].done_s
@@ -222,7 +225,8 @@ class ConformanceMonitor:
         excursion = comes_back = 0.0
         if goal is not None and target is not None:
             excursion = self._excursion(goal, begin, end)
-            mission, speeds = self._forecast.mission, np.array([items[target].peak_speed])
+            mission = self._forecast.mission
+            speeds = np.array([items[target].peak_speed])
             braking = mission.autopilot.braking_distance(mission.parameters, speeds, 0.0 * speeds)
             comes_back = self._overshoot + float(braking[0])
         longest = max(items[visit].high_s - begin + items[visit].missed.cost_s, LIMITS.min_leg_s)

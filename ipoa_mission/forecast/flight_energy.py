@@ -15,7 +15,8 @@ def flight_energy(
     vehicle = None if scenario is None else scenario.vehicle
     learned = learned or (None if vehicle is None else vehicle.learned)
     head_wind = vehicle.battery.head_wind if vehicle is not None and vehicle.battery is not None else 0.0
-    curve, measured = curve_of(learned), None if learned is None else learned.hover_power
+    curve = curve_of(learned)
+    measured = None if learned is None else learned.hover_power
     hover_w = None if measured is None else measured.value
 
     def consumed(against: float) -> Consumption | None:

@@ -1,7 +1,7 @@
 """QGroundControl's complex items (surveys, scans).
 
-One is written back only with exactly its items in a row, and no jump into them. Of a structure scan it stores no
-waypoints: `lay_out` makes them as it does.
+One is written back only with exactly its items in a row, and no jump into them. `lay_out` makes the waypoints of a
+structure scan.
 """
 
 import json

@@ -65,6 +65,10 @@ class Item:
         return self.command in commands.WAYPOINTS
 
     @property
+    def moves(self) -> bool:
+        return self.command <= commands.LAST_NAV or self.command in commands.MOVING_AFTER_LAST_NAV
+
+    @property
     def has_position(self) -> bool:
         return self._is_flown_to and (self.latitude_deg, self.longitude_deg) != (0.0, 0.0)
 

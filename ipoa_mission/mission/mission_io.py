@@ -70,9 +70,11 @@ def read_mission_file(
 def parse_mission(
     path: Path, text: str, autopilot: Autopilot | None = None, otherwise: Autopilot | None = None
 ) -> MissionFile:
-    parameters_file, record = parameter_path(path), mission_record(path, text)
+    parameters_file = parameter_path(path)
+    record = mission_record(path, text)
     listed = read_parameter_file(parameters_file) if parameters_file.is_file() else ParameterFile({})
-    parameters, firmware = listed.parameters, firmware_of(listed.parameters)
+    parameters = listed.parameters
+    firmware = firmware_of(listed.parameters)
     recorded = next((each for each in registered() if each.name == record.autopilot), None)
     file = _parsed(path, text, autopilot, firmware or recorded or otherwise)
     findings = [Finding("file-parameters", Severity.WARNING, None, unread.words) for unread in listed.unread]

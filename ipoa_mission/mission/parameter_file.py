@@ -60,7 +60,8 @@ def _row(text: str, line: int, place: str) -> _Row:
         case [name, value]:
             pass
         case [vehicle, component, name, value, kind] if (vehicle + component + kind).isdigit():
-            owner, whole = (vehicle, component), int(kind) not in (9, 10)  # MAV_PARAM_TYPE: floats
+            owner = (vehicle, component)
+            whole = int(kind) not in (9, 10)  # MAV_PARAM_TYPE: floats
             if not 1 <= int(kind) <= 10:
                 raise BadInput(f"expected a MAV_PARAM_TYPE from 1 to 10, not {kind}", place=f"{place}: {name}")
         case _:

@@ -383,5 +383,7 @@ def _unread(node: Node, missing: set[str]) -> Iterator[Unread]:
                     not kind and missing & {"geoFence", "rallyPoints"}
                 )
                 remedy = "spell it as QGroundControl does, or ignore this code where it limits no flight"
-                name, place = f'key "{key}"', node.place or "the file"
-                yield Unread(node.file, name, place, json.dumps(value), may_limit=bool(may_limit), remedy=remedy)
+                place = node.place or "the file"
+                yield Unread(
+                    node.file, f'key "{key}"', place, json.dumps(value), may_limit=bool(may_limit), remedy=remedy
+                )

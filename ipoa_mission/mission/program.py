@@ -14,15 +14,7 @@ from typing import TypeAlias
 import numpy as np
 
 from ipoa_mission.autopilot.autopilot import Autopilot
-from ipoa_mission.autopilot.commands import (
-    FLOWN_TO,
-    LAST_NAV,
-    MOVING_AFTER_LAST_NAV,
-    TAKEOFF_AND_LAND,
-    Command,
-    Frame,
-    plain_frame,
-)
+from ipoa_mission.autopilot.commands import FLOWN_TO, TAKEOFF_AND_LAND, Command, Frame, plain_frame
 from ipoa_mission.autopilot.guidance_profile import JumpProfile
 from ipoa_mission.autopilot.version import Version
 from ipoa_mission.geodesy import Geodetic, LocalFrame
@@ -92,16 +84,12 @@ def as_flown(mission: Mission) -> Mission:
     return replace(mission, items=tuple(items))
 
 
-def moves(item: Item) -> bool:
-    return item.command <= LAST_NAV or item.command in MOVING_AFTER_LAST_NAV
-
-
 def is_passed(item: Item) -> bool:
     return item.command == Command.NAV_ARC_WAYPOINT or (item.is_waypoint and item.params[0] < 1)
 
 
 def onward(items: Sequence[Item], n: int, autopilot: Autopilot, later: Iterable[int] | None = None) -> int | None:
-    """Return the item that the vehicle flies on to from item n without a stop; None: it stops."""
+    """Return the item that the vehicle flies on to from item n; None: it stops."""
     guidance = autopilot.guidance
     next_index = next_navigated(items, n, autopilot, later)
     if next_index is None or items[next_index].command not in guidance.flown_on_into:
@@ -121,7 +109,7 @@ def next_navigated(
     if autopilot.guidance.stops_to_hold and not is_passed(items[n]):
         return None
     following = range(n + 1, len(items)) if later is None else later
-    return next((index for index in following if moves(items[index])), None)
+    return next((index for index in following if items[index].moves), None)
 
 
 @dataclass
@@ -212,7 +200,7 @@ class Program:
         """Return the items done in passing after `index`, and the next that moves the vehicle."""
         passed: list[int] = []
         at = self.after(index)
-        while at is not None and not moves(self.items[at]):
+        while at is not None and not self.items[at].moves:
             if len(passed) == MAX_ACTIONS:
                 self.stuck_at, at = at, None
                 break
@@ -222,7 +210,7 @@ class Program:
             return passed, at
         done = passed[:1]
         action = self.after(done[0], taking=False) if at is not None else None
-        while action is not None and action not in done and not moves(self.items[action]):
+        while action is not None and action not in done and not self.items[action].moves:
             done.append(action)
             action = self.after(action, taking=False)
         return done, at
@@ -243,8 +231,8 @@ class Program:
         if not self.jump_profile.looks_past_jumps or not is_passed(self.items[index]):
             return None
         tried = (self.after(n, taking=False) for n in range(index, len(self.items) - 1))
-        ahead = next((n for n in tried if n is None or moves(self.items[n])), None)
-        follows = next((n for n in self.ahead(index) if moves(self.items[n])), None)
+        ahead = next((n for n in tried if n is None or self.items[n].moves), None)
+        follows = next((n for n in self.ahead(index) if self.items[n].moves), None)
         flies_on = self.autopilot.guidance.flown_on_into
         wrong = ahead is not None and ahead != follows and self.items[ahead].command in flies_on
         return ahead if wrong else None

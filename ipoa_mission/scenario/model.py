@@ -19,20 +19,13 @@ from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.ground import LEVEL, Ground
 from ipoa_mission.maps.passed import PassedCount, PassedOver
 from ipoa_mission.rules import expect_ignorable
-from ipoa_mission.scenario import flight_sections
+from ipoa_mission.scenario import flight_sections, place_sections
 from ipoa_mission.scenario.explain import explained
 from ipoa_mission.scenario.flight_sections import WindSection
 from ipoa_mission.scenario.map_sections import MapSection
 from ipoa_mission.scenario.obstacles import ObstacleSection
 from ipoa_mission.scenario.path_limits import Limits, low_zones, without_repeats
-from ipoa_mission.scenario.place_sections import (
-    BoundsSection,
-    FenceSection,
-    FlatTerrain,
-    HomeSection,
-    Place,
-    TerrainSection,
-)
+from ipoa_mission.scenario.place_sections import FenceSection, FlatTerrain, Place
 from ipoa_mission.scenario.section import NotNegative, Section, merged
 from ipoa_mission.scenario.surroundings import Reach, Surroundings, surroundings_of
 from ipoa_mission.scenario.vehicle_section import VehicleSection
@@ -84,7 +77,7 @@ class Scenario(Section):
     time: AwareDatetime | None = None
     """Take-off time, such as 2026-11-22T10:00:00Z. Zones that are inactive in the following hour are ignored. Default:
     zones are kept at all times."""
-    home: HomeSection
+    home: place_sections.HomeSection
     """Take-off place, and origin of the local frame."""
     start: Place
     """Begin of the planned path, above home or near it. Default with a `survey`: over home, at its height."""
@@ -92,9 +85,9 @@ class Scenario(Section):
     """End of the planned path. Default with a `survey`: where it begins."""
     via: tuple[Place, ...] = ()
     """Via points in this order; each is a waypoint of the mission."""
-    bounds: BoundsSection = BoundsSection()
+    bounds: place_sections.BoundsSection = place_sections.BoundsSection()
     """Box in which the flight stays."""
-    terrain: TerrainSection = FlatTerrain()
+    terrain: place_sections.TerrainSection = FlatTerrain()
     """The ground."""
     obstacles: tuple[ObstacleSection, ...] = ()
     """Obstacles drawn by hand."""

@@ -1,18 +1,8 @@
 import math
 from typing import Annotated, Any
 
-from pydantic import (
-    BeforeValidator,
-    Field,
-    InstanceOf,
-    PlainSerializer,
-    PrivateAttr,
-    StringConstraints,
-    ValidationInfo,
-    WithJsonSchema,
-    field_validator,
-    model_validator,
-)
+import pydantic
+from pydantic import Field, PrivateAttr, ValidationInfo, field_validator, model_validator
 
 from ipoa_mission.autopilot.autopilot import Autopilot, autopilot_named, default_autopilot, registered
 from ipoa_mission.autopilot.energy import KAPPA, Battery, PowerModel
@@ -23,7 +13,7 @@ from ipoa_mission.autopilot.version import Version
 from ipoa_mission.errors import BadInput
 from ipoa_mission.scenario.section import NotNegative, Positive, Section
 
-ParameterName = Annotated[str, StringConstraints(pattern=r"^[A-Za-z][A-Za-z0-9_]{0,15}$", to_upper=True)]
+ParameterName = Annotated[str, pydantic.StringConstraints(pattern=r"^[A-Za-z][A-Za-z0-9_]{0,15}$", to_upper=True)]
 Single = Annotated[float, Field(ge=-SINGLE_MAX, le=SINGLE_MAX)]
 
 
@@ -32,10 +22,10 @@ def _by_name(value: Any) -> Any:
 
 
 AutopilotName = Annotated[
-    InstanceOf[Autopilot],
-    BeforeValidator(_by_name),
-    PlainSerializer(str),
-    WithJsonSchema(
+    pydantic.InstanceOf[Autopilot],
+    pydantic.BeforeValidator(_by_name),
+    pydantic.PlainSerializer(str),
+    pydantic.WithJsonSchema(
         {"enum": [str(autopilot) for autopilot in registered()], "type": "string", "default": str(default_autopilot())}
     ),
 ]

@@ -194,13 +194,10 @@ class Contingencies:
     @cached_property
     def _clocks(self) -> tuple[Vector, Vector]:
         """Times of the same places: of a flight with exact position, and in the mean of all."""
-        noise_free = self.forecast.guarantee.flight.prediction.done
-        mean = self.forecast.expected.done
         tail_s = 1e6  # both run alike there
-        return (
-            np.concatenate([[0.0], noise_free, noise_free[-1:] + tail_s]),
-            np.concatenate([[0.0], mean, mean[-1:] + tail_s]),
-        )
+        times = self.forecast.guarantee.flight.prediction.done, self.forecast.expected.done
+        noise_free, mean = (np.concatenate([[0.0], done, done[-1:] + tail_s]) for done in times)
+        return noise_free, mean
 
     def _mean(self, times: Vector) -> Vector:
         return np.asarray(np.interp(times, *self._clocks))
@@ -273,7 +270,7 @@ class Contingencies:
         return grades
 
     def _nearer(self, contingency: Contingency, samples: ContingencySamples) -> tuple[Vector, NDArray[np.bool_]]:
-        """Return times 0.25 s apart, and at which of them the predicted path is too near, (n,) each."""
+        """Return times 0.25 s apart, and whether the path is too near, (n,) each."""
         begin, end = samples.times[0], samples.times[-1]
         evenly = np.linspace(begin, end, max(2, round((end - begin) / 0.25) + 1))
         after = np.clip(np.searchsorted(samples.times, evenly), 1, len(samples.times) - 1)
@@ -288,7 +285,9 @@ class Contingencies:
     def _row(self, contingency: Contingency, samples: ContingencySamples, run: range, grade: Grade) -> ContingencyRow:
         reached = run if grade is Grade.CLEAR else self._within_tolerance(samples, run)
         near = min(self._nearest(contingency, samples, reached), key=lambda clearance: clearance.distance)
-        least, required, to = near.distance, self.paths.required, near.what
+        least = near.distance
+        required = self.paths.required
+        to = near.what
         if GROUND in samples.which[reached.start : reached.stop]:
             on_ground = (n for n in reached if GROUND in samples.which[n])
             worst = min(on_ground, key=lambda n: float(samples.slack[n]))

@@ -79,7 +79,7 @@ class ContingencyPaths:
 
     @cached_property
     def in_air(self) -> tuple[float, float]:
-        """Return the first and the last time above 1 m [s]; lower the flight can end in place."""
+        """Return the first and the last time above 1 m [s]."""
         pieces = self.flight.pieces
         lifted = pieces.times[pieces.points[:, 2] > pieces.points[0, 2] + 1.0]
         return (float(lifted[0]), float(lifted[-1])) if len(lifted) else (0.0, 0.0)
@@ -96,7 +96,7 @@ class ContingencyPaths:
         step_s = 0.2
         times = np.append(np.arange(begin, end, step_s), end)
         obeyed = np.minimum(times + autopilot.flies_on(contingency), end)
-        before, stops, after = pieces.at(obeyed - step_s), pieces.at(obeyed), pieces.at(obeyed + step_s)
+        before, stops, after = (pieces.at(times_s) for times_s in (obeyed - step_s, obeyed, obeyed + step_s))
 
         velocity = (after - before) / (2 * step_s)
         level_speed = np.hypot(*velocity[:, :2].T)
@@ -135,7 +135,7 @@ class ContingencyPaths:
         return samples
 
     def at(self, contingency: Contingency, times: Vector) -> ContingencySamples:
-        """Return a contingency ordered at increasing `times` (n,) [s]."""
+        """Return a contingency at increasing `times` (n,) [s]."""
         batches = np.array_split(times, math.ceil(len(times) / SAMPLING.batch_size) or 1)
         return ContingencySamples.merge([self._at(contingency, batch) for batch in batches])
 
@@ -164,7 +164,6 @@ class ContingencyPaths:
         return self._with_ground(contingency, samples)
 
     def exact_clearance(self, contingency: Contingency, samples: ContingencySamples, n: int) -> Clearance:
-        """Return the clearance of sample `n` from obstacles, to the nearest on its possible paths."""
         if contingency is Contingency.SMART_RTL:
             leg = int(np.argmin(samples.near[n, 0]))
             number = int(samples.which[n, 0, leg])
@@ -325,7 +324,7 @@ class ContingencyPaths:
 
 
 def _end_of_flight(contingency: Contingency) -> int:
-    """Return the end of the places that must keep their height; those after are of the landing."""
+    """Return the end of the places before the landing."""
     return -1 if contingency is Contingency.RTL else 2
 
 

@@ -176,10 +176,7 @@ def refusal_of(forecast: Forecast) -> NotEnoughBattery | None:
 
 
 def greatest_fitting(fits: Callable[[int], bool], count: int, guess: int = 1) -> int:
-    """Return the greatest number up to `count` that fits; quick if `guess` is near.
-
-    Energy grows with the part flown before the return: flights as long as possible are the fewest.
-    """
+    """Return the greatest number from 0 to `count` that fits; quick if `guess` is near."""
     least = 0
     beyond = count + 1
     here = guess

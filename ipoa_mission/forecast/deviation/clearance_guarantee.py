@@ -10,13 +10,6 @@ from numpy.typing import NDArray
 import ipoa_mission.forecast.deviation.kept_limits as kept_limits
 from ipoa_mission.autopilot.commands import FLOWN_TO, LANDINGS, TAKEOFFS, Command
 from ipoa_mission.centimeters import ceil_cm, falls_short, floor_cm, goes_beyond
-from ipoa_mission.forecast.deviation.kept_limits import (
-    NO_DEVIATION,
-    ClearanceTask,
-    DeviationBound,
-    TightPlace,
-    deviation_bound_of,
-)
 from ipoa_mission.forecast.deviation.law import DeviationLaw
 from ipoa_mission.forecast.deviation.proximity import proximity_risks
 from ipoa_mission.forecast.itinerary.itinerary import Itinerary
@@ -67,7 +60,8 @@ class KeptLimit:
 
     def words(self, confidence: float | None) -> str:
         least, most, bound = (ceil_cm, floor_cm, "at most ") if self.limit == "ceiling" else (floor_cm, ceil_cm, "")
-        nominal, required = least(self.nominal), f"{bound}{most(self.required):.2f} m required"
+        nominal = least(self.nominal)
+        required = f"{bound}{most(self.required):.2f} m required"
         predicted = f"{abs(nominal):.2f} m{' inside' if nominal < 0 else ''}"
         if confidence is None:
             return f"predicted {predicted}; {required}"
@@ -102,9 +96,10 @@ class ClearanceGuarantee:
         return tuple(limit for limit in self.broken if not limit.in_cruise)
 
 
-def deviation_bound_holds(flown: Pieces, task: ClearanceTask) -> bool:
+def deviation_bound_holds(flown: Pieces, task: kept_limits.ClearanceTask) -> bool:
     chance, law = task.chance, task.law
-    required, airspace = ceil_cm(task.path.limits.obstacle_distance), task.path.airspace
+    required = ceil_cm(task.path.limits.obstacle_distance)
+    airspace = task.path.airspace
     if airspace.obstacles:
         free = kept_limits.round_places(flown.points, _tight(task)) < 0
         for stretch in kept_limits.runs(flown.points, free):
@@ -121,7 +116,7 @@ def deviation_bound_holds(flown: Pieces, task: ClearanceTask) -> bool:
     return not limits_broken_by_deviation(flown.points, task)
 
 
-def limits_broken_by_deviation(path: Points, task: ClearanceTask) -> list[Check]:
+def limits_broken_by_deviation(path: Points, task: kept_limits.ClearanceTask) -> list[Check]:
     """Return the limits of height and place that flights along the path (n, 3) break, each at its worst place."""
     checks = kept_limits.limits_kept(thinned(path), task.path, _bound(task.law, task.chance))
     return [check for check in checks if _breaks(check.nearest.distance, check.required, check.at_most)]
@@ -140,11 +135,13 @@ def _least_clearance(airspace: Airspace, stretches: list[Points], required: floa
     return min(map(airspace.obstacle_clearance, stretches), key=lambda clearance: clearance.distance)
 
 
-def _bound(law: DeviationLaw, chance: float | None) -> DeviationBound:
-    return (NO_DEVIATION if chance is None else deviation_bound_of(law, chance)).wider(THINNING_TOLERANCE)
+def _bound(law: DeviationLaw, chance: float | None) -> kept_limits.DeviationBound:
+    return (kept_limits.NO_DEVIATION if chance is None else kept_limits.deviation_bound_of(law, chance)).wider(
+        THINNING_TOLERANCE
+    )
 
 
-def _worst_checks(part: Pieces, task: ClearanceTask, bound: DeviationBound) -> Iterable[Check]:
+def _worst_checks(part: Pieces, task: kept_limits.ClearanceTask, bound: kept_limits.DeviationBound) -> Iterable[Check]:
     """Check the path, lowered and raised where flights spread."""
     side, down, up = np.vstack([part.spread, part.spread[-1:]]).T
     wider = replace(bound, level=bound.level + float(side.max()))
@@ -159,7 +156,7 @@ def _worst_checks(part: Pieces, task: ClearanceTask, bound: DeviationBound) -> I
     return worst.values()
 
 
-def _tight(task: ClearanceTask) -> tuple[TightPlace, ...]:
+def _tight(task: kept_limits.ClearanceTask) -> tuple[kept_limits.TightPlace, ...]:
     lateral = 0.0 if task.chance is None else task.law.lateral(task.chance)
     return kept_limits.tight_places(task.path, 2 * THINNING_TOLERANCE + lateral)
 
@@ -173,7 +170,7 @@ def clearance_guarantee_of(flight: "PredictedFlight") -> ClearanceGuarantee:
 class PredictedFlight:
     route: Itinerary
     prediction: Prediction
-    task: ClearanceTask
+    task: kept_limits.ClearanceTask
     spread: Points | None = None
 
     @cached_property
@@ -210,7 +207,8 @@ class PredictedFlight:
             yield from self._others(self.pieces.part(first, then), _bound(law, chance))
 
     def _above_ground(self, begin: float, end: float) -> list[tuple[float, float]]:
-        track, parts = self.prediction.track, list[tuple[float, float]]()
+        track = self.prediction.track
+        parts = list[tuple[float, float]]()
         for done, visit in zip(self.prediction.done, self.route.visits, strict=True):
             if visit.item.command == Command.NAV_PAYLOAD_PLACE and begin < done <= end:
                 over = track.at(np.array([done]))[0, :2]
@@ -223,7 +221,8 @@ class PredictedFlight:
     def _obstacles(
         self, part: Pieces, law: DeviationLaw, chance: float | None, chosen: NDArray[np.bool_], name: str
     ) -> KeptLimit:
-        airspace, required = self.task.path.airspace, self.task.path.limits.obstacle_distance
+        airspace = self.task.path.airspace
+        required = self.task.path.limits.obstacle_distance
         nominal = _least_clearance(airspace, [*kept_limits.runs(part.points, chosen)], required if name else -np.inf)
         least, to, place = nominal.distance, nominal.what, nominal.place
         guaranteed = least
@@ -237,9 +236,9 @@ class PredictedFlight:
                 to, place = airspace.obstacles[body].name, (east, north, height)
         return KeptLimit("obstacles", required, least, guaranteed, to, self._item(part, place), place, name)
 
-    def _others(self, part: Pieces, bound: DeviationBound) -> Iterator[KeptLimit]:
+    def _others(self, part: Pieces, bound: kept_limits.DeviationBound) -> Iterator[KeptLimit]:
         path = thinned(part.points)
-        checks = kept_limits.limits_kept(path, self.task.path, NO_DEVIATION.wider(THINNING_TOLERANCE))
+        checks = kept_limits.limits_kept(path, self.task.path, kept_limits.NO_DEVIATION.wider(THINNING_TOLERANCE))
         nominal = {(check.limit, check.required): check.nearest.distance for check in checks}
         for check in _worst_checks(part, self.task, bound):
             near = check.nearest

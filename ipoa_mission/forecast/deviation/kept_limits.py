@@ -1,7 +1,4 @@
-"""Compute what the deviation bound leaves of ground, ceiling and bounds, and enlarge a scene by it for planning.
-
-Near a place within the bound of a limit, the predicted path counts.
-"""
+"""Compute what the deviation bound leaves of ground, ceiling and bounds, and enlarge a scene by it for planning."""
 
 import math
 from collections.abc import Iterator
@@ -106,7 +103,8 @@ def deviation_bound_of(law: DeviationLaw, chance: float) -> DeviationBound:
 
 
 def limits_kept(path: Points, task: PathTask, bound: DeviationBound) -> Iterator[Check]:
-    higher, least = problem_of(task).tightened(bound.down), task.limits.height_above_ground
+    higher = problem_of(task).tightened(bound.down)
+    least = task.limits.height_above_ground
     sides = [np.zeros(3)]
     if task.airspace.terrain.steepness > 0 and bound.level > 0:
         turns = [2 * math.pi * side / 8 for side in range(8)]
@@ -132,7 +130,8 @@ def _bounds_kept(path: Points, task: PathTask, bound: DeviationBound) -> Check |
     spot, side = np.unravel_index(int(np.argmin(margins)), margins.shape)
     place = path[away][spot]
     sides = ("west", "south", "lower", "east", "north", "upper")
-    least, nearest = float(margins[spot, side]), f"the {sides[side]} bound"
+    least = float(margins[spot, side])
+    nearest = f"the {sides[side]} bound"
     if bounds.footprint is not None:
         edge = shapely.boundary(bounds.footprint.shape)
         line = shapely.LineString(path[:, :2])
@@ -163,7 +162,8 @@ def with_margins(task: ClearanceTask, sharing: float, keep_gaps: bool = False, h
     path, law, chance = task.path, task.law, task.chance
     if chance is None:
         return path
-    bound, level = deviation_bound_of(law, chance), law.level.distance(chance / sharing)
+    bound = deviation_bound_of(law, chance)
+    level = law.level.distance(chance / sharing)
     airspace = path.airspace
     growth = np.full(len(airspace.obstacles), level)
     bodies = grown(path, path, growth, DeviationBound(level, bound.down, bound.up), keep_gaps)

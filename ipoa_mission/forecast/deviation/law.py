@@ -38,7 +38,6 @@ class Quantiles:
         return float(np.interp(log, logs[::-1], self.distances[::-1]))
 
     def longer(self, by: float) -> "Quantiles":
-        """Return the quantiles with all distances but the first longer by `by` [m]."""
         first, *farther = self.distances
         return replace(self, distances=(first, *(distance + by for distance in farther)))
 
@@ -62,8 +61,7 @@ class DeviationLaw:
     a height error persists. `farthest`: to one side, where it does not grow with time. `growth`: in wind [m for each
     m/s, to the side, down, up].
 
-    `source`: the flights measured. Other airframes and errors of satellite positioning were not. `strongest`: greatest
-    verified wind with gusts [m/s].
+    `source`: the flights measured. `strongest`: greatest verified wind with gusts [m/s].
     """
 
     level: Quantiles

@@ -162,7 +162,8 @@ class ProximityRisks:
 
 def proximity_risks(flown: Pieces, airspace: Airspace, law: DeviationLaw, clearance: float) -> ProximityRisks:
     a, b = flown.points[:-1], flown.points[1:]
-    widening, rare = law.widening(flown.across), 1e-5  # the chance of obstacles that are ignored
+    widening = law.widening(flown.across)
+    rare = 1e-5  # the chance of obstacles that are ignored
     reach = max(clearance, 0.0) + widening * law.level.distance(rare) + flown.spread[:, 0]
     lines = shapely.linestrings(np.stack([a[:, :2], b[:, :2]], axis=1))
     piece, obstacle = airspace.beside(lines, reach)

@@ -1,4 +1,4 @@
-"""Compute the arcs, circles and splines that ArduCopter flies (4.8.0-dev; docs/lab/flight-time.md).
+"""Compute the arcs, circles and splines that ArduCopter flies.
 
 The height changes linearly on an arc. A circle is entered at its nearest point, within `NEAR_CIRCLE` in place. A
 spline is a cubic Hermite segment whose tangents are differences of places; a stop has no tangent.
@@ -112,7 +112,8 @@ def circle_chords(begin: Place, center: Place, flown: FlownCircle, turn: float, 
 
     Chords are within `stray` [m].
     """
-    whole, sense = math.fmod(turn, math.tau), math.copysign(1.0, turn)
+    whole = math.fmod(turn, math.tau)
+    sense = math.copysign(1.0, turn)
     swept = turn if abs(turn) <= math.tau else sense * math.tau + whole
     swept = sense * max(abs(swept) - flown.behind, 0.0)
     widest = 2.0 * math.acos(max(1.0 - stray / flown.radius, 0.0))

@@ -101,7 +101,8 @@ class _LegBuilder:
         self.ground = ground or Ground(Flat(float(self.home[2])))
         self.places = item_places(mission, frame, self.ground)
         self.parameters = mission.complete_parameters
-        self.at, self.last = self.home, 0  # the last item that moved the vehicle
+        self.at = self.home
+        self.last = 0  # the last item that moved the vehicle
         self.flown_in: Vector | None = None  # direction of arrival, if it flies on without a stop, (3,) [m]
         #: The spline that led here: its item, its begin, and the direction of arrival there.
         self.curve: tuple[int, Vector, Vector | None] | None = None
@@ -144,7 +145,8 @@ class _LegBuilder:
             leg = self._bent(seq, item, curves.arc_chords(*ends, turn, CHORD_TOLERANCE))
         else:
             leg = self._to(seq, target, item.is_over_terrain)
-        self.flown_in, self.curve = None if next_index is None else target - origin, None
+        self.flown_in = None if next_index is None else target - origin
+        self.curve = None
         return leg
 
     def _curve(self, seq: int, item: Item, target: Vector, next_index: int | None) -> Leg:
@@ -188,7 +190,8 @@ class _LegBuilder:
         elif apart > curves.NEAR_CIRCLE:
             yield self._to(seq, np.array(edge), item.is_over_terrain)
         self.flown_in = self.curve = None
-        turn, version = curves.circle_turn(item), self.mission.firmware_version
+        turn = curves.circle_turn(item)
+        version = self.mission.firmware_version
         if radius > 0.0 and turn != 0.0:
             flown = self.mission.autopilot.circle(self.parameters, radius, turn, self.speed, version)
             assert flown is not None, "it flies circles"
@@ -265,10 +268,7 @@ class _LegBuilder:
         yield self._vertical(seq, FlightStage.LANDING, float(self.ground(self.home[None, :])[0]))
 
     def trace_returns(self, places: Points) -> Iterator[tuple[Vector, NDArray[np.float64]]]:
-        """Return each goal, and the paths from places (n, 3) to over it, (n, 3, 3).
-
-        Its height above home is constant: 10 km away it is 8 m lower.
-        """
+        """Return each goal, and the paths from places (n, 3) to over it, (n, 3, 3)."""
         amsl, autopilot = self.mission.home.altitude, self.mission.autopilot
         latitude, longitude, altitude = self.frame.to_geodetic(places)
         ups = (0.0, *(place.altitude for place in self.mission.rally))

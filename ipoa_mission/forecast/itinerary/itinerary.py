@@ -25,10 +25,7 @@ CONDITIONS = frozenset({Command.CONDITION_DELAY, Command.CONDITION_DISTANCE})
 
 @dataclass(frozen=True)
 class Itinerary:
-    """The items in the order flown: `visits` numbered as in the mission, `program` with their places.
-
-    `over_terrain`: numbers of items above terrain. `rally`: east, north, up [m]. `parameters` by their older names.
-    """
+    """The items in the order flown, numbered as in the mission; `parameters` by their older names."""
 
     visits: tuple[Numbered, ...]
     program: Program
@@ -149,7 +146,8 @@ def find_unknown(mission: Mission) -> Iterator[Unknown]:
     for n, item in enumerate(items):
         if (why := autopilot.command_effects.why_unknown(item.command, item.params)) is not None:
             yield Unknown(n + 1, why, "leave it out, or fly it without a forecast (--anyway)")
-        place, before = program.place(n, here or NO_PLACE), here
+        place = program.place(n, here or NO_PLACE)
+        before = here
         if circles and item.command == Command.NAV_LOITER_TURNS:
             if circle_radius(item) > 150.0:
                 why = "circles beyond 150 m are flown up to 1.0 m off their forecast"

@@ -1,8 +1,7 @@
 """Compute the least time along a curve, limited by speed, acceleration and jerk.
 
 The curve is a not-a-knot cubic spline (de Boor); importing SciPy's takes longer than the rest of an estimate.
-Time-optimal path parametrisation in two passes (Bobrow et al.). Jerk counts only at both ends, so the result stays a
-lower bound. (toppra has box limits; a vehicle's acceleration is limited in length.)
+Time-optimal path parametrisation in two passes (Bobrow et al.). Jerk counts only at both ends.
 """
 
 import math

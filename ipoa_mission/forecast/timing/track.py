@@ -66,7 +66,8 @@ def thinned(path: Points, stray: float = THINNING_TOLERANCE) -> Points:
     for first in range(0, len(path) - 1, batch_size):
         batch = slice(first, first + batch_size + 1)
         numbers = np.arange(len(path))[batch]
-        top_view, side_view = path[batch, :2], np.column_stack([traveled[batch], path[batch, 2]])
+        top_view = path[batch, :2]
+        side_view = np.column_stack([traveled[batch], path[batch, 2]])
         for view in (top_view, side_view):
             numbered = shapely.linestrings(np.column_stack([view, numbers]))
             few = shapely.simplify(numbered, stray, preserve_topology=False)  # checked by `_folded`
@@ -123,7 +124,7 @@ def pieces_of(track: Track, spread: Points | None = None) -> Pieces:
 
 
 def _bends(track: Track) -> tuple[Vector, Vector]:
-    """Return times, and the greatest lateral acceleration within 2 s of each, (n,) [m/s^2]."""
+    """Return times, and the greatest lateral acceleration near each, (n,) [m/s^2]."""
     begin = float(track.times[0])
     end = float(track.times[-1])
     step_s = 0.1
