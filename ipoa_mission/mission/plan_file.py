@@ -384,6 +384,5 @@ def _unread(node: Node, missing: set[str]) -> Iterator[Unread]:
                 )
                 remedy = "spell it as QGroundControl does, or ignore this code where it limits no flight"
                 place = node.place or "the file"
-                yield Unread(
-                    node.file, f'key "{key}"', place, json.dumps(value), may_limit=bool(may_limit), remedy=remedy
-                )
+                example = json.dumps(value)
+                yield Unread(node.file, f'key "{key}"', place, example, may_limit=bool(may_limit), remedy=remedy)

@@ -112,8 +112,7 @@ def circle_chords(begin: Place, center: Place, flown: FlownCircle, turn: float, 
 
     Chords are within `stray` [m].
     """
-    whole = math.fmod(turn, math.tau)
-    sense = math.copysign(1.0, turn)
+    whole, sense = math.fmod(turn, math.tau), math.copysign(1.0, turn)
     swept = turn if abs(turn) <= math.tau else sense * math.tau + whole
     swept = sense * max(abs(swept) - flown.behind, 0.0)
     widest = 2.0 * math.acos(max(1.0 - stray / flown.radius, 0.0))

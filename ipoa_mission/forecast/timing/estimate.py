@@ -240,8 +240,7 @@ def qgroundcontrol_time(mission: Mission) -> float:
     here = (mission.home.latitude_deg, mission.home.longitude_deg)
     height = 0.0
     total = 0.0
-    taken_off = False
-    scanned = dict(mission.scanned)
+    taken_off, scanned = False, dict(mission.scanned)
     for index, item in enumerate(mission.items):
         total += scanned.get(index, 0.0) / speed
         if item.command == Command.NAV_RETURN_TO_LAUNCH:
