@@ -2,6 +2,7 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
+from ipoa_mission.autopilot.commands import command_name
 from ipoa_mission.centimeters import floor_cm
 from ipoa_mission.cli.check_files import clearance_words, wind_words
 from ipoa_mission.cli.checking import estimate_as_json, route_in_words
@@ -92,7 +93,7 @@ def _legs(estimate: Estimate, record: FlightRecord) -> list[tuple[str, ...]]:
     for item in estimate.items:
         flown_s = record.item_reached_s.get(item.seq - 1)
         cells = ("", "") if flown_s is None else (f"{flown_s:.1f}", f"{item.done_s - flown_s:+.1f}")
-        rows.append((str(item.seq), item.name, f"{item.done_s:.1f}", *cells))
+        rows.append((str(item.seq), command_name(item.command), f"{item.done_s:.1f}", *cells))
     return rows
 
 
