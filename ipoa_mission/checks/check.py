@@ -52,18 +52,14 @@ def check(forecast: Forecast, ignore: Iterable[str] = (), read: Iterable[Finding
     scenario = forecast.scenario
     ignored = expect_ignorable(ignore) | (frozenset() if scenario is None else scenario.safety.ignored)
     positions = tuple(check_positions(mission))
-    findings = list(read)
-    findings += firmware.check_version(mission.autopilot, mission.firmware_version, mission.unmeasured_version)
-    findings += firmware.check_firmware(mission)
-    findings += positions
-
+    version = firmware.check_version(mission.autopilot, mission.firmware_version, mission.unmeasured_version)
+    findings = [*read, *version, *firmware.check_firmware(mission), *positions]
     if mission.vehicle_type in NO_AIRCRAFT:
         message = f"the mission is for {mission.other_vehicle}, which does not fly: only flights are judged"
         findings.append(Finding("no-aircraft", Severity.ERROR, None, message))
     elif mission.other_vehicle:
         message = f"the mission is for {mission.other_vehicle}: its legs are judged as a multicopter flies them"
         findings.append(Finding("other-vehicle", Severity.WARNING, None, message))
-
     elsewhere = None if scenario is None else scenario.why_elsewhere(mission.home)
     if elsewhere is not None:
         findings.append(Finding("another-place", Severity.ERROR, 0, str(elsewhere), elsewhere.hint))

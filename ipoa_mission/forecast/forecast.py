@@ -213,8 +213,7 @@ class Forecast:
         task = clearance_task(self.world, self.mission.autopilot)
         predicted = self.predicted(noise_free=True)
         model = self.mission.autopilot.part(FlightModel)
-        flown = (self.itinerary, self.mission, self.wind, predicted)
-        spread = None if task.chance is None else model.spread(*flown)
+        spread = None if task.chance is None else model.spread(self.itinerary, self.mission, self.wind, predicted)
         return clearance_guarantee_of(PredictedFlight(self.itinerary, predicted, task, spread))
 
     given, promise = renamed("given", "mission_as_read"), renamed("promise", "guarantee")

@@ -70,8 +70,7 @@ def read_mission_file(
 def parse_mission(
     path: Path, text: str, autopilot: Autopilot | None = None, otherwise: Autopilot | None = None
 ) -> MissionFile:
-    parameters_file = parameter_path(path)
-    record = mission_record(path, text)
+    parameters_file, record = parameter_path(path), mission_record(path, text)
     listed = read_parameter_file(parameters_file) if parameters_file.is_file() else ParameterFile({})
     parameters = listed.parameters
     firmware = firmware_of(listed.parameters)

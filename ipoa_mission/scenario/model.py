@@ -11,6 +11,8 @@ import numpy as np
 from pydantic import AfterValidator, AwareDatetime, ConfigDict, Field, ValidationError, ValidationInfo, model_validator
 from pydantic_core import PydanticKnownError
 
+import ipoa_mission.scenario.flight_sections as flight_sections
+import ipoa_mission.scenario.place_sections as place_sections
 from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.errors import BadInput, TooFar, renamed
 from ipoa_mission.files import plug_ins
@@ -19,7 +21,6 @@ from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.ground import LEVEL, Ground
 from ipoa_mission.maps.passed import PassedCount, PassedOver
 from ipoa_mission.rules import expect_ignorable
-from ipoa_mission.scenario import flight_sections, place_sections
 from ipoa_mission.scenario.explain import explained
 from ipoa_mission.scenario.flight_sections import WindSection
 from ipoa_mission.scenario.map_sections import MapSection

@@ -4,12 +4,14 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import Any, Protocol, TypeAlias
 
 import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+import ipoa_mission.scenario.obstacles as obstacle_sections
+import ipoa_mission.scenario.place_sections as place_sections
 from ipoa_mission.errors import BadInput, InvalidRing, NotCovered
 from ipoa_mission.geodesy import LocalFrame
 from ipoa_mission.geometry import Points, Vector
@@ -20,7 +22,7 @@ from ipoa_mission.maps.feature import many_objects
 from ipoa_mission.maps.map_obstacles import MapObstacle, raise_obstacles
 from ipoa_mission.maps.map_window import Box
 from ipoa_mission.maps.passed import PassedCount, PassedOver, count_passed_over
-from ipoa_mission.scenario.map_sections import BuildingsMap, ElevationTerrain, FlightAreaMap, NoFlyMap
+from ipoa_mission.scenario.map_sections import BuildingsMap, ElevationTerrain, FlightAreaMap, MapSection, NoFlyMap
 from ipoa_mission.scenario.obstacles import MARGIN, UNLIMITED_HEIGHT, meets, no_fly_prisms, on_lines, zone_near
 from ipoa_mission.scenario.place_sections import FenceSection, FlatTerrain, east_north_of
 from ipoa_mission.unread import Unread, gathered
@@ -29,15 +31,32 @@ from ipoa_mission.world.obstacles import Obstacle, RoundZone, Zone
 from ipoa_mission.world.polygon import Polygon, rings_of
 from ipoa_mission.world.terrain import Grid, Terrain
 
-if TYPE_CHECKING:
-    from ipoa_mission.scenario.model import Scenario
-
 HOME = shapely.Point(0.0, 0.0)
 WINDOW_MARGIN = 500.0  # growth of the bounds without a second reading [m]
 BEYOND = f"more than {MARGIN:g} m outside the bounds"
 
 
 Reach: TypeAlias = tuple[Points, float]  # corners (n, 2), greatest height above ground [m]
+
+
+class Site(Protocol):
+    start: place_sections.Place
+    goal: place_sections.Place
+    via: tuple[place_sections.Place, ...]
+    bounds: place_sections.BoundsSection
+    terrain: place_sections.TerrainSection
+    obstacles: tuple[obstacle_sections.ObstacleSection, ...]
+    maps: tuple[MapSection, ...]
+    fence: tuple[FenceSection, ...]
+
+    @property
+    def frame(self) -> LocalFrame: ...
+
+    @property
+    def unix_s(self) -> float | None: ...
+
+    @property
+    def added_reach(self) -> Reach: ...
 
 
 def allowed_area(fences: Sequence[FenceSection], frame: LocalFrame) -> Any | None:
@@ -102,19 +121,17 @@ class _Zones:
 
 
 @many_objects()
-def surroundings_of(scenario: "Scenario") -> Surroundings:
+def surroundings_of(scenario: Site) -> Surroundings:
     frame = scenario.frame
     maps = _read_zones(scenario)
     allowed = allowed_area(scenario.fence, frame)
     buildings, corners = _read_buildings(scenario, maps.area, _things(scenario), allowed)
     near, beyond = _near(_map_obstacles(scenario, buildings), maps.no_fly, corners)
-
     terrain, terrain_remarks = _terrain(scenario, *corners)
     ground = Ground(terrain)
     tables = enumerate(scenario.obstacles)
     drawn = tuple(table.build(table.name or f"{table.kind} {i}", frame, ground) for i, table in tables)
     raised = raise_obstacles(near, ground)
-
     lower, upper = scenario.bounds.up or _up(scenario, terrain, corners, (*drawn, *raised))
     prisms, contrary = no_fly_prisms(maps.no_fly, corners, (lower, upper), terrain, frame)
     exclusions = forbidden(scenario.fence, frame, min(lower, 0.0) - MARGIN, UNLIMITED_HEIGHT)
@@ -140,7 +157,7 @@ def surroundings_of(scenario: "Scenario") -> Surroundings:
     return Surroundings(airspace, fence, passed, counts, unread, remarks)
 
 
-def _read_zones(scenario: "Scenario") -> _Zones:
+def _read_zones(scenario: Site) -> _Zones:
     no_fly = list[tuple[NoFlyMap, MapArea]]()
     areas = list[Any]()
     fenced = False
@@ -168,7 +185,7 @@ def _read_zones(scenario: "Scenario") -> _Zones:
 
 
 def _read_buildings(
-    scenario: "Scenario", area: Any | None, things: Box, allowed: Any | None
+    scenario: Site, area: Any | None, things: Box, allowed: Any | None
 ) -> tuple[dict[int, Buildings], Box]:
     """Return buildings by map number, and the bounds; buildings may extend these, then maps are read again."""
 
@@ -187,7 +204,7 @@ def _read_buildings(
     return buildings, bounds
 
 
-def _map_obstacles(scenario: "Scenario", buildings: Mapping[int, Buildings]) -> tuple[tuple[Path, MapObstacle], ...]:
+def _map_obstacles(scenario: Site, buildings: Mapping[int, Buildings]) -> tuple[tuple[Path, MapObstacle], ...]:
     return tuple((scenario.maps[n].file, thing) for n, read in buildings.items() for thing in read.obstacles)
 
 
@@ -215,25 +232,25 @@ def _expect_home_allowed(section: NoFlyMap | FlightAreaMap, zones: tuple[MapArea
                 raise BadInput(words, code="home-outside-fence", place=section.file)
 
 
-def _places(scenario: "Scenario") -> NDArray[np.float64]:
+def _places(scenario: Site) -> NDArray[np.float64]:
     """Return home, places and corners of added tables, (n, 2) [m]."""
     places = (scenario.start, scenario.goal, *scenario.via)
     corners = scenario.added_reach[0]
     return np.vstack([(0.0, 0.0), *(place.east_north(scenario.frame) for place in places), corners])
 
 
-def _things(scenario: "Scenario") -> Box:
+def _things(scenario: Site) -> Box:
     drawn = [obstacle.build("", scenario.frame, LEVEL) for obstacle in scenario.obstacles]
     things = np.vstack([_places(scenario), *(obstacle.bounds[:, :2] for obstacle in drawn)])
     return things.min(axis=0), things.max(axis=0)
 
 
-def _reach(scenario: "Scenario") -> float:
+def _reach(scenario: Site) -> float:
     return max(scenario.bounds.margin, float(np.linalg.norm(np.ptp(_places(scenario), axis=0))) / 2)
 
 
 def _horizontal_bounds(
-    scenario: "Scenario", area: Any | None, things: Box, boxes: NDArray[np.float64], allowed: Any | None
+    scenario: Site, area: Any | None, things: Box, boxes: NDArray[np.float64], allowed: Any | None
 ) -> Box:
     if area is not None:
         west, south, east, north = shapely.bounds(area)
@@ -276,7 +293,7 @@ def _near(
     return tuple(near), tuple(beyond)
 
 
-def _terrain(scenario: "Scenario", lower: Vector, upper: Vector) -> tuple[Terrain, tuple[str, ...]]:
+def _terrain(scenario: Site, lower: Vector, upper: Vector) -> tuple[Terrain, tuple[str, ...]]:
     section = scenario.terrain
     if isinstance(section, ElevationTerrain):
         return section.read(scenario.frame, (float(lower[0]), float(lower[1])), (float(upper[0]), float(upper[1])))
@@ -304,7 +321,7 @@ def _expect_cover(grid: Grid, corners: Box) -> None:
         )
 
 
-def _up(scenario: "Scenario", terrain: Terrain, corners: Box, obstacles: tuple[Obstacle, ...]) -> tuple[float, float]:
+def _up(scenario: Site, terrain: Terrain, corners: Box, obstacles: tuple[Obstacle, ...]) -> tuple[float, float]:
     places = (scenario.start, scenario.goal, *scenario.via)
     ends = [0.0, *(place.point(scenario.frame, Ground(terrain))[2] for place in places)]
     ground = on_lines(terrain, corners)

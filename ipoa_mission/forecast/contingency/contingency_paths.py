@@ -106,12 +106,10 @@ class ContingencyPaths:
         accel = (after[:, :2] + before[:, :2] - 2 * stops[:, :2]) / step_s**2
         del before, after  # large
         accel += along * (gains - (accel * along).sum(axis=1))[:, None]
-
         if not autopilot.guidance.climb_ends_at_once:  # else it stops within 0.5 m
             path = autopilot.braking_distance(parameters, level_speed, gains)
             stops[:, 2] += velocity[:, 2] * path / speed
         stops[:, :2] += autopilot.stopping_offset(parameters, velocity[:, :2], accel, contingency)
-
         seqs = np.array([visit.seq for visit in self.flight.route.visits])
         ahead = np.minimum(np.searchsorted(self.flight.prediction.done, times), len(seqs) - 1)
         return StoppingPoints(times, pieces.at(times), stops, seqs[ahead])
@@ -156,7 +154,6 @@ class ContingencyPaths:
             near[:, 0, 1], which[:, 0, 1] = self._flown_so_far(times)
         if contingency is Contingency.RTL:
             self._note_mission(times, near, which)
-
         spread = self._spread(times)
         near -= spread[:, None, None]
         slack = np.where(possible, near.min(axis=2) - self.required, np.inf).min(axis=1).clip(max=SAMPLING.max_slack)

@@ -69,8 +69,7 @@ class ReturnRoutes:
 
     def paths(self, by: ReturnBy, starts: NDArray[np.float64], seqs: NDArray[np.intp]) -> NDArray[np.float64]:
         """Return the paths (n, p, 3) from starts (n, k, 3)."""
-        most = len(self._places) + 2
-        paths = []
+        most, paths = len(self._places) + 2, []
         for start, seq in zip(starts, seqs.tolist(), strict=True):
             nodes = list(self._nodes(by, start[-1], seq))
             paths.append([*start, *[start[-1]] * (most - len(nodes)), *nodes])
@@ -99,8 +98,7 @@ class ReturnRoutes:
         """
         ground = self.forecast.world.airspace.ground
         lower = self.forecast.world.airspace.ground(beyond)
-        under = ground(stops)
-        far = np.hypot(*(beyond - stops)[:, :2].T)
+        under, far = ground(stops), np.hypot(*(beyond - stops)[:, :2].T)
         return_height = partial(self.mission.autopilot.return_height, self.parameters)
         above = list(map(return_height, (stops[:, 2] - under).tolist(), far.tolist(), (up - lower).tolist()))
         along = np.linspace(0.0, 1.0, 61)[None, :, None]  # 60 legs
@@ -112,8 +110,7 @@ class ReturnRoutes:
     def _nodes(self, by: ReturnBy, at: Vector, seq: int) -> Iterator[Vector]:
         if by is ReturnBy.MISSION_REVERSED:
             before = [place for number, place in reversed(self._places) if number < seq] or [self._places[0][1]]
-            last = before[-1]
-            down = np.zeros(3)
+            last, down = before[-1], np.zeros(3)
             yield from before
         else:
             *ahead, down = [place for number, place in self._places if number >= seq] or [self._places[-1][1]]

@@ -191,8 +191,8 @@ class _LegBuilder:
             yield self._to(seq, np.array(edge), item.is_over_terrain)
         self.flown_in = self.curve = None
         turn = curves.circle_turn(item)
-        version = self.mission.firmware_version
         if radius > 0.0 and turn != 0.0:
+            version = self.mission.firmware_version
             flown = self.mission.autopilot.circle(self.parameters, radius, turn, self.speed, version)
             assert flown is not None, "it flies circles"
             turn, begin = curves.circle_turn(item, flown.sense), self._over(item, self.at)
@@ -242,8 +242,7 @@ class _LegBuilder:
 
     def _returns(self, seq: int) -> Iterator[Leg]:
         places = [triple(place) for place in self._rally_points()]
-        version = self.mission.firmware_version
-        order = ReturnOrder(triple(self.at), places, version=version)
+        order = ReturnOrder(triple(self.at), places, version=self.mission.firmware_version)
         route = self.mission.autopilot.return_route(self.parameters, order)
         if route.by is ReturnBy.MISSION_REVERSED:
             yield from self._back(seq)

@@ -87,10 +87,8 @@ def itinerary(mission: Mission, ground: Ground = LEVEL) -> Itinerary:
 
 
 def rally_places(mission: Mission) -> tuple[Place, ...]:
-    if not mission.rally:
-        return ()
-    frame, home = mission.frame, mission.home
-    places = (frame.local(Geodetic(at.latitude_deg, at.longitude_deg, home.altitude)) for at in mission.rally)
+    frame, altitude = mission.frame, mission.home.altitude
+    places = (frame.local(Geodetic(at.latitude_deg, at.longitude_deg, altitude)) for at in mission.rally)
     return tuple((float(p[0]), float(p[1]), at.altitude) for p, at in zip(places, mission.rally, strict=True))
 
 

@@ -69,9 +69,7 @@ class LegSpeeds:
     curved: bool = False
 
     def why_slow(self) -> str:
-        reasons = []
-        planned = self.planned
-        least = 0.95
+        reasons, planned, least = [], self.planned, 0.95
         wanted = min(self.asked if planned is None else planned, self.allowed, self.asked)
         if planned is not None and planned < least * min(self.allowed, self.asked):
             reasons.append("leg shorter than its braking distance")

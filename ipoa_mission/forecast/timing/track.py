@@ -124,7 +124,6 @@ def pieces_of(track: Track, spread: Points | None = None) -> Pieces:
 
 
 def _bends(track: Track) -> tuple[Vector, Vector]:
-    """Return times, and the greatest lateral acceleration near each, (n,) [m/s^2]."""
     begin = float(track.times[0])
     end = float(track.times[-1])
     step_s = 0.1
