@@ -135,10 +135,9 @@ def _above_sea(side: str, limit: VerticalLimit | None, feature: Feature, notes: 
     """Convert an ellipsoidal limit to mean sea level, safely if the geoid is unknown."""
     if limit is None or limit.reference != "WGS84":
         return limit
-    home = notes.frame.home
     stated = f"{limit.height:g} m WGS84"
     try:
-        geoid, source = undulation(home.latitude_deg, home.longitude_deg, None, notes.path)
+        geoid, source = undulation(notes.frame.home.latitude_deg, notes.frame.home.longitude_deg, None, notes.path)
         notes.remarks.append(f"{feature.name}: {side} limit {stated} taken less {geoid:.2f} m of geoid ({source})")
     except BadInput:
         geoid = -107.0 if side == "upper" else 86.0  # extremes of EGM96 and EGM2008

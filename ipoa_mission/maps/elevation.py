@@ -281,8 +281,7 @@ class _Raster:
                 yield f"heights differ by {most:.0f} m from one {side} to the next {where}: one may be missing"
 
     def _completed(self, posts: _Posts, fill: bool, why: str) -> tuple[_Posts, tuple[str, ...]]:
-        wild = posts.heights > HIGHEST
-        missing = np.isnan(posts.heights)
+        wild, missing = posts.heights > HIGHEST, np.isnan(posts.heights)
         if wild.any():
             words = f"expected heights of ground, not {posts.heights[wild][0]:g} m {self._where(wild, posts)}"
             hint = "if this number marks a missing height, set terrain.nodata to it"

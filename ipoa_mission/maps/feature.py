@@ -54,7 +54,7 @@ def on_earth(corners: Corners, place: str, hint: str = "export the file in WGS 8
 
 
 class Mistakes:
-    """Collects errors, to report them together."""
+    """Collects errors."""
 
     def __init__(self) -> None:
         self._first: list[BadInput] = []

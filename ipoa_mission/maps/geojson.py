@@ -34,8 +34,7 @@ def read_geojson(path: Path) -> tuple[Feature, ...]:
         values = _values(text)
     except json.JSONDecodeError as error:
         words = f"{error.msg[:1].lower()}{error.msg[1:]}"
-        place = f"{path}: line {error.lineno}"
-        raise WrongFormat(words, hint=why_no_json(text, error.pos), place=place) from error
+        raise WrongFormat(words, hint=why_no_json(text, error.pos), place=f"{path}: line {error.lineno}") from error
     except ValueError:
         raise TooLarge("expected numbers that fit in 64 bits, not one of thousands of digits", place=path) from None
     except RecursionError:

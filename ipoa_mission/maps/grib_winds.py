@@ -175,7 +175,7 @@ def _no_single_forecast(get: Any) -> str:
     if get("stepType") not in (None, "instant"):
         return f"its {get('stepType')} over a time"
     template = get("productDefinitionTemplateNumber", int)
-    if template in (None, 0, 1) or get("derivedForecast", int) in (0, 1):  # a single forecast, or the mean of members
+    if template in (None, 0, 1) or get("derivedForecast", int) in (0, 1):
         return ""
     return f"by product template {template}"
 

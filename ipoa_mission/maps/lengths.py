@@ -1,7 +1,4 @@
-"""Read lengths and storeys as mappers spell them: `23 m`, `7'4"`, `22+`, `60 m (AGL)`, `1,200`, `G+4`.
-
-The greatest counts, for safety.
-"""
+"""Read lengths and storeys as mappers spell them: `23 m`, `7'4"`, `22+`, `60 m (AGL)`, `1,200`, `G+4`."""
 
 import math
 import re

@@ -30,12 +30,10 @@ class MapObstacle(NamedTuple):
 
 
 def raise_obstacles(obstacles: Sequence[MapObstacle], ground: Ground) -> tuple[Obstacle, ...]:
-    hanging = [
-        prism
-        for s in obstacles
-        if s.hangs
-        for prism in raise_span(s.called or s.name, s.shape, s.reach, s.height, ground)
-    ]
+    hanging = list[Prism]()
+    for s in obstacles:
+        if s.hangs:
+            hanging += raise_span(s.called or s.name, s.shape, s.reach, s.height, ground)
     upright = [s for s in obstacles if not s.hangs]
     if not upright:
         return tuple(hanging)

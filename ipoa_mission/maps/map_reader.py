@@ -27,7 +27,7 @@ Reader: TypeAlias = Callable[[Path, MapWindow], Iterator[Sequence[Feature]]]
 
 
 def _whole(read: Callable[[Path], Sequence[Feature]]) -> Reader:
-    """Return a reader of one batch; without a window all features count, far ones too."""
+    """Return a reader of one batch."""
 
     def read_batch(path: Path, around: MapWindow) -> Iterator[Sequence[Feature]]:
         features = read(path)
@@ -63,7 +63,7 @@ def read_features(path: Path, around: MapWindow | None = None) -> tuple[Feature,
 
 
 def read_batches(path: Path, around: MapWindow) -> Iterator[Sequence[Feature]]:
-    """Yield the features in a window; without one as they are read, with one at once, also from memory."""
+    """Yield the features in a window."""
     suffix = path.suffix.lower()
     if suffix not in _READERS:
         words = f"expected a file that ends in {', '.join(READERS)}, not in {path.suffix or 'nothing'}"

@@ -36,6 +36,12 @@ STANDARD_COMPONENTS = {
 }
 GEOGRAPHIC, ALONG_AXES = ("eastward_wind", "northward_wind"), ("x_wind", "y_wind")
 AXES_GRID = "the grid of its axes"  # internal attribute
+ALONE = {
+    Component.EAST: "eastward wind without a northward one",
+    Component.NORTH: "northward wind without an eastward one",
+    Component.SPEED: "speed of a wind without its direction",
+    **dict.fromkeys((Component.FROM, Component.TO), "direction of a wind without its speed"),
+}
 _LEVEL = r"[-_]?\d*_?(m|mabove\w*)?"
 COMPONENT_NAMES = (
     (re.compile(rf"(u|ua|uas|ugrd|uwnd|u[-_]?wind|u[-_]component[-_]of[-_]wind){_LEVEL}|\d+u"), Component.EAST),
@@ -79,16 +85,10 @@ def netcdf_winds(path: Path, place: Geodetic) -> ForecastWinds:
                     winds.samples.append(_samples(height, datum, pair, winds, partner))
         for group in _groups(path):
             winds.note("group of variables", group)
-        alone = {
-            Component.EAST: "eastward wind without a northward one",
-            Component.NORTH: "northward wind without an eastward one",
-            Component.SPEED: "speed of a wind without its direction",
-        }
         for component, variables in parts.items():
             for name, variable in variables.items():
-                subject = alone.get(component, "direction of a wind without its speed")
                 may_limit = component in (Component.EAST, Component.NORTH) or not winds.samples
-                winds.note(subject, name, next(iter(_descriptions(variable)), ""), may_limit)
+                winds.note(ALONE[component], name, next(iter(_descriptions(variable)), ""), may_limit)
     return winds
 
 
@@ -271,8 +271,7 @@ def _grid(data: Any, variable: Any) -> CRS | tuple[float, float] | None:
 def _at_place(variable: Any, winds: ForecastWinds) -> tuple[Any, float | None]:
     """Return the value at the nearest point, and the direction of the y axis for a component along the axes."""
     place = winds.place
-    path = winds.path
-    latitude, longitude = (_degrees(variable, kind, path) for kind in ("latitude", "longitude"))
+    latitude, longitude = (_degrees(variable, kind, winds.path) for kind in ("latitude", "longitude"))
     relative = variable.attrs.get("GRIB_uvRelativeToGrid")
     is_named = variable.attrs.get("standard_name") in GEOGRAPHIC
     # cfgrib calls winds along the axes eastward, too
@@ -285,7 +284,7 @@ def _at_place(variable: Any, winds: ForecastWinds) -> tuple[Any, float | None]:
             f"{', '.join(map(str, latitude.dims))} of a turned grid",
             hint=f"set standard_name to {' or '.join(GEOGRAPHIC)}, and any GRIB_uvRelativeToGrid to 0; or to "
             f"{' or '.join(ALONG_AXES)}, with a grid_mapping; or take the GRIB file",
-            place=f"{path}: {variable.name}",
+            place=f"{winds.path}: {variable.name}",
         )
     north = np.asarray(latitude, float) - place.latitude_deg
     east = (np.asarray(longitude, float) - place.longitude_deg + 180.0) % 360.0 - 180.0
@@ -302,7 +301,7 @@ def _at_place(variable: Any, winds: ForecastWinds) -> tuple[Any, float | None]:
         raise NotCovered(
             f"expected a forecast of home's place, {place.latitude_deg:g}, {place.longitude_deg:g}; "
             f"the nearest {latitude.name} and {longitude.name} are {off[0]:g} and {off[1]:g} degrees away",
-            place=path,
+            place=winds.path,
         )
     here = (float(axis.isel({name: at[name] for name in axis.dims})) for axis in (latitude, longitude))
     return variable.isel(at), None if grid is None or not is_along else grid_north(grid, *here)

@@ -1,7 +1,4 @@
-"""Read OpenStreetMap's XML and Overpass's JSON.
-
-A feature with corners outside the extract gets an empty shape, and a note of the others.
-"""
+"""Read OpenStreetMap's XML and Overpass's JSON. A feature with corners outside the extract has an empty shape."""
 
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -140,8 +137,7 @@ def _extract(path: Path) -> Extract:
 
 def _as_json(element: ElementTree.Element) -> dict[str, Any]:
     """Return XML as Overpass's JSON."""
-    nodes = element.findall("nd")
-    bounds = element.find("bounds")
+    nodes, bounds = element.findall("nd"), element.find("bounds")
     return {
         **element.attrib,
         "type": element.get("type", element.tag),

@@ -54,7 +54,7 @@ class PassedCount:
 
 
 class MapNotes:
-    """The features of one map that are passed over, the parts that cannot be read, and remarks."""
+    """The omitted features of a map, and remarks."""
 
     def __init__(self, frame: LocalFrame, path: Path) -> None:
         self.passed_over = list[PassedOver]()
@@ -64,16 +64,15 @@ class MapNotes:
         self.path = path
 
     def pass_over(self, feature: Feature, shape: Any, why: Reason, code: str = NOT_UNDERSTOOD) -> None:
-        file = self.path.name
         name = self._within_file(feature.name)
-        thing = PassedOver(file, name, why.words, shape, why.may_be_obstacle, why.remedy, code, why.heights)
+        thing = PassedOver(self.path.name, name, why.words, shape, why.may_be_obstacle, why.remedy, code, why.heights)
         self.passed_over.append(thing)
 
     def note(self, feature: Feature, subject: str, example: str) -> None:
         self.unread.append(Unread(self.path.name, subject, self._within_file(feature.name), example))
 
     def add_missing(self, feature: Feature) -> bool:
-        """Add the part of a feature that cannot be read, if it may be near; return whether there is one."""
+        """Add the unread part of a feature; return whether it may be near."""
         if feature.missing is None and not shapely.is_empty(feature.shape):
             return False
         remedy = "give it a geometry in the map, or take it out"

@@ -18,7 +18,7 @@ LARGEST_PBF = 200_000_000  # [bytes], about a minute
 
 
 class _Located(NamedTuple):
-    """A node or way: its point or line as WKB; if places are missing None, and the `known` ones."""
+    """A node or way as WKB; if places are missing None, and the `known` ones."""
 
     is_node: bool
     number: int
@@ -116,7 +116,7 @@ def _located(osmium: Any, file: Any, path: Path) -> Iterator[_Located]:
 
 
 def _feature(element: Any, tags: dict[str, str], located: Any, path: Path) -> Feature:
-    """Return the feature of a node or way; several points are the known ones of an incomplete way."""
+    """Return the feature of a point, a line, or the known points of an incomplete way."""
     if element.is_node():
         return feature_of(f"node {element.id}", tags, EMPTY_SHAPE if located.is_empty else located, path)
     corners = shapely.get_coordinates(located).tolist()

@@ -1,6 +1,6 @@
 """Read Shapefile, FlatGeobuf and GeoPackage by GDAL (pyogrio), and GeoParquet by pyarrow.
 
-GDAL ignores the suffix, and some formats open other files: the first bytes must match it.
+Some formats open other files, and GDAL ignores the suffix: the first bytes must match it.
 """
 
 import json
@@ -147,12 +147,10 @@ def _shapes_of(file: Any, arrow: Any, path: Path) -> _Shapes:
         geo = json.loads(metadata)
         column = geo["primary_column"]
         about = geo["columns"][column]
-        encoding = about["encoding"]
-        system = about.get("crs", "OGC:CRS84")
+        encoding, system = about["encoding"], about.get("crs", "OGC:CRS84")
     except (ValueError, TypeError, KeyError, AttributeError) as error:
         raise BadInput("expected GeoParquet's metadata of its columns", place=f"{path}: geo") from error
-    schema = file.schema_arrow
-    kind = schema.field(column).type if column in schema.names else None
+    kind = file.schema_arrow.field(column).type if column in file.schema_arrow.names else None
     if encoding != "WKB" or kind not in (arrow.binary(), arrow.large_binary()):
         raise BadInput(f"expected shapes as WKB, not as {encoding!r:.40} in {kind}", place=f"{path}: {column}")
     if system is None:

@@ -28,7 +28,6 @@ from ipoa_mission.survey.survey_lines import (
 from ipoa_mission.survey.times import LegTimes
 from ipoa_mission.survey.tour import Swath, Tour
 
-#: Clockwise from north [degrees]; several: one pass each; crosshatch: the best and the one across.
 Direction: TypeAlias = Literal["best", "crosshatch"] | float | Sequence[float]
 
 
@@ -59,8 +58,7 @@ def quickest_tour(
         passes = [problem.directions()]
     else:
         passes = [[float(each)] for each in ([direction] if isinstance(direction, int | float) else direction)]
-    places = list[Any]()
-    is_on = list[bool]()
+    places, is_on = list[Any](), list[bool]()
     while passes:
         is_last = not passes[1:] and direction != "crosshatch"
         best = problem.quickest_pass(passes.pop(0), begin, end if is_last else None)
@@ -145,10 +143,8 @@ class CoverProblem:
                 laid.append((each, self._laid(each, shift)))
                 count += len(laid[-1][1])
         ordered = sorted((self._ordered(*lines, begin, end) for lines in laid), key=lambda each: each.seconds)
-        best = min(
-            (self._closed(ordered[0], once, begin, end) for once in sorted({False, self._has_holes})),
-            key=lambda each: each.rank,
-        )
+        tries = [self._closed(ordered[0], once, begin, end) for once in sorted({False, self._has_holes})]
+        best = min(tries, key=lambda each: each.rank)
         least_cost = LIMITS.gap_cost_share * (best.seconds - ordered[0].seconds)
         for other in ordered[1:]:
             if best.rank <= (0.0, other.seconds + least_cost):

@@ -51,13 +51,13 @@ class FlightMaker:
     def __call__(self, part: Sortie) -> Forecast:
         world = self.task.scenario
         tour = part.tour
-        longest = self._longest.get(tour.swaths[0])
-        if longest is not None and part.start is None and longest[0].swaths == tour.swaths:
-            return longest[1]
-        if part.start is not None:
-            here = world.frame
+        if part.start is None:
+            longest = self._longest.get(tour.swaths[0])
+            if longest is not None and longest[0].swaths == tour.swaths:
+                return longest[1]
+        else:
             world = _expect_clear(at_start(world, part.start), part.start)
-            tour = tour.moved(between(here, world.frame))
+            tour = tour.moved(between(self.task.scenario.frame, world.frame))
         return Forecast(assemble_survey(tour, self.task.sight, world, self.growth, self.seed), world)
 
     def fits(self, tour: Tour) -> bool:

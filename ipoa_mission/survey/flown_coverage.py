@@ -1,7 +1,4 @@
-"""Compute what tours and forecast flights see: coverage, and the overlaps of photos.
-
-Overlaps are by the uploaded items, without obstacles: a roof overlaps less.
-"""
+"""Compute the coverage and overlaps of tours and forecast flights, over the ground: roofs overlap less."""
 
 import math
 from collections.abc import Iterable, Iterator, Sequence
@@ -75,14 +72,7 @@ def _path(track: Track, begin: float, end: float) -> Any:
 
 @dataclass(frozen=True, eq=False)
 class Coverage:
-    """The seen part of an area.
-
-    Attributes:
-        share: of `Area.visible`, 0 to 1.
-        gaps: of what can be covered (shapely).
-        seen: shapely.
-        outside_m: farthest the path is outside the area, or inside a hole or `keep_out` [m].
-    """
+    """The seen share of `Area.visible`, its gaps, the seen area, and how far the path leaves the free area [m]."""
 
     share: float
     gaps: Any

@@ -1,7 +1,4 @@
-"""Find the quickest transits in polygons, over the visibility graph of their corners.
-
-Outlines are simplified first: fewer corners are flown faster and found sooner.
-"""
+"""Find the quickest transits in polygons, over the visibility graph of their corners."""
 
 import math
 from collections.abc import Callable

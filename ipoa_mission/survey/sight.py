@@ -21,25 +21,15 @@ USUAL_OVERLAP = 0.7
 
 @dataclass(frozen=True)
 class Sight:
-    """The requested flight and view [m].
+    """The requested flight and view [m]."""
 
-    Attributes:
-        least: minimum height above the highest ground in view.
-        band: range of heights above `least`; 0 over flat ground.
-        spacing: between lines.
-        trigger: between photos; None without a camera.
-        across: width of the view at the minimum height; without a camera the spacing.
-        along: length of the view; 0 without a camera.
-        lag: mean delay of photos by the vehicle's polling; at most twice as much.
-    """
-
-    least: float
-    band: float
-    spacing: float
-    trigger: float | None
-    across: float
-    along: float
-    lag: float = 0.0
+    least: float  # height above the highest ground in view
+    band: float  # range of heights above `least`; 0 over flat ground
+    spacing: float  # of lines
+    trigger: float | None  # between photos; None without a camera
+    across: float  # width of the view at the least height; without a camera the spacing
+    along: float  # length of the view; 0 without a camera
+    lag: float = 0.0  # mean delay of photos by the vehicle's polling; at most twice as much
 
     @property
     def middle(self) -> float:

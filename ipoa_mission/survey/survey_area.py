@@ -35,10 +35,7 @@ class Area:
     def of(
         cls, parts: Sequence[Sequence[Sequence[Sequence[float]] | Points]], where: str = "area", levels: int = 4
     ) -> "Area":
-        """Return the area of parts, each a list of rings (n, 2): outer, then holes, as in GeoJSON.
-
-        Errors are at places below `where`, by the last `levels` of the indices of part, ring, corner and coordinate.
-        """
+        """Return the area of parts, each a list of rings (n, 2): outer, then holes. Errors name the last `levels`."""
         if not len(parts):
             raise InvalidRing("expected one polygon or more", place=where)
         spelling = _Spelling(where, levels)
@@ -61,7 +58,7 @@ class Area:
 
 @dataclass(frozen=True)
 class _Spelling:
-    """The key of an area, and its levels of brackets: 4, fewer for a single polygon or ring."""
+    """The key of an area, and its levels of brackets, 2 to 4."""
 
     key: str
     levels: int

@@ -111,7 +111,6 @@ class Survey:
         """Return NAME.json in meters, seconds and watt hours."""
         from ipoa_mission.survey.survey_report import forecast_as_json, survey_as_json
 
-        plan = self.plan
         first = self.flights[0]
         firmware = first.mission.autopilot.facts(first.mission.firmware_version)
         return {
@@ -120,10 +119,10 @@ class Survey:
             "seed": self.seed,
             **({"wind": first.wind.as_json()} if first.wind.strongest > 0 else {}),
             **(forecast_as_json(first) if len(self.flights) == 1 else {"firmware": firmware}),
-            "survey": survey_as_json(plan, self.names),
+            "survey": survey_as_json(self.plan, self.names),
             "remarks": list(self.remarks),
-            "passed_over": passed_over_as_json(plan.scenario),
-            "unread": unread_as_json(plan.scenario.unread),
+            "passed_over": passed_over_as_json(self.plan.scenario),
+            "unread": unread_as_json(self.plan.scenario.unread),
         }
 
     def report(self, folder: str | Path = ".") -> tuple[Path, ...]:
@@ -151,8 +150,8 @@ class Survey:
 
 def describe(survey: Survey) -> list[str]:
     plan = survey.plan
+    sight = plan.sight
     first = survey.flights[0]
-    sight = survey.plan.sight
     firmware = first.mission.autopilot.checked_for(first.mission.firmware_version)
     heights = f"{sight.least:.1f}" + (f" to {sight.least + sight.band:.1f}" if sight.band else "")
     photos = "" if sight.trigger is None else f", {plan.photos} photos, one each {sight.trigger:.1f} m or less"

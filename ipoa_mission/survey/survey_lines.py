@@ -114,7 +114,6 @@ class Detour:
     leg: int
     via: Points
     goal: Points
-    seconds: float
 
 
 @dataclass
@@ -232,7 +231,7 @@ class GapCloser:
                     continue
                 seconds = self.cost.seconds(np.array([*before, *via, *after])) - now
                 if seconds < least:
-                    best = Detour(n, via, goal, seconds)
+                    best = Detour(n, via, goal)
                     least = seconds
         return best
 

@@ -213,8 +213,7 @@ def flight_table(plan: SurveyPlan, names: Sequence[str]) -> tuple[list[str], lis
     rows = list[tuple[str, ...]]()
     columns = ["file", "lines", "photos", "items", "takes\ns", "energy\nWh", "least clearance\nm"]
     for name, flight in zip(names, plan.flights, strict=True):
-        energy = flight.forecast.energy
-        kept = flight.forecast.guarantee.clearance
+        energy, kept = flight.forecast.energy, flight.forecast.guarantee.clearance
         counts = len(flight.tour.swaths), plan.sight.photos_of(flight.tour), len(flight.forecast.mission.items)
         takes = f"{flight.forecast.estimate.total_s:.1f}"
         wh = "" if energy is None else f"{energy.energy_wh:.1f}"

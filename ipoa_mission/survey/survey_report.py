@@ -17,9 +17,7 @@ from ipoa_mission.survey.survey_plan import SurveyFlight, SurveyPlan, coverage_l
 
 
 def survey_as_json(plan: SurveyPlan, names: tuple[str, ...]) -> dict[str, Any]:
-    seen = plan.coverage
-    sight = plan.sight
-    flown = plan.flown
+    seen, sight, flown = plan.coverage, plan.sight, plan.flown
     return {
         "lines": len(plan.tour.swaths),
         "covered_share": rounded(seen.share),

@@ -84,8 +84,7 @@ def sketch_survey(scenario: Scenario) -> SurveySketch:
 
 
 def expect_survey(scenario: Scenario) -> tuple[SurveySection, Area]:
-    section = survey_of(scenario)
-    area = surveyed_area(scenario)
+    section, area = survey_of(scenario), surveyed_area(scenario)
     if section is None or area is None:
         raise BadInput("expected in the scenario, but missing", code="missing", place="survey")
     return section, area
@@ -133,7 +132,7 @@ def flown_round(scenario: Scenario, sight: Sight, growth: Mapping[str, float]) -
 
 
 def _is_passed(body: Obstacle, sight: Sight, scenario: Scenario) -> bool:
-    """Return whether the flight passes over or under an obstacle with its clearance."""
+    """Return whether flights clear an obstacle above or below."""
     bound = survey_bound(scenario)
     distance = scenario.limits.obstacle_distance + SPARE
     (west, south, base), (east, north, top) = body.bounds.tolist()
