@@ -17,7 +17,7 @@ from ipoa_mission.maps.geozones import RADIUS_UNIT, VerticalLimit, ZoneLimits, l
 from ipoa_mission.maps.kinds import Reason
 from ipoa_mission.maps.map_window import MapWindow
 from ipoa_mission.maps.passed import FAR_FROM_HOME, MapNotes, PassedOver
-from ipoa_mission.maps.planar import closed_as_polygon, flat, polygons_of, to_plane
+from ipoa_mission.maps.planar import close_as_polygon, polygons_of, simple_parts, to_plane
 from ipoa_mission.maps.tag_heights import radius_of
 from ipoa_mission.unread import Unread, gathered
 
@@ -61,7 +61,7 @@ def find_zones(
     mistakes = Mistakes()
     notes = MapNotes(frame, path)
     zones = list[MapArea]()
-    chosen = {_respelled(restriction) for restriction in restrictions}
+    chosen = {_respell(restriction) for restriction in restrictions}
     is_excluded = False
     for feature, shape, is_near in zip(features, shapes, near, strict=True):
         why = _why_excluded(feature.tags, chosen, time) if is_near else None
@@ -76,7 +76,7 @@ def find_zones(
             limits = ZoneLimits(
                 _above_sea("lower", limits.lower, feature, notes), _above_sea("upper", limits.upper, feature, notes)
             )
-        parts = [_outline(part, feature.tags) for part in flat(shape)]
+        parts = [_outline(part, feature.tags) for part in simple_parts(shape)]
         open_parts = [part for part in parts if part.geom_type != "Polygon"]
         if open_parts or not (parts or is_missing):
             why = _why_no_zone(open_parts) if is_near else FAR_FROM_HOME
@@ -100,13 +100,13 @@ def find_zones(
     return Zones(tuple(zones), tuple(notes.passed_over), tuple(notes.remarks), gathered(notes.unread))
 
 
-def _respelled(restriction: str) -> str:
+def _respell(restriction: str) -> str:
     return restriction.replace("AUTHORIZATION", "AUTHORISATION")
 
 
 def _restrictions(tags: Mapping[str, str]) -> set[str]:
     """Read `restriction` (ED-269), `restrictio` (its shapefiles) or `type` (ED-318)."""
-    values = {_respelled(tags[key].strip().upper()) for key in ("restriction", "restrictio", "type") if key in tags}
+    values = {_respell(tags[key].strip().upper()) for key in ("restriction", "restrictio", "type") if key in tags}
     return values & {*RESTRICTIONS, "NO_RESTRICTION"}
 
 
@@ -165,4 +165,4 @@ def _why_no_zone(rest: Sequence[Any]) -> Reason:
 def _outline(shape: Any, tags: Mapping[str, str]) -> Any:
     if shape.geom_type == "Point" and (radius := radius_of(tags)) is not None:
         return shape.buffer(radius / math.cos(math.pi / 64), quad_segs=16)  # circumscribed: 64 corners
-    return closed_as_polygon(shape)
+    return close_as_polygon(shape)

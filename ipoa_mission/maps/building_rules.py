@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Any, Literal, NamedTuple
 
 from ipoa_mission.maps.keys import Means, keys_of
-from ipoa_mission.maps.kinds import TALL, WOODS, is_bridge, tagged, values_of
+from ipoa_mission.maps.kinds import TALL, WOODS, is_bridge, is_tagged, values_of
 from ipoa_mission.maps.lengths import length_of, storeys_of
 from ipoa_mission.maps.tag_heights import WIDEST_ROTOR, Odd, width_of
 
@@ -102,9 +102,9 @@ class BuildingRules:
 
 
 def area_height(tags: Mapping[str, str], rules: BuildingRules) -> tuple[str, float]:
-    if rules.wood_height is not None and tagged(tags, WOODS) and "building" not in tags:
+    if rules.wood_height is not None and is_tagged(tags, WOODS) and "building" not in tags:
         return "wood", rules.wood_height
-    if "building" not in tags and "building:part" not in tags and (tagged(tags, TALL) or is_bridge(tags)):
+    if "building" not in tags and "building:part" not in tags and (is_tagged(tags, TALL) or is_bridge(tags)):
         return thin_height(tags, rules)
     kind, height = building_height(tags)
     return kind, height if rules.default_height is None else rules.default_height

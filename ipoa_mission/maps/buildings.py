@@ -12,7 +12,7 @@ import shapely
 from ipoa_mission.errors import InvalidRing
 from ipoa_mission.geodesy import LocalFrame
 from ipoa_mission.maps.building_rules import BuildingRules, area_height, reach_of, thin_height
-from ipoa_mission.maps.feature import Feature, Mistakes, printed
+from ipoa_mission.maps.feature import Feature, Mistakes, make_printable
 from ipoa_mission.maps.keys import Means, meaning
 from ipoa_mission.maps.kinds import (
     CABLE,
@@ -33,7 +33,7 @@ from ipoa_mission.maps.map_obstacles import MapObstacle
 from ipoa_mission.maps.map_reader import read_features
 from ipoa_mission.maps.map_window import Box, MapWindow
 from ipoa_mission.maps.passed import FAR_FROM_HOME, MOST_NAMED, NOT_READ, MapNotes, PassedOver
-from ipoa_mission.maps.planar import closed_as_polygon, flat, polygons_of, to_plane
+from ipoa_mission.maps.planar import close_as_polygon, polygons_of, simple_parts, to_plane
 from ipoa_mission.maps.tag_heights import foot_of, height_of, is_by_storeys, unread_heights, width_of
 from ipoa_mission.maps.wires import Wire, spans, wire_of
 from ipoa_mission.unread import Unread
@@ -42,7 +42,7 @@ from ipoa_mission.unread import Unread
 HEIGHTENING = (Means.TOP, Means.LEVELS, Means.MAX_LEVEL, Means.HUB, Means.ROOF, Means.ROOF_LEVELS, Means.ROTOR)
 
 
-def called(feature: Feature, shape: Any) -> str:
+def name_for_pilot(feature: Feature, shape: Any) -> str:
     """Name a feature for a pilot: by name or address, else by kind, position and number; `shape` is east, north [m].
 
     >>> called(Feature("town.geojson: features[3]", None, {"natural": "tree"}), shapely.Point(30.0, 30.0))
@@ -53,8 +53,8 @@ def called(feature: Feature, shape: Any) -> str:
         return feature.name
     street, number = tags.get("addr:street"), tags.get("addr:housenumber")
     if "building" in tags and street and number:
-        return printed(f"{_kind(tags)}, {street} {number}")
-    return printed(f"{_kind(tags)}{_from_home(shape)} ({feature.name.rpartition(': ')[2]})")
+        return make_printable(f"{_kind(tags)}, {street} {number}")
+    return make_printable(f"{_kind(tags)}{_from_home(shape)} ({feature.name.rpartition(': ')[2]})")
 
 
 def _from_home(shape: Any) -> str:
@@ -125,7 +125,7 @@ class _Finder:
                 self._notes.pass_over(feature, shape, why)
                 continue
             parts = self._mistakes.attempt(self._stand, feature, shape) or ()
-            self._obstacles += [part._replace(called=called(feature, shape)) for part in parts]
+            self._obstacles += [part._replace(called=name_for_pilot(feature, shape)) for part in parts]
         around.expect_near(self._notes.path)
         self._mistakes.raise_all()
         elsewhere = around.elsewhere
@@ -179,7 +179,7 @@ class _Finder:
         obstacles: list[MapObstacle] = []
         building = any(feature.tags.get(key, "no") not in NO_BUILDING for key in ("building", "building:part"))
         hollow = not building and feature.tags.keys() & {"barrier", "natural"}
-        for part in [part if hollow else closed_as_polygon(part) for part in flat(shape)]:
+        for part in [part if hollow else close_as_polygon(part) for part in simple_parts(shape)]:
             thin = part.geom_type != "Polygon"
             kind, default = thin_height(feature.tags, rules) if thin else area_height(feature.tags, rules)
             if height is None:

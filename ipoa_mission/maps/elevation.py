@@ -57,7 +57,7 @@ def local_grid(
     path: Path, rules: ElevationRules, frame: LocalFrame, lower: tuple[float, float], upper: tuple[float, float]
 ) -> tuple[Grid, tuple[str, ...]]:
     """Return the ground between corners (east, north) [m] above home, and remarks."""
-    with _opened(path, rules.nodata) as raster:
+    with _open_raster(path, rules.nodata) as raster:
         area = _pixels(raster, frame, _knots(lower[0], upper[0]), _knots(lower[1], upper[1]), 0.0)
         raster.expect_cover(area)
         apart = _post_distance(raster, frame, area)
@@ -83,15 +83,15 @@ def ground_altitude(path: Path, latitude_deg: float, longitude_deg: float) -> fl
     """Return the height at a place [m AMSL]."""
     frame = LocalFrame(Geodetic(latitude_deg, longitude_deg))
     here = np.zeros(1)
-    with _opened(path, None) as raster:
+    with _open_raster(path, None) as raster:
         pixels = _pixels(raster, frame, here, here, 0.0)
         raster.expect_cover(pixels)
         posts, _ = raster.read([pixels], fill=False)
         posts, _ = _above_sea(posts, raster, ElevationRules())
-    return float(_interpolated(posts, pixels[0].ravel(), pixels[1].ravel())[0])
+    return float(_interpolate(posts, pixels[0].ravel(), pixels[1].ravel())[0])
 
 
-def _interpolated(posts: _Posts, column: Any, row: Any) -> NDArray[np.float64]:
+def _interpolate(posts: _Posts, column: Any, row: Any) -> NDArray[np.float64]:
     spots = [row - posts.first[0], column - posts.first[1]]
     return np.asarray(scipy.ndimage.map_coordinates(posts.heights, spots, order=1, mode="nearest"))
 
@@ -143,7 +143,7 @@ def _ground_at(
     up = np.zeros_like(low[0])
     for _ in range(2):
         column, row = (low[i] + up / UPPER_LEVEL * (high[i] - low[i]) for i in (0, 1))
-        up = (_interpolated(posts, column, row) - low[2]) / (high[2] - low[2]) * UPPER_LEVEL
+        up = (_interpolate(posts, column, row) - low[2]) / (high[2] - low[2]) * UPPER_LEVEL
     return np.asarray(up)
 
 
@@ -333,7 +333,7 @@ def _span(pixels: Sequence[Vector], size: int) -> tuple[int, int]:
 
 
 @contextmanager
-def _opened(path: Path, nodata: float | None) -> Iterator[_Raster]:
+def _open_raster(path: Path, nodata: float | None) -> Iterator[_Raster]:
     needed = f"{path}: reading an elevation model needs rasterio, which is not installed"
     rasterio = imported("rasterio", needed, "maps", BadInput)
     try:

@@ -37,10 +37,10 @@ class Feature(NamedTuple):
     @property
     def name(self) -> str:
         keys = ("name", "Name", "NAME", "addr:housename", "identifier", "@id", "id", "osm_way_id", "osm_id")
-        return printed(next((name for key in keys if (name := self.tags.get(key))), self.place))
+        return make_printable(next((name for key in keys if (name := self.tags.get(key))), self.place))
 
 
-def printed(name: str) -> str:
+def make_printable(name: str) -> str:
     return name if name.isprintable() else "".join(letter if letter.isprintable() else " " for letter in name)
 
 

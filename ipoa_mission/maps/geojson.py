@@ -22,7 +22,7 @@ from ipoa_mission.maps.feature import BATCH, EMPTY_SHAPE, Feature, read_all
 from ipoa_mission.maps.geozones import ed269_features, is_ed269, layers_apart, limit_tags, zone_tags
 from ipoa_mission.maps.json_shapes import SHAPES, ToDegrees, degrees_of, shape_of, unchanged
 from ipoa_mission.maps.osm import is_overpass, overpass_features
-from ipoa_mission.maps.properties import blank_keys, tags_of, truncated
+from ipoa_mission.maps.properties import blank_keys, find_truncated, tags_of
 
 LARGEST_WHOLE = 20_000_000  # a larger file is read as a stream [bytes]
 _NOT_BLANK = re.compile(r"[^ \t\n\r\x1e]")  # RFC 8142: \x1e
@@ -111,7 +111,7 @@ def _feature(place: str, feature: Any, to_degrees: ToDegrees) -> Feature:
     shape = EMPTY_SHAPE if geometry is None else shape_of(geometry, f"{place}.geometry", to_degrees)
     if isinstance(geometry, dict) and isinstance(geometry.get("layer"), dict):
         tags |= dict(limit_tags(geometry["layer"]))
-    return Feature(place, shape, tags, frozenset(blank_keys(properties)), truncated(properties, shape))
+    return Feature(place, shape, tags, frozenset(blank_keys(properties)), find_truncated(properties, shape))
 
 
 def _coordinate_system(crs: Any, path: Path) -> ToDegrees:

@@ -81,7 +81,7 @@ class _Words:
     UNITS = _set("unit units uom einheit")
 
 
-def plain(key: str) -> str:
+def normalize(key: str) -> str:
     """Return words joined by `_`, in lower case."""
     words = re.sub(r"(?<=[a-zäöü0-9])(?=[A-ZÄÖÜ])", "_", key).lower()
     return re.sub(r"[\W_]+", "_", words).strip("_")
@@ -89,7 +89,7 @@ def plain(key: str) -> str:
 
 @lru_cache(maxsize=65536)
 def meaning(key: str) -> Means:
-    text = plain(key)
+    text = normalize(key)
     if text in _EXACT:
         return _EXACT[text]
     words = frozenset(text.split("_"))
@@ -130,7 +130,7 @@ def _width(words: frozenset[str]) -> Means:
     return Means.CROWN if words & _Words.CROWN else Means.WIDTH
 
 
-def completed(key: str) -> str:
+def complete(key: str) -> str:
     """Complete a cut last word that measures something."""
     for word in ("height", "diameter", "levels", "storeys", "floors", "radius"):
         for length in range(len(word) - 1, 2, -1):

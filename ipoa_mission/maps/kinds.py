@@ -9,8 +9,8 @@ from typing import Any, Literal, TypeAlias
 import shapely
 
 from ipoa_mission.maps.feature import Feature
-from ipoa_mission.maps.keys import AMBIGUITY_MARK, CUT, CUT_BY_SHP_WRITE, Means, completed, keys_of, meaning, plain
-from ipoa_mission.maps.planar import closed_as_polygon, flat
+from ipoa_mission.maps.keys import AMBIGUITY_MARK, CUT, CUT_BY_SHP_WRITE, Means, complete, keys_of, meaning, normalize
+from ipoa_mission.maps.planar import close_as_polygon, simple_parts
 from ipoa_mission.maps.wires import WIRES
 
 Extent: TypeAlias = Literal["area", "thin", "none"]
@@ -89,7 +89,7 @@ FLAT = Reason("tagged as something flat", False)
 
 _OTHER_KEYS = ("building", "building:part", "location", "tunnel", "bridge", "layer", "voltage", "barrier", "height")
 # By their plain spelling; the long ones are cut to ten letters by a Shapefile.
-_NAMES = {plain(key): key for key in (
+_NAMES = {normalize(key): key for key in (
     *TALL, *WIRES, *WOODS, *OVERTURE, *_OTHER_KEYS,
     "building:levels", "building:height", "building:min_level", "building:min_height", "building:max_level",
     "roof:height", "roof:levels", "diameter_crown", "rotor:diameter", "tower:height", "measuredHeight",
@@ -117,23 +117,23 @@ def as_openstreetmap(feature: Feature) -> Feature:
 def _named(key: str) -> str:
     for out_of_service in ("disused:", "abandoned:", "ruins:", "construction:", "was:"):
         key = key.removeprefix(out_of_service)
-    return _NAMES.get(plain(key), key)
+    return _NAMES.get(normalize(key), key)
 
 
-def uncut(key: str, value: str) -> str:
+def restore_key(key: str, value: str) -> str:
     """Complete a Shapefile's field, with `perhaps` if ambiguous."""
     is_unsure = meaning(key) in (Means.NOTHING, Means.AMBIGUOUS)
     if len(key) not in (CUT, CUT_BY_SHP_WRITE) or _named(key) in _KNOWN or not is_unsure:
         return key
     if len(key) != CUT:
-        return completed(key)
+        return complete(key)
     letters = _letters(key)
     begins = letters, re.sub(r"\d{1,2}$", "", letters)  # a second one ends in _1
     names = [name for name in _NAMES.values() if len(name) > CUT and _letters(name).startswith(begins)]
     of_kind = [name for name in names if value in TALL.get(name, ())]
     if of_kind or (len(names) == 1 and not key[-1].isdigit()):
         return (of_kind or names)[0]
-    return f"{key} {AMBIGUITY_MARK}" if names else completed(key)
+    return f"{key} {AMBIGUITY_MARK}" if names else complete(key)
 
 
 def _letters(key: str) -> str:
@@ -149,8 +149,8 @@ def has_place_for_height(feature: Feature, height_key: str) -> bool:
 def has_kind(feature: Feature) -> bool:
     """Return whether tags name the kind; files with heights only have buildings: Overture's, cadastres', drawings."""
     tags = feature.tags
-    mapped = "building" in tags or "building:part" in tags or any(tagged(tags, kinds) for kinds in (TALL, WIRES, WOODS))
-    return mapped or _is_flat(tags)
+    is_building = "building" in tags or "building:part" in tags
+    return is_building or any(is_tagged(tags, kinds) for kinds in (TALL, WIRES, WOODS)) or _is_flat(tags)
 
 
 def why_passed_over(feature: Feature, extent: Extent, height_key: str, all_buildings: bool) -> Reason | None:
@@ -160,17 +160,17 @@ def why_passed_over(feature: Feature, extent: Extent, height_key: str, all_build
     if tags.get("location") in ("underground", "underwater") or tags.get("tunnel", "no") != "no":
         return Reason("underground", False)
     values = [tags[key] for key in ("building", "building:part") if key in tags]
-    if any(value not in NO_BUILDING for value in values) or tagged(tags, TALL) or is_bridge(tags):
+    if any(value not in NO_BUILDING for value in values) or is_tagged(tags, TALL) or is_bridge(tags):
         return None
-    if values and not tagged(tags, WIRES):
+    if values and not is_tagged(tags, WIRES):
         return Reason(f"tagged building={values[0]}", False)
     if {height_key, TOP_AMSL} & tags.keys() or keys_of(tags, *_MEASURES):
         return None
     if tags.get("power") == "cable" and tags.get("location") not in {"overground", "overhead", "kiosk", "roof"}:
         return CABLE
-    if tagged(tags, WIRES):
+    if is_tagged(tags, WIRES):
         return None
-    if tagged(tags, WOODS):
+    if is_tagged(tags, WOODS):
         return WOOD
     if _is_flat(tags):
         return FLAT
@@ -186,7 +186,7 @@ def why_passed_over(feature: Feature, extent: Extent, height_key: str, all_build
     return Reason(f"a point or line {unknown}", has_blank or bool(keys_of(tags, Means.AMBIGUOUS)))
 
 
-def tagged(tags: Mapping[str, str], kinds: Mapping[str, set[str]]) -> bool:
+def is_tagged(tags: Mapping[str, str], kinds: Mapping[str, set[str]]) -> bool:
     if kinds.keys().isdisjoint(tags):
         return False
     return any(not values.isdisjoint(values_of(tags[key])) for key, values in kinds.items() if key in tags)
@@ -206,7 +206,7 @@ def extent_of(shape: Any) -> Extent:
     """A closed line is an area."""
     if shapely.is_empty(shape):
         return "none"
-    parts = [closed_as_polygon(part) for part in flat(shape)]
+    parts = [close_as_polygon(part) for part in simple_parts(shape)]
     return "area" if any(part.geom_type == "Polygon" for part in parts) else "thin"
 
 

@@ -99,7 +99,7 @@ def storeys_of(text: str) -> tuple[float | None, bool]:
     return (max(numbers), sure) if numbers and math.isfinite(max(numbers)) else (None, False)
 
 
-def counted_storeys(text: str) -> float | None:
+def count_storeys(text: str) -> float | None:
     """Return the storeys of `6 floors` or `G+4`, no others."""
     plain = _without_blanks_at_plus(text)
     is_sum = _SUM.fullmatch(plain) and plain[0] in "abcdefghijklmnopqrstuvwxyz"

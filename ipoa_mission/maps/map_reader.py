@@ -19,7 +19,7 @@ from ipoa_mission.maps.kml import read_kml, read_kmz
 from ipoa_mission.maps.map_window import Degrees, MapWindow
 from ipoa_mission.maps.osm import read_osm
 from ipoa_mission.maps.pbf import read_pbf
-from ipoa_mission.maps.planar import flat
+from ipoa_mission.maps.planar import simple_parts
 from ipoa_mission.maps.table_layers import FIRST_BYTES, read_table
 
 GEOJSON = (".geojson", ".json", ".geojsonl", ".geojsons", ".geojsonseq", ".ndjson", ".jsonl")
@@ -92,7 +92,7 @@ def _read_window(
     return features, around.elsewhere
 
 
-def differences(path: Path) -> Iterator[Finding]:
+def compare_with_gdal(path: Path) -> Iterator[Finding]:
     """Yield a warning if GDAL finds other shapes in a map; nothing without GDAL, or where it refuses the file."""
     most = 2 << 20  # bytes, read twice in about a second
     can_be_compared = path.suffix.lower() in (*GEOJSON, ".kml", ".kmz") and path.stat().st_size <= most
@@ -112,14 +112,14 @@ def differences(path: Path) -> Iterator[Finding]:
         return
     theirs = _parts(shapely.from_wkb([shape for shape in shapes if shape is not None], on_invalid="fix"))
     ours = _parts(feature.shape for feature in features)
-    if _counted(ours) == _counted(theirs):
+    if _describe_counts(ours) == _describe_counts(theirs):
         return
     apart = next((each.name.removeprefix(f"{path}: ") for each in features if _parts([each.shape]) - theirs), None)
     west, south, *_ = next(iter(theirs - ours), ("", (0.0, 0.0)))[1]
     first = f"the first that only GDAL has is at {south:g}, {west:g}" if apart is None else f"GDAL lacks {apart}"
     words = (
-        f"{path.name}: two readers differ: {_counted(ours)} by ipoa-mission {version('ipoa-mission')}, which "
-        f"count, {_counted(theirs)} by GDAL {pyogrio.__gdal_version_string__} (pyogrio {pyogrio.__version__}); "
+        f"{path.name}: two readers differ: {_describe_counts(ours)} by ipoa-mission {version('ipoa-mission')}, which "
+        f"count, {_describe_counts(theirs)} by GDAL {pyogrio.__gdal_version_string__} (pyogrio {pyogrio.__version__}); "
         f"{first}"
     )
     yield Finding("readers-differ", Severity.WARNING, None, words, "look at that shape in the map")
@@ -128,7 +128,7 @@ def differences(path: Path) -> Iterator[Finding]:
 def _parts(shapes: Iterable[Any]) -> Counter[tuple[str, tuple[float, ...]]]:
     """Return the kind and bounds of each part; a closed line and each ring of a polygon are rings."""
     parts = Counter[tuple[str, tuple[float, ...]]]()
-    for part in (part for shape in shapes if shape is not None for part in flat(shape) if not part.is_empty):
+    for part in (part for shape in shapes if shape is not None for part in simple_parts(shape) if not part.is_empty):
         rings = [part.exterior, *part.interiors] if part.geom_type == "Polygon" else [part]
         for ring in rings:
             kind = "point" if ring.geom_type == "Point" else "ring" if ring.is_closed else "line"
@@ -136,7 +136,7 @@ def _parts(shapes: Iterable[Any]) -> Counter[tuple[str, tuple[float, ...]]]:
     return parts
 
 
-def _counted(parts: Counter[tuple[str, tuple[float, ...]]]) -> str:
+def _describe_counts(parts: Counter[tuple[str, tuple[float, ...]]]) -> str:
     kinds = Counter[str]()
     for (kind, _), count in parts.items():
         kinds[kind] += count

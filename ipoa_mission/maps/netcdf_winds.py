@@ -68,7 +68,7 @@ HEIGHT_AXIS = re.compile(r"z|lev|levels?|heights?(_?\d+)?|alt|z?agl|msl|h(gt)?|z
 
 def netcdf_winds(path: Path, place: Geodetic) -> ForecastWinds:
     winds = ForecastWinds(path, place)
-    with _opened(path) as data:
+    with _open_dataset(path) as data:
         parts: dict[Component, dict[str, Any]] = {component: {} for component in Component}
         for variable in data.data_vars.values():
             if (component := _component(variable)) is not None:
@@ -93,7 +93,7 @@ def netcdf_winds(path: Path, place: Geodetic) -> ForecastWinds:
 
 
 @contextmanager
-def _opened(path: Path) -> Iterator[Any]:
+def _open_dataset(path: Path) -> Iterator[Any]:
     xarray = imported("xarray", f"{path}: a forecast of winds needs xarray", "wind")
     try:
         with warnings.catch_warnings():

@@ -20,7 +20,7 @@ def to_plane(
     shapes: Sequence[Any], frame: LocalFrame, about: MapWindow | None = None
 ) -> tuple[NDArray[Any], NDArray[np.bool_]]:
     """Convert degrees to east, north [m], long edges divided; return which are near home: others become empty."""
-    degrees = _unwrapped(np.array(shapes, dtype=object))
+    degrees = _unwrap(np.array(shapes, dtype=object))
     near = (about or MapWindow.of(frame)).are_near(shapely.bounds(degrees).reshape(-1, 4))
     degrees[~near] = EMPTY_SHAPE
 
@@ -29,21 +29,21 @@ def to_plane(
 
     long = np.ptp(shapely.bounds(degrees).reshape(-1, 2, 2), axis=1).max(axis=1) > LONGEST_EDGE
     for i in np.flatnonzero(long).tolist():
-        degrees[i] = _divided(degrees[i])
+        degrees[i] = _divide_edges(degrees[i])
     return np.asarray(shapely.transform(degrees, convert)), near
 
 
-def _divided(shape: Any) -> Any:
+def _divide_edges(shape: Any) -> Any:
     """Divide long edges ring by ring: of a whole crossed polygon GEOS would leave out a half."""
     if hasattr(shape, "geoms"):
-        return type(shape)([_divided(part) for part in shape.geoms])
+        return type(shape)([_divide_edges(part) for part in shape.geoms])
     if shape.geom_type != "Polygon":
         return shapely.segmentize(shape, LONGEST_EDGE)
     outer, *inner = (shapely.segmentize(ring, LONGEST_EDGE) for ring in (shape.exterior, *shape.interiors))
     return shapely.Polygon(outer, inner)
 
 
-def _unwrapped(degrees: NDArray[Any]) -> NDArray[Any]:
+def _unwrap(degrees: NDArray[Any]) -> NDArray[Any]:
     """Redraw across longitude 180, where RFC 7946 asks to cut."""
     west, _, east, _ = shapely.bounds(degrees).reshape(-1, 4).T
     for i in np.flatnonzero(east - west > 180.0).tolist():
@@ -55,12 +55,12 @@ def _short_way(shape: Any) -> Any:
     if hasattr(shape, "geoms"):
         return type(shape)([_short_way(part) for part in shape.geoms])
     if shape.geom_type == "Polygon":
-        outer = _turned(shape.exterior)
-        return shapely.Polygon(outer, [_same_turn(_turned(ring), outer) for ring in shape.interiors])
-    return shapely.LineString(_turned(shape)) if shape.geom_type == "LineString" else shape
+        outer = _unwrap_corners(shape.exterior)
+        return shapely.Polygon(outer, [_align_turn(_unwrap_corners(ring), outer) for ring in shape.interiors])
+    return shapely.LineString(_unwrap_corners(shape)) if shape.geom_type == "LineString" else shape
 
 
-def _turned(line: Any) -> NDArray[np.float64]:
+def _unwrap_corners(line: Any) -> NDArray[np.float64]:
     corners = shapely.get_coordinates(line)
     steps = np.diff(corners[:, 0])
     around = (np.abs(steps) > 180.0) & (np.abs(steps) < 360.0)  # an edge of 360 degrees bounds the whole Earth
@@ -68,12 +68,12 @@ def _turned(line: Any) -> NDArray[np.float64]:
     return np.asarray(corners)
 
 
-def _same_turn(hole: NDArray[np.float64], outer: NDArray[np.float64]) -> NDArray[np.float64]:
+def _align_turn(hole: NDArray[np.float64], outer: NDArray[np.float64]) -> NDArray[np.float64]:
     hole[:, 0] += 360.0 * np.round((outer[:, 0].mean() - hole[:, 0].mean()) / 360.0)
     return hole
 
 
-def unrepeated(shape: Any) -> Any:
+def remove_repeats(shape: Any) -> Any:
     """Remove repeated corners; keep a ring at one point, where GEOS fails."""
     try:
         return shapely.remove_repeated_points(shape)
@@ -83,7 +83,7 @@ def unrepeated(shape: Any) -> Any:
 
 def polygons_of(shape: Any, place: str) -> tuple[list[Any], str | None]:
     """Return repaired polygons, and the defect."""
-    clean = unrepeated(shape)
+    clean = remove_repeats(shape)
     wrong = None if shapely.is_valid(clean) else shapely.is_valid_reason(clean)
     if wrong is not None:
         clean = shapely.make_valid(clean, method="structure", keep_collapsed=False)
@@ -99,10 +99,10 @@ def _words(reason: str | None) -> str:
     return "a ring with " + reason.partition("[")[0].strip().lower() if reason else "a line or a point"
 
 
-def flat(shape: Any) -> list[Any]:
-    return [part for piece in shape.geoms for part in flat(piece)] if hasattr(shape, "geoms") else [shape]
+def simple_parts(shape: Any) -> list[Any]:
+    return [part for piece in shape.geoms for part in simple_parts(piece)] if hasattr(shape, "geoms") else [shape]
 
 
-def closed_as_polygon(shape: Any) -> Any:
+def close_as_polygon(shape: Any) -> Any:
     closed = shape.geom_type == "LineString" and shape.is_closed and len(shape.coords) > 3
     return shapely.Polygon(shape) if closed else shape

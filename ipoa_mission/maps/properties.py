@@ -42,7 +42,7 @@ def blank_keys(properties: Mapping[str, Any]) -> Iterator[str]:
             yield key
 
 
-def truncated(properties: Mapping[str, Any], shape: Any) -> Missing | None:
+def find_truncated(properties: Mapping[str, Any], shape: Any) -> Missing | None:
     """Find packed tags that a Shapefile truncates to 254 bytes."""
     for key in PACKED:
         text = properties.get(key)

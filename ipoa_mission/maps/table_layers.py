@@ -31,9 +31,9 @@ from ipoa_mission.files import read_bytes
 from ipoa_mission.maps.feature import BATCH, EMPTY_SHAPE, Corners, Feature, on_earth
 from ipoa_mission.maps.json_shapes import ToDegrees, degrees_of
 from ipoa_mission.maps.keys import Means, meaning
-from ipoa_mission.maps.kinds import uncut
+from ipoa_mission.maps.kinds import restore_key
 from ipoa_mission.maps.map_window import MapWindow
-from ipoa_mission.maps.properties import PACKED, blank_keys, tags_of, truncated
+from ipoa_mission.maps.properties import PACKED, blank_keys, find_truncated, tags_of
 
 FIRST_BYTES = {
     ".shp": b"\x00\x00\x27\x0a",
@@ -179,9 +179,9 @@ def _features(batch: Any, shapes: _Shapes, places: Sequence[str], around: MapWin
     rows = batch.drop_columns([shapes.column]).take(wanted).to_pylist()
     features = list[Feature]()
     for n, row in zip(wanted.tolist(), rows, strict=True):
-        plain = {uncut(key, str(value)) if shapes.is_cut else key: _plain(value) for key, value in row.items()}
+        plain = {restore_key(key, str(value)) if shapes.is_cut else key: _plain(value) for key, value in row.items()}
         blank = frozenset(blank_keys(plain))
-        part = truncated(plain, drawn[n])
+        part = find_truncated(plain, drawn[n])
         features.append(Feature(places[n], drawn[n], dict(tags_of(plain)), blank, part))
     return features
 

@@ -2,8 +2,8 @@
 
 from collections.abc import Callable, Mapping
 
-from ipoa_mission.maps.keys import AMBIGUITY_MARK, Means, keys_of, meaning, plain
-from ipoa_mission.maps.lengths import FOOT, counted_storeys, length_of, storeys_of
+from ipoa_mission.maps.keys import AMBIGUITY_MARK, Means, keys_of, meaning, normalize
+from ipoa_mission.maps.lengths import FOOT, count_storeys, length_of, storeys_of
 
 WIDEST_ROTOR = 170.0  # without a tag [m]
 # Smaller units are ignored, for safety.
@@ -66,7 +66,7 @@ def unread_heights(tags: Mapping[str, str], height: float, storey_height: float)
     return [
         key
         for key in keys_of(tags, Means.AMBIGUOUS)
-        if (length_of(tags[key])[0] or 0.0) * (storey_height if AMBIGUITY_MARK in plain(key) else 1.0) > height
+        if (length_of(tags[key])[0] or 0.0) * (storey_height if AMBIGUITY_MARK in normalize(key) else 1.0) > height
     ]
 
 
@@ -77,7 +77,7 @@ def is_by_storeys(tags: Mapping[str, str]) -> bool:
 
 
 def _top(tags: Mapping[str, str], key: str, storey_height: float, odd: Odd) -> float | None:
-    storeys = counted_storeys(tags[key])
+    storeys = count_storeys(tags[key])
     height = _length(tags, key, odd) if storeys is None else storeys * storey_height
     if height is not None and height <= 0:
         odd(key, tags[key])
@@ -88,7 +88,7 @@ def _top(tags: Mapping[str, str], key: str, storey_height: float, odd: Odd) -> f
 def _length(tags: Mapping[str, str], key: str, odd: Odd) -> float | None:
     length = _read(length_of, tags, key, odd)
     if length is not None and tags[key].replace(".", "", 1).isdecimal():
-        length *= next((UNITS_IN_NAMES[word] for word in plain(key).split("_") if word in UNITS_IN_NAMES), 1.0)
+        length *= next((UNITS_IN_NAMES[word] for word in normalize(key).split("_") if word in UNITS_IN_NAMES), 1.0)
     return length
 
 

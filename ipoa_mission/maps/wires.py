@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import shapely
 
-from ipoa_mission.maps.planar import flat
+from ipoa_mission.maps.planar import simple_parts
 
 # Up to [V], height and half width [m].
 POWER_LINES = ((1e3, 10.0, 2.0), (60e3, 15.0, 3.0), (150e3, 40.0, 8.0), (300e3, 50.0, 12.0), (np.inf, 60.0, 16.0))
@@ -59,8 +59,8 @@ def volts_of(text: str) -> float | None:
 
 def spans(shape: Any) -> Iterator[Any]:
     """Yield the straight segments of lines, except those of length 0."""
-    outlines = (part.boundary if part.geom_type == "Polygon" else part for part in flat(shape))
-    for line in (line for outline in outlines for line in flat(outline) if line.geom_type == "LineString"):
+    outlines = (part.boundary if part.geom_type == "Polygon" else part for part in simple_parts(shape))
+    for line in (line for outline in outlines for line in simple_parts(outline) if line.geom_type == "LineString"):
         corners = shapely.get_coordinates(line)
         legs = np.stack([corners[:-1], corners[1:]], axis=1)
         yield from shapely.linestrings(legs[(legs[:, 0] != legs[:, 1]).any(axis=1)]).tolist()

@@ -11,7 +11,7 @@ from ipoa_mission.geodesy import LocalFrame
 from ipoa_mission.maps.areas import RESTRICTIONS, Restriction, Zones, find_zones
 from ipoa_mission.maps.building_rules import BuildingRules
 from ipoa_mission.maps.buildings import Buildings, search_buildings
-from ipoa_mission.maps.map_reader import READERS, differences, read_features
+from ipoa_mission.maps.map_reader import READERS, compare_with_gdal, read_features
 from ipoa_mission.maps.map_window import Box, MapWindow
 from ipoa_mission.scenario.section import NotNegative, Positive, Section, existing_file
 from ipoa_mission.world.terrain import Grid
@@ -27,7 +27,7 @@ class MapFile(Section):
 
     def differences(self) -> Iterator[Finding]:
         """Compare two readers' shapes."""
-        return differences(self.file)
+        return compare_with_gdal(self.file)
 
 
 class BuildingsMap(MapFile):

@@ -18,7 +18,7 @@ from ipoa_mission.studio.plan_answers import expected
 from ipoa_mission.studio.view import on_map, without_folders
 from ipoa_mission.studio.vocabulary import renamed
 from ipoa_mission.survey.camera import CAMERAS
-from ipoa_mission.survey.flown_coverage import Overlap, Overlaps, laid_lines, photo_places, smallest_overlaps
+from ipoa_mission.survey.flown_coverage import Overlap, Overlaps, lines_of_tour, photo_places, smallest_overlaps
 from ipoa_mission.survey.sight import Sight
 from ipoa_mission.survey.survey_area import depth_of
 from ipoa_mission.survey.survey_flight import Survey
@@ -99,7 +99,7 @@ def in_words(message: str, table: Mapping[str, Any] | None = None) -> str:
 def coarse_survey(sketch: SurveySketch, scenario: Scenario, number: int | None) -> answers.CoarseSurvey:
     sight, ground = sketch.sight, scenario.airspace.ground
     free = sketch.area.without(sketch.keep_out)
-    lines = [*laid_lines(sketch.tour, sight, ground)]
+    lines = [*lines_of_tour(sketch.tour, sight, ground)]
     overlaps = smallest_overlaps(lines, sight, ground, free) if lines else None
     return answers.CoarseSurvey(
         number=number, layout=_layout(scenario, sketch, (sketch.tour,), overlaps), seconds=round(sketch.seconds, 1)

@@ -25,7 +25,7 @@ from ipoa_mission.scenario import Scenario
 from ipoa_mission.survey._kernels import NO_WAY
 from ipoa_mission.survey.camera import CameraSection
 from ipoa_mission.survey.free import FreeSpace
-from ipoa_mission.survey.sight import Sight, lifted
+from ipoa_mission.survey.sight import Sight, lift_path
 from ipoa_mission.survey.survey_task import TIGHT_PLACES, expect_survey
 from ipoa_mission.survey.tour import Tour
 from ipoa_mission.world.airspace import Airspace
@@ -35,7 +35,7 @@ SAME_PLACE = 0.5  # [m]
 
 def assemble_survey(tour: Tour, sight: Sight, scenario: Scenario, growth: Mapping[str, float], seed: int) -> Mission:
     path, begins, ends = _path(tour)
-    points, corners = lifted(path, sight, scenario.airspace.ground)
+    points, corners = lift_path(path, sight, scenario.airspace.ground)
     out = _clear_transit(scenario.start_point, points[0], scenario, growth, seed)[:-1]
     back = np.zeros((0, 3))
     if np.linalg.norm(scenario.goal_point - scenario.start_point) > SAME_PLACE:

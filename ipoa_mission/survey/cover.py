@@ -12,18 +12,18 @@ import shapely
 from ipoa_mission.errors import MissionError
 from ipoa_mission.geometry import Points, Vector, union_of
 from ipoa_mission.survey._kernels import NO_WAY, search_order
-from ipoa_mission.survey.free import FreeSpace, Transits, narrower, wider
+from ipoa_mission.survey.free import FreeSpace, Transits, narrow, widen
 from ipoa_mission.survey.survey_area import ARC, Area
 from ipoa_mission.survey.survey_lines import (
     MAX_UNSEEN,
     GapCloser,
     LineAxes,
     SensedPath,
-    cut,
+    area_seen_from,
+    cut_lines,
     line_over,
     line_positions,
     polygons_of,
-    seen_from,
 )
 from ipoa_mission.survey.times import LegTimes
 from ipoa_mission.survey.tour import Swath, Tour
@@ -108,7 +108,7 @@ class CoverProblem:
         cls, area: Area, spacing: float, cost: LegTimes, keep_out: Any = None, turns_outside: float = 0.0
     ) -> "CoverProblem":
         """Return the problem; transits may leave the area by `turns_outside` [m]."""
-        kept_out = shapely.Polygon() if keep_out is None else _simpler(keep_out, area.shape, spacing)
+        kept_out = shapely.Polygon() if keep_out is None else _simplify(keep_out, area.shape, spacing)
         visible = area.visible(keep_out, spacing)
         free = FreeSpace.of(_where_lines_go(area.shape, kept_out, visible, spacing, cost.past_corners))
         if free.inner.is_empty:
@@ -169,7 +169,7 @@ class CoverProblem:
         ends = np.array([first[-1], first[-1], last[-1], last[-1]])
         transits = Transits(ends, self.turns, self.around, self.cost)
         if transits.times[0, 2] >= NO_WAY:
-            raise _parted()
+            raise _no_way_between_parts()
         return np.concatenate([first[:-1], transits.corners(0, 2), last[-2::-1]])
 
     def _rough_seconds(self, degrees: float, shift: float) -> float:
@@ -182,7 +182,7 @@ class CoverProblem:
         rings = shapely.get_rings(shapely.get_parts(self.free.inner))
         corners = [shapely.get_coordinates(ring) for ring in rings]
         edges = np.concatenate([np.column_stack([ring[:-1], ring[1:]]) for ring in corners])
-        lines = cut(edges, grid, line_positions(self.area, grid, self.spacing, shift))
+        lines = cut_lines(edges, grid, line_positions(self.area, grid, self.spacing, shift))
         min_length = 0.25 * self.spacing  # detours see shorter pieces
         return np.asarray(lines[np.linalg.norm(lines[:, 1] - lines[:, 0], axis=1) > min_length])
 
@@ -191,7 +191,7 @@ class CoverProblem:
         lines = self._lines(degrees, shift)
         min_area, min_outline = 0.2 * self.spacing**2, 4.0 * self.spacing
         more = []
-        for gap in polygons_of(self.area.difference(seen_from(lines, self.spacing))):
+        for gap in polygons_of(self.area.difference(area_seen_from(lines, self.spacing))):
             if gap.area > min_area and gap.length > min_outline:
                 line = line_over(gap, self.free.inner, self.spacing)
                 more += [] if line is None else [line]
@@ -214,7 +214,7 @@ class CoverProblem:
         rounds = int(min(10 * len(lines), LIMITS.order_rounds, LIMITS.order_steps / len(lines) ** 2))
         entries, seconds = search_order(times, along, rounds)
         if seconds >= NO_WAY:
-            raise _parted()
+            raise _no_way_between_parts()
         path = SensedPath([ends[entries[0]]])
         for n, entry in enumerate(entries):
             if n:
@@ -261,15 +261,15 @@ class CoverProblem:
         return np.array([self.cost.seconds(np.array([*line, place])) - self.cost.seconds(line) for line in lines])
 
 
-def _parted() -> MissionError:
+def _no_way_between_parts() -> MissionError:
     words = "no way leads between all parts of the area"
     return MissionError(words, hint="survey them one by one", code="area-parted", place="survey")
 
 
-def _simpler(keep_out: Any, area: Any, spacing: float) -> Any:
+def _simplify(keep_out: Any, area: Any, spacing: float) -> Any:
     edge = float(keep_out.boundary.intersection(area).length)
     most = 0.03 * spacing
-    return wider(keep_out, most if edge <= 0.0 else min(most, MAX_UNSEEN / 2 * area.area / edge))
+    return widen(keep_out, most if edge <= 0.0 else min(most, MAX_UNSEEN / 2 * area.area / edge))
 
 
 def _where_lines_go(area: Any, keep_out: Any, visible: Any, spacing: float, past: float) -> Any:
@@ -282,7 +282,7 @@ def _where_lines_go(area: Any, keep_out: Any, visible: Any, spacing: float, past
     may_hide = visible.difference(whole.buffer(spacing / 2, quad_segs=ARC)).area + MAX_UNSEEN / 10 * area.area
     for share in (1.0, 0.5, 0.0):
         inside = outlines.buffer(-share * inset, join_style="mitre").intersection(area)
-        simple = narrower(inside, simplification).difference(keep_out)
+        simple = narrow(inside, simplification).difference(keep_out)
         hidden = visible.difference(simple.buffer(spacing / 2, quad_segs=ARC)).area
         if len(shapely.get_parts(simple)) == len(shapely.get_parts(whole)) and hidden <= may_hide:
             return simple

@@ -21,7 +21,7 @@ from ipoa_mission.routing.resample import NoRoute
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.survey.assembly import assemble_survey
 from ipoa_mission.survey.survey_area import Area
-from ipoa_mission.survey.survey_section import at_start, between
+from ipoa_mission.survey.survey_section import at_start, move_between
 from ipoa_mission.survey.survey_task import SurveyTask, lay_lines
 from ipoa_mission.survey.tour import (
     RouteCost,
@@ -57,7 +57,7 @@ class FlightMaker:
                 return longest[1]
         else:
             world = _expect_clear(at_start(world, part.start), part.start)
-            tour = tour.moved(between(self.task.scenario.frame, world.frame))
+            tour = tour.moved(move_between(self.task.scenario.frame, world.frame))
         return Forecast(assemble_survey(tour, self.task.sight, world, self.growth, self.seed), world)
 
     def fits(self, tour: Tour) -> bool:
@@ -103,7 +103,7 @@ def _expect_clear(world: Scenario, n: int) -> Scenario:
     return world
 
 
-def laid_tours(task: SurveyTask) -> list[Tour]:
+def lay_tours(task: SurveyTask) -> list[Tour]:
     section = task.section
     if section.starts is None:
         return [lay_lines(task)]
@@ -235,7 +235,7 @@ def _from_starts(tours: Sequence[Tour], make: FlightMaker, starts: Points) -> tu
     return best
 
 
-def returning(forecast: Forecast) -> Forecast:
+def with_planned_returns(forecast: Forecast) -> Forecast:
     if forecast.world.safety.returns != "planned":
         return forecast
     best, short = choose_returns(forecast)

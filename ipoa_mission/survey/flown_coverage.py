@@ -15,10 +15,10 @@ from ipoa_mission.forecast.timing.track import THINNING_TOLERANCE, Track
 from ipoa_mission.geodesy import Geodetic, LocalFrame
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.ground import Ground
-from ipoa_mission.survey.sight import Sight, lifted
+from ipoa_mission.survey.sight import Sight, lift_path
 from ipoa_mission.survey.survey_area import ARC, Area
 from ipoa_mission.survey.survey_lines import union_along
-from ipoa_mission.survey.survey_section import between
+from ipoa_mission.survey.survey_section import move_between
 from ipoa_mission.survey.tour import Swath, Tour
 
 
@@ -44,11 +44,11 @@ def as_flown(flights: Iterable[tuple[Track, Points]], area: Any, visible: Any, w
     return AsFlown(1.0 - unseen / visible.area, outside)
 
 
-def expected_lines(forecast: Forecast, tour: Tour, frame: LocalFrame) -> tuple[Track, Points]:
+def predict_lines(forecast: Forecast, tour: Tour, frame: LocalFrame) -> tuple[Track, Points]:
     """Return the track, and when lines begin and end (n, 2) [s]."""
     tolerance = 0.05  # between an item and its line's end [m]
     prediction = forecast.guarantee.flight.prediction
-    move = between(forecast.frame, frame)
+    move = move_between(forecast.frame, frame)
     items = [visit.item for visit in forecast.itinerary.visits]
     latitude, longitude = np.array([[item.latitude_deg, item.longitude_deg] for item in items]).T
     places = frame.to_local(latitude, longitude, forecast.mission.home.altitude)[:, :2]
@@ -163,7 +163,7 @@ def smallest_overlaps(lines: Sequence[PhotoLine], sight: Sight, ground: Ground, 
     return Overlaps(*(min(overlaps, key=lambda each: each.share, default=None) for overlaps in (fronts, sides)))
 
 
-def flown_lines(forecast: Forecast, lag: float, frame: LocalFrame) -> Iterator[PhotoLine]:
+def lines_of_forecast(forecast: Forecast, lag: float, frame: LocalFrame) -> Iterator[PhotoLine]:
     """Return the lines with photos; `lag`: a photo's mean delay [m], at most twice as much."""
     home = forecast.mission.home
     every = 0.0
@@ -179,11 +179,11 @@ def flown_lines(forecast: Forecast, lag: float, frame: LocalFrame) -> Iterator[P
             here = there
 
 
-def laid_lines(tour: Tour, sight: Sight, ground: Ground) -> Iterator[PhotoLine]:
+def lines_of_tour(tour: Tour, sight: Sight, ground: Ground) -> Iterator[PhotoLine]:
     for swath in tour.swaths:
         every = sight.triggering(swath.length)[0]
         if every > 0.0 and swath.length > 0.0:
-            for begin, end in pairwise(lifted(swath.ends, sight, ground)[0]):
+            for begin, end in pairwise(lift_path(swath.ends, sight, ground)[0]):
                 yield _line(begin, end, every + 2 * sight.lag)
 
 

@@ -113,17 +113,17 @@ def _bends(ring: Points) -> Points:
     return np.asarray(np.column_stack([corners, arms])[turns < 0.0])
 
 
-def wider(shape: Any, most: float) -> Any:
+def widen(shape: Any, most: float) -> Any:
     """Return polygons around `shape` with fewer corners, wider by at most `most` [m]."""
-    return _redrawn(shape, lambda ring: _pointed(_filled(ring, most), most))
+    return _redraw(shape, lambda ring: _sharpen_bulges(_fill_dents(ring, most), most))
 
 
-def narrower(shape: Any, most: float) -> Any:
+def narrow(shape: Any, most: float) -> Any:
     """Return polygons within `shape` with fewer corners, narrower by at most `most` [m]."""
-    return _redrawn(shape, lambda ring: _pointed(_filled(ring[::-1], most), most)[::-1])
+    return _redraw(shape, lambda ring: _sharpen_bulges(_fill_dents(ring[::-1], most), most)[::-1])
 
 
-def _redrawn(shape: Any, redraw: Callable[[Points], Points]) -> Any:
+def _redraw(shape: Any, redraw: Callable[[Points], Points]) -> Any:
     """Redraw rings (n, 2), interior on the left; keep a part whose new rings would cross."""
     parts = []
     for part in shapely.get_parts(shapely.orient_polygons(shape)):
@@ -139,7 +139,7 @@ def _turns(ring: Points) -> Vector:
     return np.asarray(np.arctan2(into[:, 0] * out[:, 1] - into[:, 1] * out[:, 0], (into * out).sum(axis=1)))
 
 
-def _filled(ring: Points, most: float) -> Points:
+def _fill_dents(ring: Points, most: float) -> Points:
     """Replace runs of small right turns by a straight edge."""
     turns = _turns(ring)
     if (turns >= 0.0).all():
@@ -165,7 +165,7 @@ def _filled(ring: Points, most: float) -> Points:
     return np.asarray(ring[kept[:-1]])
 
 
-def _pointed(ring: Points, most: float) -> Points:
+def _sharpen_bulges(ring: Points, most: float) -> Points:
     """Replace runs of small left turns by one corner."""
     turns = _turns(ring)
     first = int(turns.argmax()) if turns.max() > MAX_TURN else int(turns.argmin())

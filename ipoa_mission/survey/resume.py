@@ -14,7 +14,7 @@ from ipoa_mission.survey.tour import Swath, Tour
 MAX_REST = 5.0  # of a line, left unflown or overshot [m]
 
 
-def left_to_fly(
+def rest_of_tour(
     tour: Tour, flown: Sequence[Points], sight: Sight, ground: Ground, transit: Callable[[Points, Points], Points]
 ) -> Tour | None:
     """Return the lines that paths (n, 3) left, with overlap, or None; `transit` has corners between places (2,)."""
@@ -26,7 +26,7 @@ def left_to_fly(
     transits = list[Points]()
     before = -1
     for n, swath in enumerate(tour.swaths):
-        for begin, end in _left(pieces[n], swath.length, sight):
+        for begin, end in _unflown_pieces(pieces[n], swath.length, sight):
             first = swath.at(begin) if begin > 0.0 else swath.begin
             piece = Swath(first, swath.at(end) if end < swath.length else swath.end)
             if swaths:
@@ -66,10 +66,10 @@ def runs_in_order(tour: Tour, path: Points, sight: Sight, ground: Ground) -> lis
         begin = 0.0 if run.begin <= turn else run.begin
         end = length if run.line < last and run.end >= length - turn else run.end
         runs.append(replace(run, begin=begin, end=end))
-    return [*runs, *(short for pair in pairwise(runs) for short in _passed(tour, path, *pair, turn))]
+    return [*runs, *(short for pair in pairwise(runs) for short in _short_lines_passed(tour, path, *pair, turn))]
 
 
-def _passed(tour: Tour, path: Points, before: _Run, after: _Run, turn: float) -> Iterator[_Run]:
+def _short_lines_passed(tour: Tour, path: Points, before: _Run, after: _Run, turn: float) -> Iterator[_Run]:
     """Return the lines between two successive runs that are too short to show."""
     if before.end < tour.swaths[before.line].length or after.begin > 0.0:
         return
@@ -105,7 +105,7 @@ def _runs(tour: Tour, path: Points, sight: Sight, ground: Ground) -> Iterator[_R
                 yield run
 
 
-def _left(flown: list[tuple[float, float]], length: float, sight: Sight) -> list[tuple[float, float]]:
+def _unflown_pieces(flown: list[tuple[float, float]], length: float, sight: Sight) -> list[tuple[float, float]]:
     """Return the unflown pieces [m], each with its overlap."""
     end = min(MAX_REST, sight.spacing / 4)
     reached = 0.0

@@ -103,11 +103,11 @@ def _is_level(area: Area, scenario: Scenario) -> bool:
     return bool(np.ptp(scenario.airspace.ground(np.stack(grid, axis=-1).reshape(-1, 2))) < 0.05)  # [m]
 
 
-def lifted(path: Points, sight: Sight, ground: Ground) -> tuple[Points, list[int]]:
+def lift_path(path: Points, sight: Sight, ground: Ground) -> tuple[Points, list[int]]:
     """Return a path (n, 2) with heights and added places, (m, 3), and the indices of its corners."""
     if sight.band == 0.0:
         return np.column_stack([path, ground(path) + sight.least]), [*range(len(path))]
-    sampled = [_sampled(a, b, sight, ground) for a, b in pairwise(path)]
+    sampled = [_sample_leg(a, b, sight, ground) for a, b in pairwise(path)]
     floor = np.array([lower[0] for _, lower in sampled] + [sampled[-1][1][-1]])
     floor[1:] = np.maximum(floor[1:], [lower[-1] for _, lower in sampled])
     heights = floor + sight.band / 2
@@ -116,13 +116,13 @@ def lifted(path: Points, sight: Sight, ground: Ground) -> tuple[Points, list[int
     for n, (a, b) in enumerate(pairwise(path)):
         shares, lower = sampled[n]
         lower[[0, -1]] = floor[n : n + 2]
-        vertices = _fewest(shares, lower, sight.band, (heights[n], heights[n + 1]))
+        vertices = _fewest_points(shares, lower, sight.band, (heights[n], heights[n + 1]))
         points += [np.append(a + share * (b - a), height) for share, height in vertices]
         corners.append(len(points) - 1)
     return np.array(points), corners
 
 
-def _sampled(a: Points, b: Points, sight: Sight, ground: Ground) -> tuple[Vector, Vector]:
+def _sample_leg(a: Points, b: Points, sight: Sight, ground: Ground) -> tuple[Vector, Vector]:
     """Return shares of a straight leg, and the minimum flight height at each."""
     ahead = b - a
     samples = 9  # across the path, and along the photo
@@ -138,7 +138,7 @@ def _sampled(a: Points, b: Points, sight: Sight, ground: Ground) -> tuple[Vector
     return shares, ground(spots.reshape(-1, 2)).reshape(len(shares), -1).max(axis=1) + sight.least
 
 
-def _fewest(shares: Vector, lower: Vector, band: float, ends: tuple[float, float]) -> list[tuple[float, float]]:
+def _fewest_points(shares: Vector, lower: Vector, band: float, ends: tuple[float, float]) -> list[tuple[float, float]]:
     """Return the fewest places between which straight flight stays in the band above `lower`."""
     places = list[tuple[float, float]]()
     tolerance = 0.01  # [m]

@@ -11,7 +11,7 @@ from ipoa_mission.geodesy import REACH, LocalFrame
 from ipoa_mission.geometry import Points, union_of
 from ipoa_mission.maps.map_reader import read_features
 from ipoa_mission.maps.map_window import MapWindow
-from ipoa_mission.maps.planar import closed_as_polygon, flat, to_plane, unrepeated
+from ipoa_mission.maps.planar import close_as_polygon, remove_repeats, simple_parts, to_plane
 
 LEAST_M2 = 1e-3
 INSET = 0.02  # [m]; more than the rounding of coordinates to 1e-7 degrees
@@ -160,11 +160,11 @@ def expect_here(area: Area, place: str) -> Area:
     return area
 
 
-def drawn(polygon: Any) -> Area:
+def read_polygon(polygon: Any) -> Area:
     return Area.of(parts_of(polygon), "survey.polygon", depth_of(polygon))
 
 
-def mapped(path: Path, width: float | None, frame: LocalFrame) -> Area:
+def read_map(path: Path, width: float | None, frame: LocalFrame) -> Area:
     polygons: list[Any] = []
     for place, shape in shapes_in(path, frame):
         if shape.geom_type == "LineString" and width is not None:
@@ -173,7 +173,7 @@ def mapped(path: Path, width: float | None, frame: LocalFrame) -> Area:
         if shape.geom_type != "Polygon":
             words = "expected a polygon, not an open line"
             raise InvalidRing(words, hint="--width M, or width under [survey], makes it a corridor", place=place)
-        clean = unrepeated(shape)
+        clean = remove_repeats(shape)
         rings = [shapely.get_coordinates(ring) for ring in (clean.exterior, *clean.interiors)]
         polygons += Area.of([rings], place).shape.geoms
     if not polygons:
@@ -195,9 +195,9 @@ def shapes_in(path: Path, frame: LocalFrame) -> Iterator[tuple[str, Any]]:
         if (missing := feature.missing) is not None and not missing.elsewhere:
             words = f"expected an area that can be read, not {missing.words}"
             raise BadInput(words, missing.remedy, place=feature.place)
-        for part in flat(shape) if counts else ():
+        for part in simple_parts(shape) if counts else ():
             if part.geom_type in ("Polygon", "LineString"):
-                yield f"{feature.place}.geometry", closed_as_polygon(part)
+                yield f"{feature.place}.geometry", close_as_polygon(part)
 
 
 def corridor(line: Points, width: float, place: str) -> Any:

@@ -73,7 +73,7 @@ class Survey:
     @property
     def notes(self) -> tuple[str, ...]:
         """Return the remarks that are no findings."""
-        warned = {*_messages_of_flights(self.plan, _warned), *_more_flights(self.plan)}
+        warned = {*_messages_of_flights(self.plan, _warnings_of), *_more_flights(self.plan)}
         return tuple(words for words in self.remarks if words not in warned)
 
     @property
@@ -210,16 +210,16 @@ def plan_survey(
         (4, True)
     """
     if area is not None or camera is not None or asked:
-        scenario = _asking(scenario, area, camera, asked)
+        scenario = _with_survey(scenario, area, camera, asked)
     expect_plannable(scenario := scenario.in_wind(wind))
     with threadpool_limits(1, "blas"):  # more threads only wait, and round differently
         plan = plan_flights(scenario, seed, progress)
-        plan, before = _rest(plan, scenario, flown, seed) if flown else (plan, [])
+        plan, before = _replan(plan, scenario, flown, seed) if flown else (plan, [])
     log.info("%s: %d lines in %d flights", scenario.name, len(plan.tour.swaths), len(plan.flights))
     return Survey(plan, seed, tuple(dict.fromkeys((*before, *_remarks(plan, scenario)))))
 
 
-def _rest(whole: SurveyPlan, scenario: Scenario, flown: Sequence[Flown], seed: int) -> tuple[SurveyPlan, list[str]]:
+def _replan(whole: SurveyPlan, scenario: Scenario, flown: Sequence[Flown], seed: int) -> tuple[SurveyPlan, list[str]]:
     from ipoa_mission import read_flights  # imports all of the link
 
     pairs = [log if isinstance(log, tuple) else (log, None) for log in flown]
@@ -273,7 +273,7 @@ def _begin(area: Path) -> dict[str, float]:
     raise NothingThere("expected an area, not a map without one", place=area)
 
 
-def _asking(scenario: Scenario, area: Any, camera: Any, asked: Mapping[str, Any]) -> Scenario:
+def _with_survey(scenario: Scenario, area: Any, camera: Any, asked: Mapping[str, Any]) -> Scenario:
     options: dict[str, Any] = dict(asked) | ({} if camera is None else {"camera": camera})
     if area is None:
         table = ({} if (own := survey_of(scenario)) is None else own.model_dump(exclude_unset=True)) | options
@@ -303,7 +303,7 @@ def _messages_of_flights(plan: SurveyPlan, messages_of: Callable[[SurveyFlight],
         yield words if len(numbers) == len(plan.flights) else some + words
 
 
-def _warned(flight: SurveyFlight) -> Iterator[str]:
+def _warnings_of(flight: SurveyFlight) -> Iterator[str]:
     return (words for finding in flight.findings for words in (finding.message, finding.hint) if words)
 
 
@@ -324,7 +324,7 @@ def _repairs(flight: SurveyFlight) -> Iterator[str]:
 
 
 def _remarks(plan: SurveyPlan, asked: Scenario) -> Iterator[str]:
-    yield from _messages_of_flights(plan, _warned)
+    yield from _messages_of_flights(plan, _warnings_of)
     yield from _more_flights(plan)
     if (speed := plan.scenario.vehicle.cruise_speed) != asked.vehicle.cruise_speed:
         yield f"flown at {speed:g} m/s: at {asked.vehicle.cruise_speed:g} m/s flights would come too near"

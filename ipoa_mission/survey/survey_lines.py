@@ -48,7 +48,7 @@ def line_positions(area: Any, grid: LineAxes, spacing: float, shift: float = 0.0
     return np.asarray(middle + spacing * (np.arange(count) - (count - 1) / 2))
 
 
-def cut(edges: Points, grid: LineAxes, at: Vector) -> Points:
+def cut_lines(edges: Points, grid: LineAxes, at: Vector) -> Points:
     """Return the pieces (n, 2, 2) between the edges (m, 4) of polygons."""
     begins, ends = grid.turned(edges[:, :2]), grid.turned(edges[:, 2:])
     crosses = (begins[None, :, 1] <= at[:, None]) != (ends[None, :, 1] <= at[:, None])
@@ -60,7 +60,7 @@ def cut(edges: Points, grid: LineAxes, at: Vector) -> Points:
     return grid.back(pairs.reshape(-1, 2)).reshape(-1, 2, 2)
 
 
-def seen_from(lines: Any, width: float) -> Any:
+def area_seen_from(lines: Any, width: float) -> Any:
     """Return the area seen from lines (n, 2, 2), without seams."""
     seam_width = 1e-4  # [m]
     return union_along(shapely.linestrings(lines), width / 2 + seam_width, ARC)
@@ -146,7 +146,7 @@ class GapCloser:
 
     def _gaps(self, route: SensedPath) -> Any:
         """Return the gaps; large ones switch the sensor on along ways that see them."""
-        gaps = self.area.difference(seen_from(route.legs(True), self.width))
+        gaps = self.area.difference(area_seen_from(route.legs(True), self.width))
         too_much = gaps.area - MAX_UNSEEN * self.area.area
         off = [n for n, on in enumerate(route.is_on) if not on]
         if too_much <= 0.0 or not off:

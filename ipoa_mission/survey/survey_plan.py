@@ -20,19 +20,19 @@ from ipoa_mission.geometry import Points
 from ipoa_mission.planning.obstruction import NoPath
 from ipoa_mission.progress import Progress, silent
 from ipoa_mission.scenario import Scenario
-from ipoa_mission.survey.flight_maker import FlightMaker, laid_tours, returning, split_into_flights
+from ipoa_mission.survey.flight_maker import FlightMaker, lay_tours, split_into_flights, with_planned_returns
 from ipoa_mission.survey.flown_coverage import (
     AsFlown,
     Coverage,
     Overlaps,
     as_flown,
     coverage,
-    expected_lines,
-    flown_lines,
+    lines_of_forecast,
+    predict_lines,
     smallest_overlaps,
 )
-from ipoa_mission.survey.resume import left_to_fly
-from ipoa_mission.survey.survey_task import SurveyTask, flown_round, task_of
+from ipoa_mission.survey.resume import rest_of_tour
+from ipoa_mission.survey.survey_task import SurveyTask, obstacles_flown_round, task_of
 from ipoa_mission.survey.tour import Sortie, Tour
 from ipoa_mission.world.obstacles import Obstacle
 
@@ -73,7 +73,7 @@ class SurveyPlan(SurveyTask):
         if self.sight.trigger is None:
             return None
         frame = self.scenario.frame
-        lines = [line for flight in self.flights for line in flown_lines(flight.forecast, self.sight.lag, frame)]
+        lines = [line for flight in self.flights for line in lines_of_forecast(flight.forecast, self.sight.lag, frame)]
         return smallest_overlaps(lines, self.sight, self.scenario.airspace.ground, self.free)
 
     @cached_property
@@ -82,7 +82,7 @@ class SurveyPlan(SurveyTask):
         if self.is_rest:
             return None
         visible = self.area.visible(self.keep_out, self.sight.spacing)
-        flights = (expected_lines(flight.forecast, flight.tour, self.scenario.frame) for flight in self.flights)
+        flights = (predict_lines(flight.forecast, flight.tour, self.scenario.frame) for flight in self.flights)
         return as_flown(flights, self.area.shape, visible, self.sight.across)
 
     def begin_of(self, flight: SurveyFlight) -> tuple[float, float]:
@@ -114,7 +114,7 @@ def _with_room(scenario: Scenario, seed: int) -> SurveyPlan:
     for _ in range(ROUNDS):
         task = task_of(scenario, growth)
         make = FlightMaker(task, growth, seed)
-        tour, parts = split_into_flights(laid_tours(task), make)
+        tour, parts = split_into_flights(lay_tours(task), make)
         forecasts = [make(part) for part in parts]
         near = _too_near(forecasts)
         if not near:
@@ -123,15 +123,15 @@ def _with_room(scenario: Scenario, seed: int) -> SurveyPlan:
         for kept, guarantee in near:
             if kept.limit not in ("obstacles", "bounds"):
                 raise _TooNear(kept, guarantee)
-            bodies = flown_round(scenario, task.sight, growth)
-            missing = {"bounds": -kept.slack} if kept.limit == "bounds" else _missing(kept, guarantee, bodies)
+            bodies = obstacles_flown_round(scenario, task.sight, growth)
+            missing = {"bounds": -kept.slack} if kept.limit == "bounds" else _missing_clearance(kept, guarantee, bodies)
             for name, by in missing.items():  # [m]
                 needed[name] = max(needed.get(name, 0.0), growth.get(name, 0.0) + by * 1.15 + 0.05)
         growth |= needed
     else:
         raise _TooNear(*min(near, key=lambda pair: pair[0].slack))
     seen = coverage(task.area, tour, task.sight.spacing, task.keep_out)
-    flights = _checked(parts, forecasts)
+    flights = _check_flights(parts, forecasts)
     return SurveyPlan(scenario, task.section, task.area, task.sight, task.keep_out, tour, seen, flights, growth)
 
 
@@ -144,7 +144,7 @@ def _too_near(forecasts: Sequence[Forecast]) -> list[tuple[KeptLimit, ClearanceG
     return near
 
 
-def _missing(kept: KeptLimit, guarantee: ClearanceGuarantee, bodies: Sequence[Obstacle]) -> dict[str, float]:
+def _missing_clearance(kept: KeptLimit, guarantee: ClearanceGuarantee, bodies: Sequence[Obstacle]) -> dict[str, float]:
     """Return the clearance [m] missing to the worst obstacle, and to others about as near, which have no bound."""
     flight = guarantee.flight
     lost = kept.nominal - kept.guaranteed
@@ -159,7 +159,7 @@ def _missing(kept: KeptLimit, guarantee: ClearanceGuarantee, bodies: Sequence[Ob
 def rest_of(plan: SurveyPlan, flown: Sequence[Points], seed: int = 0) -> SurveyPlan:
     """Return the plan of what paths (n, 3) left, east, north, up [m]."""
     scenario = plan.scenario
-    tour = left_to_fly(plan.tour, flown, plan.sight, scenario.airspace.ground, plan.cover.transit)
+    tour = rest_of_tour(plan.tour, flown, plan.sight, scenario.airspace.ground, plan.cover.transit)
     if tour is None:
         raise BadInput("no line is left to fly", code="nothing-left", place="survey")
     section = plan.section.model_copy(update={"flights": None})
@@ -168,12 +168,12 @@ def rest_of(plan: SurveyPlan, flown: Sequence[Points], seed: int = 0) -> SurveyP
     forecasts = [make(part) for part in parts]
     if near := _too_near(forecasts):
         raise _refusal(_TooNear(*near[0]), scenario)
-    return replace(plan, tour=tour, flights=_checked(parts, forecasts), is_rest=True)
+    return replace(plan, tour=tour, flights=_check_flights(parts, forecasts), is_rest=True)
 
 
-def _checked(parts: Sequence[Sortie], forecasts: Sequence[Forecast]) -> tuple[SurveyFlight, ...]:
+def _check_flights(parts: Sequence[Sortie], forecasts: Sequence[Forecast]) -> tuple[SurveyFlight, ...]:
     flights = list[SurveyFlight]()
-    for part, forecast in zip(parts, map(returning, forecasts), strict=True):
+    for part, forecast in zip(parts, map(with_planned_returns, forecasts), strict=True):
         findings = refuse_errors(check(forecast))
         forecast.drop(ContingencyPaths)  # large after many hours
         if (budget := budget_of(forecast)) is not None and budget.shortage is not None:

@@ -25,21 +25,21 @@ from ipoa_mission.scenario.place_sections import (
 from ipoa_mission.scenario.section import NUMBER, NotNegative, Positive, Section, existing_file
 from ipoa_mission.scenario.surroundings import Reach
 from ipoa_mission.survey.camera import GivenCamera
-from ipoa_mission.survey.survey_area import Area, corridor, depth_of, drawn, expect_here, mapped, shapes_in
+from ipoa_mission.survey.survey_area import Area, corridor, depth_of, expect_here, read_map, read_polygon, shapes_in
 from ipoa_mission.world.terrain import Grid
 
 BAND = 0.15  # share of height over uneven ground
 USUAL_SPACING, USUAL_HEIGHT = 20.0, 40.0  # [m]
 
 
-def _an_overlap(share: float) -> float:
+def _check_overlap(share: float) -> float:
     if not 0.0 <= share < 1.0:
         meant = f" ({share / 100:g} for {share:g} %)" if 1.0 < share < 100.0 else ": at 100 % photos do not advance"
         raise ValueError(f"expected a share from 0 to below 1, not {share:g}{meant if share >= 1 else ''}")
     return share
 
 
-def _a_direction(value: Any) -> Any:
+def _check_direction(value: Any) -> Any:
     numbers = value if isinstance(value, list | tuple) else [value]
     finite = [isinstance(n, int | float) and not isinstance(n, bool) and math.isfinite(n) for n in numbers]
     if value not in ("best", "crosshatch") and not (finite and all(finite)):
@@ -47,7 +47,7 @@ def _a_direction(value: Any) -> Any:
     return value
 
 
-def _nested(value: Any) -> Any:
+def _check_nesting(value: Any) -> Any:
     if not 2 <= depth_of(value) <= 4:
         raise ValueError("expected [[east, north], ...], rings of these, or polygons of such rings")
     return value
@@ -56,15 +56,15 @@ def _nested(value: Any) -> Any:
 _NUMBERS: dict[str, Any] = {"type": "array", "items": {"type": "number"}}
 _RING: dict[str, Any] = {"type": "array", "items": _NUMBERS}
 _PARTS: dict[str, Any] = {"type": "array", "items": _RING}
-Overlap: TypeAlias = Annotated[float, AfterValidator(_an_overlap), NUMBER]
+Overlap: TypeAlias = Annotated[float, AfterValidator(_check_overlap), NUMBER]
 Direction: TypeAlias = Annotated[
     Any,
-    AfterValidator(_a_direction),
+    AfterValidator(_check_direction),
     WithJsonSchema({"anyOf": [{"enum": ["best", "crosshatch"]}, {"type": "number"}, _NUMBERS]}),
 ]
 Spot: TypeAlias = tuple[Annotated[float, NUMBER], Annotated[float, NUMBER]]
 Rings: TypeAlias = Annotated[
-    Any, AfterValidator(_nested), WithJsonSchema({"anyOf": [_RING, _PARTS, {"type": "array", "items": _PARTS}]})
+    Any, AfterValidator(_check_nesting), WithJsonSchema({"anyOf": [_RING, _PARTS, {"type": "array", "items": _PARTS}]})
 ]
 Moved = TypeVar("Moved", bound=Section)
 Ring: TypeAlias = tuple[tuple[float, float], ...]
@@ -175,7 +175,7 @@ class SurveySection(AddedSection):
 
     def seen_from(self, scenario: Scenario, home: Geodetic) -> Scenario:
         tolerance = 1.0  # [m]
-        away = _away(scenario, home)
+        away = _distances_to_starts(scenario, home)
         if not away or min(away) > tolerance or apart(home, scenario.frame.home) <= tolerance:
             return scenario
         return at_start(scenario, int(np.argmin(away)))
@@ -188,9 +188,9 @@ class SurveySection(AddedSection):
 
     def build(self, frame: LocalFrame) -> Area:
         if self.area is not None:
-            return expect_here(mapped(self.area, self.width, frame), str(self.area))
+            return expect_here(read_map(self.area, self.width, frame), str(self.area))
         if self.polygon is not None:
-            return expect_here(drawn(self.polygon), "survey.polygon")
+            return expect_here(read_polygon(self.polygon), "survey.polygon")
         shape = corridor(np.array(self.line), self.width or 0.0, "survey.line")
         return expect_here(Area(shapely.MultiPolygon([shape])), "survey.line")
 
@@ -217,11 +217,11 @@ def surveyed_area(scenario: Scenario) -> Area | None:
 
 
 def nearest_start(scenario: Scenario, there: Geodetic) -> Scenario:
-    away = _away(scenario, there)
+    away = _distances_to_starts(scenario, there)
     return at_start(scenario, int(np.argmin(away))) if away else scenario
 
 
-def _away(scenario: Scenario, there: Geodetic) -> list[float]:
+def _distances_to_starts(scenario: Scenario, there: Geodetic) -> list[float]:
     section = survey_of(scenario)
     starts = () if section is None else section.start_places
     return [apart(there, scenario.frame.geodetic(np.array([*start, 0.0]))) for start in starts]
@@ -245,7 +245,7 @@ def at_start(scenario: Scenario, n: int) -> Scenario:
     return moved.in_world_of(world)
 
 
-def between(old: LocalFrame, new: LocalFrame) -> Move:
+def move_between(old: LocalFrame, new: LocalFrame) -> Move:
     def moved(places: Points) -> Points:
         if old.home == new.home:
             return places
@@ -267,7 +267,7 @@ def _sections_from(scenario: Scenario, section: SurveySection, n: int) -> dict[s
     new = LocalFrame(home.geodetic())
     rise = home.altitude_amsl - old.home.altitude
     start = Place(east=0.0, north=0.0, height_above_ground=section.height)
-    survey = {key: _moved_nested(getattr(section, key), between(old, new)) for key in ("polygon", "line", "starts")}
+    survey = {key: _move_nested(getattr(section, key), move_between(old, new)) for key in ("polygon", "line", "starts")}
     return {
         "home": home,
         "start": start,
@@ -275,10 +275,10 @@ def _sections_from(scenario: Scenario, section: SurveySection, n: int) -> dict[s
         "via": (),
         "bounds": _bounds(scenario, new, rise),
         "terrain": _terrain(scenario, new, rise, n),
-        "obstacles": tuple(_moved(obstacle, old, new) for obstacle in scenario.obstacles),
-        "maps": tuple(_raised(zones, -rise) if isinstance(zones, NoFlyMap) else zones for zones in scenario.maps),
-        "fence": tuple(_moved(fence, old, new) for fence in scenario.fence),
-        "rally": tuple(_moved(place, old, new) for place in scenario.rally),
+        "obstacles": tuple(_move_section(obstacle, old, new) for obstacle in scenario.obstacles),
+        "maps": tuple(_raise_zones(zones, -rise) if isinstance(zones, NoFlyMap) else zones for zones in scenario.maps),
+        "fence": tuple(_move_section(fence, old, new) for fence in scenario.fence),
+        "rally": tuple(_move_section(place, old, new) for place in scenario.rally),
         "survey": section.model_copy(update=survey),
     }
 
@@ -315,7 +315,7 @@ def _terrain(scenario: Scenario, new: LocalFrame, rise: float, n: int) -> Terrai
     return section
 
 
-def _moved(section: Moved, old: LocalFrame, new: LocalFrame) -> Moved:
+def _move_section(section: Moved, old: LocalFrame, new: LocalFrame) -> Moved:
     changes = dict[str, Any]()
     at = (0.0, 0.0)
     if isinstance(section, Horizontal):
@@ -333,12 +333,12 @@ def _moved(section: Moved, old: LocalFrame, new: LocalFrame) -> Moved:
             latitude, longitude = np.mean(ring, axis=0)
             at = tuple(old.local(Geodetic(latitude, longitude, old.home.altitude))[:2].tolist())
     if (center := getattr(section, "center", None)) is not None:
-        changes["center"] = _moved(center, old, new)
+        changes["center"] = _move_section(center, old, new)
     for key in ("up", "base"):
         if (height := getattr(section, key, None)) is not None:
             changes[key] = float(new.local(old.geodetic(np.array([*at, height])))[2])
     if (heading := getattr(section, "heading_deg", None)) is not None:
-        (east, north), (ahead, farther) = between(old, new)(np.array([at, (at[0], at[1] + 1.0)]))
+        (east, north), (ahead, farther) = move_between(old, new)(np.array([at, (at[0], at[1] + 1.0)]))
         changes["heading_deg"] = heading + math.degrees(math.atan2(ahead - east, farther - north))
     return section.model_copy(update=changes)
 
@@ -348,14 +348,14 @@ def _degrees(ring: Iterable[tuple[float, float]], frame: LocalFrame) -> Ring:
     return tuple(zip(latitude.tolist(), longitude.tolist(), strict=True))
 
 
-def _raised(zones: NoFlyMap, by: float) -> NoFlyMap:
+def _raise_zones(zones: NoFlyMap, by: float) -> NoFlyMap:
     ends = {key: value + by for key in ("base", "top") if (value := getattr(zones, key)) is not None}
     return zones.model_copy(update=ends)
 
 
-def _moved_nested(value: Any, move: Move) -> Any:
+def _move_nested(value: Any, move: Move) -> Any:
     if value is None:
         return None
     if not isinstance(value[0][0], int | float):
-        return [_moved_nested(part, move) for part in value]
+        return [_move_nested(part, move) for part in value]
     return tuple(map(tuple, move(np.array(value, float)).tolist()))

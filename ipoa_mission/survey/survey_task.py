@@ -20,7 +20,7 @@ from ipoa_mission.planning.obstruction import NoPath
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.survey.cover import CoverProblem, quickest_tour
 from ipoa_mission.survey.flown_coverage import Coverage, coverage
-from ipoa_mission.survey.free import wider
+from ipoa_mission.survey.free import widen
 from ipoa_mission.survey.sight import Sight, sight_of
 from ipoa_mission.survey.survey_area import Area
 from ipoa_mission.survey.survey_section import SurveySection, survey_of, surveyed_area
@@ -115,9 +115,9 @@ def keep_out(scenario: Scenario, sight: Sight, growth: Mapping[str, float]) -> A
     max_widening = min(0.05 * sight.spacing, 0.25)  # [m], for fewer corners
     segments = 16  # of a quarter circle
     shapes = list[Any]()
-    for body in flown_round(scenario, sight, growth):
+    for body in obstacles_flown_round(scenario, sight, growth):
         away = (distance + bound.level + growth.get(body.name, 0.0)) / math.cos(math.pi / 4 / segments)
-        shapes.append(wider(body.horizontal_shape.buffer(away, quad_segs=segments), max_widening))
+        shapes.append(widen(body.horizontal_shape.buffer(away, quad_segs=segments), max_widening))
     if air.bounds.footprint is not None:
         inside = air.bounds.footprint.shape.buffer(-bound.level - SPARE - growth.get("bounds", 0.0))
         (west, south, *_), (east, north, *_) = air.bounds.lower, air.bounds.upper
@@ -125,7 +125,7 @@ def keep_out(scenario: Scenario, sight: Sight, growth: Mapping[str, float]) -> A
     return union_of(shapes) if shapes else None
 
 
-def flown_round(scenario: Scenario, sight: Sight, growth: Mapping[str, float]) -> list[Obstacle]:
+def obstacles_flown_round(scenario: Scenario, sight: Sight, growth: Mapping[str, float]) -> list[Obstacle]:
     """Return the obstacles flown neither over nor under, or grown."""
     bodies = scenario.airspace.obstacles
     return [body for body in bodies if body.name in growth or not _is_passed(body, sight, scenario)]
@@ -211,7 +211,7 @@ def _corridor_tour(task: SurveyTask, middle: Points, width: float, begin: Vector
     count = max(math.ceil(width / spacing - 1e-9), 1)
     if np.linalg.norm(middle[-1] - begin) < np.linalg.norm(middle[0] - begin):
         middle = middle[::-1]
-    middle = _trimmed(middle, min(task.times.past_corners, 1 / 8 * spacing))
+    middle = _trim_ends(middle, min(task.times.past_corners, 1 / 8 * spacing))
     lines = list[Points]()
     for n in range(count):
         line = shapely.LineString(middle).offset_curve(width * ((n + 0.5) / count - 0.5), join_style="mitre")
@@ -223,7 +223,7 @@ def _corridor_tour(task: SurveyTask, middle: Points, width: float, begin: Vector
     return Tour(swaths, tuple(np.array([before.end, after.begin]) for before, after in pairwise(swaths)))
 
 
-def _trimmed(middle: Points, by: float) -> Points:
+def _trim_ends(middle: Points, by: float) -> Points:
     legs = middle[[1, -2]] - middle[[0, -1]]
     lengths = np.linalg.norm(legs, axis=1, keepdims=True)
     if (lengths <= 2 * by).any():

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from ipoa_mission import plan_flight
-from ipoa_mission.maps.map_reader import differences
+from ipoa_mission.maps.map_reader import compare_with_gdal
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.mission.mission_io import write_mission
 from ipoa_mission.scenario import parse_scenario
@@ -90,11 +90,11 @@ def test_a_map_of_which_gdal_has_more_and_one_it_refuses(tmp_path: Path) -> None
     pytest.importorskip("pyogrio")
     box = "<north>47.1</north><south>47</south><east>8.1</east><west>8</west>"
     (tmp_path / "image.kml").write_text(f"<kml><GroundOverlay><LatLonBox>{box}</LatLonBox></GroundOverlay></kml>")
-    (finding,) = differences(tmp_path / "image.kml")
+    (finding,) = compare_with_gdal(tmp_path / "image.kml")
     assert "nothing by ipoa-mission" in finding.message
     assert finding.message.endswith("the first that only GDAL has is at 47, 8")
     (tmp_path / "empty.geojson").write_text('{"features": []}')
-    assert not list(differences(tmp_path / "empty.geojson"))
+    assert not list(compare_with_gdal(tmp_path / "empty.geojson"))
 
 
 def test_ignore_refuses_a_code_of_a_crash_and_one_that_is_none(run: Run, folder: Path) -> None:

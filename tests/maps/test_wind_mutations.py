@@ -82,7 +82,7 @@ def test_no_spelling_of_a_wind_is_lost_quietly(monkeypatch: pytest.MonkeyPatch, 
     def opened(_: Path) -> Iterator[Any]:
         yield data
 
-    monkeypatch.setattr(netcdf_winds, "_opened", opened)
+    monkeypatch.setattr(netcdf_winds, "_open_dataset", opened)
     try:
         read = read_wind(Path(__file__), HOME, TEN)
     except BadInput:

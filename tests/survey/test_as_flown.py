@@ -7,7 +7,7 @@ import shapely
 from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.forecast.timing.track import Track
 from ipoa_mission.geometry import Points
-from ipoa_mission.survey.flown_coverage import as_flown, expected_lines
+from ipoa_mission.survey.flown_coverage import as_flown, predict_lines
 from ipoa_mission.survey.survey_flight import plan_survey
 from ipoa_mission.survey.survey_plan import rest_of
 from ipoa_mission.survey.survey_report import survey_as_json
@@ -59,7 +59,7 @@ def test_a_flight_cuts_corners_and_flies_past_them(autopilot: Autopilot) -> None
 @pytest.mark.parametrize("autopilot", [Autopilot.PX4, Autopilot.ARDUPILOT])
 def test_flight_past_corners_stays_in_the_outline(autopilot: Autopilot) -> None:
     plan = plan_survey(scenario=scenario(LINES, autopilot)).plan
-    track, ends = expected_lines(plan.flights[0].forecast, plan.tour, plan.scenario.frame)
+    track, ends = predict_lines(plan.flights[0].forecast, plan.tour, plan.scenario.frame)
     path = track.between(ends[0, 0], ends[-1, 1]).points
     assert shapely.covers(plan.area.shape, shapely.points(path[:, :2])).all()
     corners = np.array([swath.end for swath in plan.tour.swaths])

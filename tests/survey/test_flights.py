@@ -23,7 +23,7 @@ from ipoa_mission.mission.mission_io import read_mission
 from ipoa_mission.planning.obstruction import NoPath
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.survey.assembly import assemble_survey
-from ipoa_mission.survey.flown_coverage import flown_lines, smallest_overlaps
+from ipoa_mission.survey.flown_coverage import lines_of_forecast, smallest_overlaps
 from ipoa_mission.survey.sight import sight_of
 from ipoa_mission.survey.survey_area import Area
 from ipoa_mission.survey.survey_flight import Survey, plan_survey
@@ -165,7 +165,7 @@ def test_a_slope_steeper_than_the_height_allows_for_is_told() -> None:
     """Lines laid for level ground, over a ridge."""
     level = plan_survey(scenario=scenario(PHOTOS))
     sight, ridge = level.plan.sight, scenario(PHOTOS, terrain=HILL).airspace.ground
-    lines = [line for flight in level.flights for line in flown_lines(flight, sight.lag, flight.frame)]
+    lines = [line for flight in level.flights for line in lines_of_forecast(flight, sight.lag, flight.frame)]
     smallest = smallest_overlaps(lines, sight, ridge, level.plan.free)
     assert smallest.front is not None
     assert smallest.side is not None

@@ -5,7 +5,7 @@ import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ipoa_mission.survey.free import narrower, wider
+from ipoa_mission.survey.free import narrow, widen
 from tests.examples import examples
 
 ROUNDING = 1e-9  # [m]
@@ -25,7 +25,7 @@ def rounded(draw: st.DrawFn) -> shapely.Geometry:
 @settings(max_examples=examples(50))
 @given(rounded(), st.floats(0.02, 1.0))
 def test_an_outline_is_drawn_outside_and_inside(shape: shapely.Geometry, most: float) -> None:
-    for redraw, sign in ((wider, 1.0), (narrower, -1.0)):
+    for redraw, sign in ((widen, 1.0), (narrow, -1.0)):
         drawn = redraw(shape, most)
         large, small = (drawn, shape) if sign > 0 else (shape, drawn)
         assert large.buffer(ROUNDING).covers(small)
@@ -36,12 +36,12 @@ def test_an_outline_is_drawn_outside_and_inside(shape: shapely.Geometry, most: f
 
 def test_a_circle_has_as_few_corners_as_its_arcs_allow() -> None:
     circle = shapely.Point(5.0, 5.0).buffer(10.0, quad_segs=64)
-    few = len(wider(circle, 0.5).exterior.coords) - 1
+    few = len(widen(circle, 0.5).exterior.coords) - 1
     least = math.pi / math.acos(10.0 / 10.5)  # of a regular polygon, corners 0.5 m away
     assert least <= few <= math.ceil(least) + 1
 
 
 def test_corners_that_are_corners_stay() -> None:
     house = shapely.Polygon([(0.0, 0.0), (30.0, 0.0), (30.0, 20.0), (12.0, 20.0), (12.0, 14.0), (0.0, 14.0)])
-    assert wider(house, 2.0).equals(house)
-    assert narrower(house, 2.0).equals(house)
+    assert widen(house, 2.0).equals(house)
+    assert narrow(house, 2.0).equals(house)

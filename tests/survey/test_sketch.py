@@ -9,7 +9,7 @@ from ipoa_mission.errors import BadInput
 from ipoa_mission.ground import Ground
 from ipoa_mission.planning.obstruction import NoPath
 from ipoa_mission.scenario import Scenario
-from ipoa_mission.survey.flown_coverage import Overlaps, laid_lines, photo_places, smallest_overlaps
+from ipoa_mission.survey.flown_coverage import Overlaps, lines_of_tour, photo_places, smallest_overlaps
 from ipoa_mission.survey.survey_task import SurveySketch, sketch_survey
 from ipoa_mission.survey.tour import Tour
 from tests.refused import refuses
@@ -85,4 +85,4 @@ def test_overlap_needs_a_camera() -> None:
 
 def overlaps(sketch: SurveySketch, tour: Tour) -> Overlaps:
     ground = Ground()
-    return smallest_overlaps([*laid_lines(tour, sketch.sight, ground)], sketch.sight, ground, sketch.area.shape)
+    return smallest_overlaps([*lines_of_tour(tour, sketch.sight, ground)], sketch.sight, ground, sketch.area.shape)
