@@ -148,8 +148,8 @@ def _above_sea(side: str, limit: VerticalLimit | None, feature: Feature, notes: 
 
 def join_zones(zones: Sequence[MapArea]) -> tuple[Any, tuple[Any, ...]]:
     """Return the part nearest to home, and the others."""
-    whole = union_of([zone.shape for zone in zones])
-    nearest, *others = sorted(shapely.get_parts(whole), key=lambda part: float(part.distance(shapely.Point(0.0, 0.0))))
+    area = union_of([zone.shape for zone in zones])
+    nearest, *others = sorted(shapely.get_parts(area), key=lambda part: float(part.distance(shapely.Point(0.0, 0.0))))
     return nearest, tuple(others)
 
 

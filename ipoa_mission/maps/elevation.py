@@ -82,9 +82,9 @@ def local_grid(
 def ground_altitude(path: Path, latitude_deg: float, longitude_deg: float) -> float:
     """Return the height at a place [m AMSL]."""
     frame = LocalFrame(Geodetic(latitude_deg, longitude_deg))
-    here = np.zeros(1)
+    origin = np.zeros(1)
     with _open_raster(path, None) as raster:
-        pixels = _pixels(raster, frame, here, here, 0.0)
+        pixels = _pixels(raster, frame, origin, origin, 0.0)
         raster.expect_cover(pixels)
         posts, _ = raster.read([pixels], fill=False)
         posts, _ = _above_sea(posts, raster, ElevationRules())
@@ -123,7 +123,7 @@ def _places(raster: "_Raster", frame: LocalFrame, posts: _Posts) -> NDArray[np.f
     knots = [_knots(lines[0], lines[-1]) for lines in (rows, columns)]
     row, column = np.meshgrid(*knots, indexing="ij")
     latitude, longitude = raster.places(column.ravel(), row.ravel())
-    at = [
+    levels = [
         [
             scipy.interpolate.RectBivariateSpline(*knots, axis.reshape(row.shape))(rows, columns)
             for axis in frame.to_local(latitude, longitude, np.full(row.size, altitude)).T
@@ -131,7 +131,7 @@ def _places(raster: "_Raster", frame: LocalFrame, posts: _Posts) -> NDArray[np.f
         for altitude in (frame.home.altitude, frame.home.altitude + UPPER_LEVEL)
     ]
     share = (posts.heights - frame.home.altitude) / UPPER_LEVEL
-    return np.stack([low + share * (high - low) for low, high in zip(*at, strict=True)])
+    return np.stack([low + share * (high - low) for low, high in zip(*levels, strict=True)])
 
 
 def _ground_at(
@@ -172,8 +172,8 @@ def _raise_over_posts(
 def _post_distance(raster: "_Raster", frame: LocalFrame, area: NDArray[np.float64]) -> float:
     column, row = (float(area[i].mean()) for i in (0, 1))
     places = raster.places(np.array([column, column + 1, column]), np.array([row, row, row + 1]))
-    here, right, down = frame.to_local(*places, np.full(3, frame.home.altitude))
-    return float(min(np.linalg.norm(right - here), np.linalg.norm(down - here)))
+    post, right, down = frame.to_local(*places, np.full(3, frame.home.altitude))
+    return float(min(np.linalg.norm(right - post), np.linalg.norm(down - post)))
 
 
 def _above_sea(posts: _Posts, raster: "_Raster", rules: ElevationRules) -> tuple[_Posts, str]:
@@ -302,8 +302,8 @@ class _Raster:
         whole = posts._replace(heights=np.where(missing, filled, posts.heights))
         return whole, (f"{gaps}: filled from their neighbors",)
 
-    def _where(self, which: NDArray[np.bool_], posts: _Posts) -> str:
-        row, column = np.argwhere(which)[0] + posts.first
+    def _where(self, mask: NDArray[np.bool_], posts: _Posts) -> str:
+        row, column = np.argwhere(mask)[0] + posts.first
         latitude, longitude = self.places(np.array([column]), np.array([row]))
         return f"at row {row}, column {column} (latitude {latitude[0]:.5f}, longitude {longitude[0]:.5f})"
 

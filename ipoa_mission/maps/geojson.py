@@ -48,20 +48,20 @@ def read_geojson(path: Path) -> tuple[Feature, ...]:
 def _values(text: str) -> list[Any]:
     decode = json.JSONDecoder().raw_decode
     values = list[Any]()
-    at = _first(text, 0)
-    while at < len(text) or not values:
-        if values and text[at] != "{":
-            raise json.JSONDecodeError("Extra data", text, at)
-        value, end = decode(text, at)
+    index = _first(text, 0)
+    while index < len(text) or not values:
+        if values and text[index] != "{":
+            raise json.JSONDecodeError("Extra data", text, index)
+        value, end = decode(text, index)
         values.append(value)
-        at = _first(text, end)
+        index = _first(text, end)
     return values
 
 
-def _first(text: str, at: int) -> int:
+def _first(text: str, index: int) -> int:
     """Return the place of the next letter that is not blank."""
-    found = _NOT_BLANK.search(text, at)
-    return len(text) if found is None else found.start()
+    match = _NOT_BLANK.search(text, index)
+    return len(text) if match is None else match.start()
 
 
 def _features_of(document: Any, path: Path, place: str) -> tuple[Feature, ...]:

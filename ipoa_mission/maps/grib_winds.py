@@ -140,8 +140,8 @@ def _read(eccodes: Any, handle: Any, where: str, winds: ForecastWinds, nearest: 
     if why := _no_single_forecast(get):
         winds.note(f"{get('name')}, {why}", where, get("level"))
         return None
-    index, *at = _nearest(eccodes, handle, winds, nearest)
-    axis_deg = _axis_deg(eccodes, get, winds.path, *at) if component in (Component.EAST, Component.NORTH) else None
+    index, *place = _nearest(eccodes, handle, winds, nearest)
+    axis_deg = _axis_deg(eccodes, get, winds.path, *place) if component in (Component.EAST, Component.NORTH) else None
     target = "deg" if component is Component.FROM else "m/s"
     unit = get("units")
     unit = "deg" if unit == "Degree true" else unit

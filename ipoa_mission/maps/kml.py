@@ -161,21 +161,21 @@ def _shapes(parent: ElementTree.Element, place: str, depth: int = 0) -> Iterator
     if depth > DEEPEST:
         raise TooLarge(f"expected collections in no more than {DEEPEST} others", place=place)
     for element in parent:
-        at = f"{place}.{element.tag}"
+        element_place = f"{place}.{element.tag}"
         match element.tag:
             case "MultiGeometry" | "Document" | "Folder" | "MultiTrack":
                 yield from _shapes(element, place, depth + 1)
             case "Point":
-                yield shapely.Point(_corners(element, 1, at)[0])
+                yield shapely.Point(_corners(element, 1, element_place)[0])
             case "LineString":
-                yield shapely.LineString(_corners(element, 2, at))
+                yield shapely.LineString(_corners(element, 2, element_place))
             case "LinearRing":
-                yield shapely.Polygon(_corners(element, 3, at))
+                yield shapely.Polygon(_corners(element, 3, element_place))
             case "Track":
                 text = " ".join(",".join(_text(each).split()) for each in element.iterfind("coord"))
-                yield shapely.LineString(_positions(text, 2, f"{at}.coord"))
+                yield shapely.LineString(_positions(text, 2, f"{element_place}.coord"))
             case "Polygon":
-                yield _polygon(element, at)
+                yield _polygon(element, element_place)
 
 
 def _polygon(element: ElementTree.Element, place: str) -> Any:

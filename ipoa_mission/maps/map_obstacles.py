@@ -80,6 +80,6 @@ def raise_span(
     pieces = int(np.clip(math.ceil(float(np.ptp(top)) / 5.0), 1, max(span.length // 20.0, 1)))
     cuts = np.unique(np.round(np.linspace(0, count, min(pieces, count) + 1)).astype(int))
     for first, last in pairwise(cuts.tolist()):
-        here = slice(first, last + 1)
+        piece = slice(first, last + 1)
         outline = shapely.LineString(along[[first, last]]).buffer(reach, cap_style="square")
-        yield Prism(name, *rings_of(outline), float(low[here].min()), float(top[here].max()))
+        yield Prism(name, *rings_of(outline), float(low[piece].min()), float(top[piece].max()))

@@ -84,9 +84,9 @@ class MapWindow:
         near = self.are_near(boxes)
         if self.window is None:
             return near
-        wanted = np.isnan(boxes).any(axis=1) | self.window.meets(boxes)
-        self.elsewhere += int((~wanted).sum())
-        return np.asarray(wanted)
+        is_wanted = np.isnan(boxes).any(axis=1) | self.window.meets(boxes)
+        self.elsewhere += int((~is_wanted).sum())
+        return np.asarray(is_wanted)
 
     def expect_near(self, path: Path) -> None:
         if self.near is None or self._found_near or not np.isfinite(self._box).all():

@@ -244,9 +244,9 @@ def _samples(
         if unit is None:
             winds.note(f"unit of a wind, taken as {target}", str(variable.name))
         factor = 1.0 if unit is None else unit_factor(str(unit), target, f"{winds.path}: {variable.name}.units")
-        here, axis_deg = _at_place(variable, winds)
-        times, here = _valid_times(here, winds.path)
-        values.append(np.asarray(here, float).ravel() * factor)
+        at_home, axis_deg = _at_place(variable, winds)
+        times, at_home = _valid_times(at_home, winds.path)
+        values.append(np.asarray(at_home, float).ravel() * factor)
     if second is not Component.NORTH:
         speed = values[0] if second is Component.TO else -values[0]
         angle = np.radians(values[1])
@@ -291,11 +291,11 @@ def _at_place(variable: Any, winds: ForecastWinds) -> tuple[Any, float | None]:
     if latitude.dims == longitude.dims:
         away = np.nan_to_num(np.hypot(north, east * np.cos(np.radians(place.latitude_deg))), nan=np.inf)
         nearest = np.unravel_index(int(away.argmin()), away.shape)
-        at = dict(zip(latitude.dims, map(int, nearest), strict=True))
+        indices = dict(zip(latitude.dims, map(int, nearest), strict=True))
         off = np.abs(north[nearest]), np.abs(east[nearest])
     else:
         axes = ((latitude, np.abs(north)), (longitude, np.abs(east)))
-        at = {axis.dims[0]: int(far.argmin()) for axis, far in axes if axis.ndim}
+        indices = {axis.dims[0]: int(far.argmin()) for axis, far in axes if axis.ndim}
         off = np.abs(north).min(), np.abs(east).min()
     if not max(off) <= FARTHEST_DEG:
         raise NotCovered(
@@ -303,8 +303,8 @@ def _at_place(variable: Any, winds: ForecastWinds) -> tuple[Any, float | None]:
             f"the nearest {latitude.name} and {longitude.name} are {off[0]:g} and {off[1]:g} degrees away",
             place=winds.path,
         )
-    here = (float(axis.isel({name: at[name] for name in axis.dims})) for axis in (latitude, longitude))
-    return variable.isel(at), None if grid is None or not is_along else grid_north(grid, *here)
+    point = (float(axis.isel({name: indices[name] for name in axis.dims})) for axis in (latitude, longitude))
+    return variable.isel(indices), None if grid is None or not is_along else grid_north(grid, *point)
 
 
 def _degrees(variable: Any, kind: str, path: Path) -> Any:

@@ -68,8 +68,8 @@ def _features(osmium: Any, path: Path, around: MapWindow) -> Iterator[Feature]:
             if not element.is_node and element.number in numbers:
                 members[str(element.number)] = shape
         tagged = np.flatnonzero([element.has_tags for element in batch])
-        wanted = around.wants(shapely.bounds(shapes[tagged]).reshape(-1, 4))
-        for n in tagged[wanted].tolist():
+        is_wanted = around.wants(shapely.bounds(shapes[tagged]).reshape(-1, 4))
+        for n in tagged[is_wanted].tolist():
             (nodes if batch[n].is_node else ways)[batch[n].number] = shapes[n]
     for sort, wanted_shapes in ((osm.NODE, nodes), (osm.WAY, ways)):
         of_these = osmium.filter.IdFilter(wanted_shapes)  # not kept alive by the iterator

@@ -175,10 +175,10 @@ def _features(batch: Any, shapes: _Shapes, places: Sequence[str], around: MapWin
     """Return the wanted rows of an Arrow batch."""
     wkb = batch.column(shapes.column).to_numpy(zero_copy_only=False)
     drawn = _drawn(wkb, shapes.to_degrees, places)
-    wanted = np.flatnonzero(around.wants(shapely.bounds(drawn)))
-    rows = batch.drop_columns([shapes.column]).take(wanted).to_pylist()
+    chosen = np.flatnonzero(around.wants(shapely.bounds(drawn)))
+    rows = batch.drop_columns([shapes.column]).take(chosen).to_pylist()
     features = list[Feature]()
-    for n, row in zip(wanted.tolist(), rows, strict=True):
+    for n, row in zip(chosen.tolist(), rows, strict=True):
         plain = {restore_key(key, str(value)) if shapes.is_cut else key: _plain(value) for key, value in row.items()}
         blank = frozenset(blank_keys(plain))
         part = find_truncated(plain, drawn[n])

@@ -24,14 +24,14 @@ def height_of(tags: Mapping[str, str], height_key: str, storey_height: float, od
 
     A `height_key` other than `height` counts alone. Without `height`, storeys plus those in the roof count too.
     """
-    own = _top(tags, height_key, storey_height, odd) if height_key in tags else None
-    if own is not None and height_key != "height":
-        return own
+    height_by_key = _top(tags, height_key, storey_height, odd) if height_key in tags else None
+    if height_by_key is not None and height_key != "height":
+        return height_by_key
     others = [_top(tags, key, storey_height, odd) for key in keys_of(tags, Means.TOP) if key != height_key]
-    heights = [height for height in (own, *others) if height is not None]
+    heights = [height for height in (height_by_key, *others) if height is not None]
     if (tip := _tip(tags, odd, bool(heights))) is not None:
         heights.append(tip)
-    if own is None and (by_storeys := _by_storeys(tags, storey_height, odd)) is not None:
+    if height_by_key is None and (by_storeys := _by_storeys(tags, storey_height, odd)) is not None:
         heights.append(by_storeys)
     return max(heights, default=None)
 

@@ -56,15 +56,15 @@ def _profile(winds: ForecastWinds, time: np.datetime64 | None, unknown: Datum) -
             notes.note(f"datum of its heights, taken as {datum}: {remedy}", "wind", f"{samples.height:g}")
         elif datum is not Datum.GROUND:
             remarks.append(f"{winds.path.name}: heights above {datum} taken less home's {at_home:g} m")
-    kept = _flown_levels(sorted(levels), notes)
-    winds_at = {height: _winds_at_time(height, levels[height], time, notes) for height in kept}
+    heights = _flown_levels(sorted(levels), notes)
+    winds_at = {height: _winds_at_time(height, levels[height], time, notes) for height in heights}
     means = {height: members.mean(axis=0) for height, members in winds_at.items()}
-    picked = [kept[n] for n in np.linspace(0, len(kept) - 1, min(len(kept), MAX_LEVELS)).round().astype(int)]
+    picked = [heights[n] for n in np.linspace(0, len(heights) - 1, min(len(heights), MAX_LEVELS)).round().astype(int)]
     towards = [Wind.towards_north_east(float(means[height][1]), float(means[height][0])) for height in picked]
     wind = Wind(towards[0].speed, towards[0].from_deg)
     if len(picked) > 1:
         wind = Wind.of_profile(picked, [level.speed for level in towards], [level.from_deg for level in towards])
-    means |= {height: np.array(wind.towards(height)) for height in kept if height not in picked}
+    means |= {height: np.array(wind.towards(height)) for height in heights if height not in picked}
     spread = max(float(np.hypot(*(members - means[height]).T).max()) for height, members in winds_at.items())
     return ForecastWind(replace(wind, spread=spread), tuple(dict.fromkeys(remarks)), tuple(notes.unread))
 
@@ -91,11 +91,11 @@ def _flown_levels(heights: list[float], notes: ForecastWinds) -> list[float]:
         raise NotCovered(words, place=notes.path)
     if len(above) < len(heights):
         notes.note("wind below the ground at home", "height", f"{heights[0]:g}", count=len(heights) - len(above))
-    kept = above[: sum(height < HIGHEST for height in above) + 1]
-    if len(kept) < len(above):
-        subject = f"wind more than {kept[-1]:g} m above home"
-        notes.note(subject, "height", f"{above[len(kept)]:g}", count=len(above) - len(kept))
-    return kept
+    flown = above[: sum(height < HIGHEST for height in above) + 1]
+    if len(flown) < len(above):
+        subject = f"wind more than {flown[-1]:g} m above home"
+        notes.note(subject, "height", f"{above[len(flown)]:g}", count=len(above) - len(flown))
+    return flown
 
 
 def _winds_at_time(

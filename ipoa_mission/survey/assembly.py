@@ -43,15 +43,15 @@ def assemble_survey(tour: Tour, sight: Sight, scenario: Scenario, growth: Mappin
     route = Route(np.vstack([out, points, back]))
     mission = build_mission(route, scenario)
     if scenario.route.ending == "rtl" and not clear_in(scenario)(Forecast(mission, scenario).ways_home):
-        here = back[-1] if len(back) else points[-1]
+        last_place = back[-1] if len(back) else points[-1]
         home = np.array([0.0, 0.0, scenario.start_point[2]])
-        back = np.vstack([back, _clear_transit(here, home, scenario, growth, seed)[1:]])
+        back = np.vstack([back, _clear_transit(last_place, home, scenario, growth, seed)[1:]])
         route = Route(np.vstack([out, points, back]))
         mission = build_mission(route, scenario)
     numbers = items_of_waypoints(route)[len(out) :]
     cameras = [_camera_items(sight.triggering(swath.length)[0], mission) for swath in tour.swaths]
-    after = [(numbers[corners[at]], 2 * n, cameras[n][0]) for n, at in enumerate(begins)]
-    after += [(numbers[corners[at]], 2 * n + 1, cameras[n][1]) for n, at in enumerate(ends)]
+    after = [(numbers[corners[index]], 2 * n, cameras[n][0]) for n, index in enumerate(begins)]
+    after += [(numbers[corners[index]], 2 * n + 1, cameras[n][1]) for n, index in enumerate(ends)]
     items = [*mission.items]
     for place, _, camera in sorted(after, key=lambda row: row[:2], reverse=True):
         items[place + 1 : place + 1] = camera
@@ -172,13 +172,13 @@ def _shortest(legs: Points) -> list[int] | None:
     from scipy.sparse.csgraph import dijkstra
 
     first = len(legs) - 2
-    here = len(legs) - 1
+    node = len(legs) - 1
     before = dijkstra(legs, indices=first, return_predecessors=True)[1]
     passed = list[int]()
-    while (here := int(before[here])) != first:
-        if here < 0:
+    while (node := int(before[node])) != first:
+        if node < 0:
             return None
-        passed.insert(0, here)
+        passed.insert(0, node)
     return passed
 
 

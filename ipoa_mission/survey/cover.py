@@ -278,15 +278,15 @@ def _where_lines_go(area: Any, keep_out: Any, visible: Any, spacing: float, past
     # The missed area grows with the cube of the inset.
     inset = min(past, (0.25 * MAX_UNSEEN * spacing**2 * math.sqrt(area.area)) ** (1 / 3))
     simplification = min(0.03 * spacing, 0.1)  # [m], for fewer corners
-    whole = area.difference(keep_out)
-    may_hide = visible.difference(whole.buffer(spacing / 2, quad_segs=ARC)).area + MAX_UNSEEN / 10 * area.area
+    permitted = area.difference(keep_out)
+    may_hide = visible.difference(permitted.buffer(spacing / 2, quad_segs=ARC)).area + MAX_UNSEEN / 10 * area.area
     for share in (1.0, 0.5, 0.0):
         inside = outlines.buffer(-share * inset, join_style="mitre").intersection(area)
         simple = narrow(inside, simplification).difference(keep_out)
         hidden = visible.difference(simple.buffer(spacing / 2, quad_segs=ARC)).area
-        if len(shapely.get_parts(simple)) == len(shapely.get_parts(whole)) and hidden <= may_hide:
+        if len(shapely.get_parts(simple)) == len(shapely.get_parts(permitted)) and hidden <= may_hide:
             return simple
-    return whole
+    return permitted
 
 
 def _tour_of(places: Points, is_on: list[bool]) -> Tour:

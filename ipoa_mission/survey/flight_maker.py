@@ -127,10 +127,10 @@ def _sets_of_starts(count: int) -> Iterator[tuple[int, ...]]:
 def _joined_by_start(task: SurveyTask, starts: Points) -> Tour:
     swaths = list[Swath]()
     transits = list[Points]()
-    for start, own in zip(starts, nearest_areas(task.area, starts, task.sight.spacing), strict=True):
-        if own is None or own.without(task.keep_out).is_empty:
+    for start, area in zip(starts, nearest_areas(task.area, starts, task.sight.spacing), strict=True):
+        if area is None or area.without(task.keep_out).is_empty:
             continue
-        tour = lay_lines(replace(task, area=own), start)
+        tour = lay_lines(replace(task, area=area), start)
         if swaths:
             transits.append(task.cover.transit(swaths[-1].end, tour.swaths[0].begin))
         swaths += tour.swaths
@@ -145,10 +145,10 @@ def nearest_areas(area: Area, starts: Points, spacing: float) -> list[Area | Non
     min_area = 1e-3 * spacing**2  # [m^2]
     areas = list[Area | None]()
     for start in shapely.points(starts):
-        here = area.shape
+        nearest = area.shape
         if len(starts) > 1:
-            here = here.intersection(next(cell for cell in cells if cell.covers(start)))
-        parts = [part for part in shapely.get_parts(here) if part.geom_type == "Polygon" and part.area > min_area]
+            nearest = nearest.intersection(next(cell for cell in cells if cell.covers(start)))
+        parts = [part for part in shapely.get_parts(nearest) if part.geom_type == "Polygon" and part.area > min_area]
         areas.append(Area(shapely.MultiPolygon(parts)) if parts else None)
     return areas
 

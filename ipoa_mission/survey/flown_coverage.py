@@ -37,8 +37,8 @@ def as_flown(flights: Iterable[tuple[Track, Points]], area: Any, visible: Any, w
     shapely.prepare(area)
     for track, ends in flights:
         lines += [_path(track, *times) for times in ends.tolist()]
-        whole = _path(track, float(ends[0, 0]), float(ends[-1, 1]))
-        strayed = shapely.points(shapely.get_coordinates(whole.difference(area)))
+        flight_path = _path(track, float(ends[0, 0]), float(ends[-1, 1]))
+        strayed = shapely.points(shapely.get_coordinates(flight_path.difference(area)))
         outside = max(outside, float(shapely.distance(area, strayed).max(initial=0.0)))
     unseen = visible.difference(union_along(np.array(lines), width / 2, arc=16)).area
     return AsFlown(1.0 - unseen / visible.area, outside)
@@ -86,8 +86,8 @@ def coverage(area: Area, tour: Tour, width: float, keep_out: Any = None) -> Cove
     lines = np.array([swath.ends for swath in tour.swaths]).reshape(-1, 2, 2)
     seen = area.shape.intersection(union_along(shapely.linestrings(lines), width / 2, ARC))
     gaps = can.difference(seen)
-    whole = float(can.area)
-    share = 1.0 if whole <= 0.0 else 1.0 - float(gaps.area) / whole
+    visible_m2 = float(can.area)
+    share = 1.0 if visible_m2 <= 0.0 else 1.0 - float(gaps.area) / visible_m2
     return Coverage(share, gaps, seen, _outside(area.shape, tour, keep_out))
 
 
@@ -167,16 +167,16 @@ def lines_of_forecast(forecast: Forecast, lag: float, frame: LocalFrame) -> Iter
     """Return the lines with photos; `lag`: a photo's mean delay [m], at most twice as much."""
     home = forecast.mission.home
     every = 0.0
-    here: Vector | None = None
+    begin: Vector | None = None
     for item in forecast.mission.items:
         if item.command == Command.DO_SET_CAM_TRIGG_DIST:
             every = item.params[0]
         elif item.command == Command.NAV_WAYPOINT:
             place = Geodetic(item.latitude_deg, item.longitude_deg, home.altitude + item.height(home))
-            there = np.asarray(frame.local(place))
-            if here is not None and every > 0.0 and (there[:2] != here[:2]).any():
-                yield _line(here, there, every + 2 * lag)
-            here = there
+            end = np.asarray(frame.local(place))
+            if begin is not None and every > 0.0 and (end[:2] != begin[:2]).any():
+                yield _line(begin, end, every + 2 * lag)
+            begin = end
 
 
 def lines_of_tour(tour: Tour, sight: Sight, ground: Ground) -> Iterator[PhotoLine]:

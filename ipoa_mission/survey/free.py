@@ -77,9 +77,9 @@ class Transits:
 
     def corners(self, i: int, j: int) -> Points:
         """Return the corners (k, 2) from end i to end j, both included."""
-        which = int(self._is_outside[i, j])
-        _, last, previous = self._searches[which]
-        corners = self._spaces[which].corners
+        number = int(self._is_outside[i, j])
+        _, last, previous = self._searches[number]
+        corners = self._spaces[number].corners
         passed = [self.ends[j]]
         corner = int(last[i, j])
         assert corner != NONE, "the search chose an existing transit"
@@ -146,7 +146,7 @@ def _fill_dents(ring: Points, most: float) -> Points:
         return ring
     first = int(turns.argmax())
     ring, turns = np.roll(ring, -first, axis=0), np.roll(turns, -first)
-    kept = [0]
+    corners = [0]
     n = 0
     count = len(ring)
     while n < count:
@@ -160,9 +160,9 @@ def _fill_dents(ring: Points, most: float) -> Points:
                 break
             turned -= turns[end]
             end += 1
-        kept.append(end)
+        corners.append(end)
         n = end
-    return np.asarray(ring[kept[:-1]])
+    return np.asarray(ring[corners[:-1]])
 
 
 def _sharpen_bulges(ring: Points, most: float) -> Points:

@@ -73,13 +73,13 @@ def _short_lines_passed(tour: Tour, path: Points, before: _Run, after: _Run, tur
     """Return the lines between two successive runs that are too short to show."""
     if before.end < tour.swaths[before.line].length or after.begin > 0.0:
         return
-    at = before.at
+    index = before.at
     for line in range(before.line + 1, after.line):
         swath = tour.swaths[line]
-        away = np.linalg.norm(path[at : after.at + 1, :2] - (swath.begin + swath.end) / 2, axis=1)
+        away = np.linalg.norm(path[index : after.at + 1, :2] - (swath.begin + swath.end) / 2, axis=1)
         if swath.length < 2 * turn and away.min() <= turn:
-            at += int(away.argmin())
-            yield _Run(at, line, 0.0, swath.length)
+            index += int(away.argmin())
+            yield _Run(index, line, 0.0, swath.length)
 
 
 def _length(chain: list[_Run]) -> float:

@@ -176,13 +176,13 @@ def plan_survey(
     seed: int = 0,
     flown: Sequence[Flown] = (),
     progress: Progress = silent,
-    **asked: Any,
+    **keys: Any,
 ) -> Survey:
     """Plan lines that see an area, and checked, timed flights that fly them, split by battery.
 
     Args:
         area: corners as `polygon` of [survey], or a map with polygons; None: the scenario's [survey], changed by
-            `asked`.
+            `keys`.
         camera: as in [survey]; None: no photos.
         scenario: home, world, vehicle and limits.
         wind: replaces the scenario's.
@@ -190,7 +190,7 @@ def plan_survey(
         flown: logs (`.tlog`, `.bin`, `.ulg`) of earlier flights of this survey; the rest is planned, with some overlap,
             as NAME-rest. A pair (log, system id) chooses a vehicle, else the first multicopter counts.
         progress: called with the share done and a message.
-        asked: other keys of [survey], such as `line_spacing`, `height_above_ground`, `gsd_cm`, `direction_deg`.
+        keys: other keys of [survey], such as `line_spacing`, `height_above_ground`, `gsd_cm`, `direction_deg`.
 
     Returns:
         The survey, whose `write` makes the files.
@@ -209,8 +209,8 @@ def plan_survey(
         >>> len(survey.plan.tour.swaths), survey.plan.coverage.share > 0.999
         (4, True)
     """
-    if area is not None or camera is not None or asked:
-        scenario = _with_survey(scenario, area, camera, asked)
+    if area is not None or camera is not None or keys:
+        scenario = _with_survey(scenario, area, camera, keys)
     expect_plannable(scenario := scenario.in_wind(wind))
     with threadpool_limits(1, "blas"):  # more threads only wait, and round differently
         plan = plan_flights(scenario, seed, progress)
@@ -219,23 +219,23 @@ def plan_survey(
     return Survey(plan, seed, tuple(dict.fromkeys((*before, *_remarks(plan, scenario)))))
 
 
-def _replan(whole: SurveyPlan, scenario: Scenario, flown: Sequence[Flown], seed: int) -> tuple[SurveyPlan, list[str]]:
+def _replan(first: SurveyPlan, scenario: Scenario, flown: Sequence[Flown], seed: int) -> tuple[SurveyPlan, list[str]]:
     from ipoa_mission import read_flights  # imports all of the link
 
     pairs = [log if isinstance(log, tuple) else (log, None) for log in flown]
     logs = [(str(name), read_flights(name, system)) for name, system in pairs]
     paths = {name: [*_paths([flight.flown_in_mission() for flight in log.flights], scenario)] for name, log in logs}
-    rest = rest_of(whole, [path for log in paths.values() for path in log], seed)
+    rest = rest_of(first, [path for log in paths.values() for path in log], seed)
     rest = replace(rest, scenario=rest.scenario.model_copy(update={"name": f"{scenario.name}-rest"}))
-    length, left = (sum(swath.length for swath in plan.tour.swaths) for plan in (whole, rest))
+    length, left = (sum(swath.length for swath in plan.tour.swaths) for plan in (first, rest))
     stray = "no flight in it follows the lines of this survey"
     if left >= length:
         raise BadInput(stray, place=", ".join(paths))
     source = "the log" if len(paths) == 1 else "the logs"
-    ground = whole.scenario.airspace.ground
+    ground = first.scenario.airspace.ground
     remarks = [f"by {source}, {length - left:.0f} m of {length:.0f} m of lines were flown before"]
     for name, flights in paths.items():
-        if not any(runs_in_order(whole.tour, path, whole.sight, ground) for path in flights):
+        if not any(runs_in_order(first.tour, path, first.sight, ground) for path in flights):
             remarks.append(f"{name}: {stray}")
     return rest, remarks + [f"{name}: {remark}" for name, log in logs for remark in log.remarks]
 
@@ -254,8 +254,8 @@ def scenario_over(area: Path, file: Path | None, keys: Mapping[str, Any]) -> Sce
     `keys` are those of [survey].
     """
     table = {"name": area.stem.removesuffix(".osm"), "home": _begin(area)} if file is None else read_table(file)
-    own = table.pop("survey", {})
-    section = (dict(own) if isinstance(own, dict) else {}) | dict(keys)
+    written = table.pop("survey", {})
+    section = (dict(written) if isinstance(written, dict) else {}) | dict(keys)
     if section.keys().isdisjoint({"height_above_ground", "gsd_cm"}):
         section["height_above_ground"] = USUAL_HEIGHT
     if section.keys().isdisjoint({"line_spacing", "camera"}):
@@ -273,10 +273,10 @@ def _begin(area: Path) -> dict[str, float]:
     raise NothingThere("expected an area, not a map without one", place=area)
 
 
-def _with_survey(scenario: Scenario, area: Any, camera: Any, asked: Mapping[str, Any]) -> Scenario:
-    options: dict[str, Any] = dict(asked) | ({} if camera is None else {"camera": camera})
+def _with_survey(scenario: Scenario, area: Any, camera: Any, keys: Mapping[str, Any]) -> Scenario:
+    options: dict[str, Any] = dict(keys) | ({} if camera is None else {"camera": camera})
     if area is None:
-        table = ({} if (own := survey_of(scenario)) is None else own.model_dump(exclude_unset=True)) | options
+        table = ({} if (current := survey_of(scenario)) is None else current.model_dump(exclude_unset=True)) | options
     elif isinstance(area, str | Path):
         table = options | {"area": area}
     else:
@@ -299,8 +299,8 @@ def _messages_of_flights(plan: SurveyPlan, messages_of: Callable[[SurveyFlight],
         for words in dict.fromkeys(messages_of(flight)):
             flights_by_words.setdefault(words, []).append(n)
     for words, numbers in flights_by_words.items():
-        some = f"flight{'s' * (len(numbers) > 1)} {', '.join(map(str, numbers))}: "
-        yield words if len(numbers) == len(plan.flights) else some + words
+        prefix = f"flight{'s' * (len(numbers) > 1)} {', '.join(map(str, numbers))}: "
+        yield words if len(numbers) == len(plan.flights) else prefix + words
 
 
 def _warnings_of(flight: SurveyFlight) -> Iterator[str]:
@@ -323,11 +323,11 @@ def _repairs(flight: SurveyFlight) -> Iterator[str]:
     yield from left_out(forecast.mission)
 
 
-def _remarks(plan: SurveyPlan, asked: Scenario) -> Iterator[str]:
+def _remarks(plan: SurveyPlan, requested: Scenario) -> Iterator[str]:
     yield from _messages_of_flights(plan, _warnings_of)
     yield from _more_flights(plan)
-    if (speed := plan.scenario.vehicle.cruise_speed) != asked.vehicle.cruise_speed:
-        yield f"flown at {speed:g} m/s: at {asked.vehicle.cruise_speed:g} m/s flights would come too near"
+    if (speed := plan.scenario.vehicle.cruise_speed) != requested.vehicle.cruise_speed:
+        yield f"flown at {speed:g} m/s: at {requested.vehicle.cruise_speed:g} m/s flights would come too near"
     if plan.overlaps is not None:
         yield from plan.overlaps.falls_short(*plan.sight.overlaps)
     yield from _messages_of_flights(plan, _repairs)

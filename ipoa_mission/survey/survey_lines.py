@@ -48,15 +48,15 @@ def line_positions(area: Any, grid: LineAxes, spacing: float, shift: float = 0.0
     return np.asarray(middle + spacing * (np.arange(count) - (count - 1) / 2))
 
 
-def cut_lines(edges: Points, grid: LineAxes, at: Vector) -> Points:
+def cut_lines(edges: Points, grid: LineAxes, positions: Vector) -> Points:
     """Return the pieces (n, 2, 2) between the edges (m, 4) of polygons."""
     begins, ends = grid.turned(edges[:, :2]), grid.turned(edges[:, 2:])
-    crosses = (begins[None, :, 1] <= at[:, None]) != (ends[None, :, 1] <= at[:, None])
+    crosses = (begins[None, :, 1] <= positions[:, None]) != (ends[None, :, 1] <= positions[:, None])
     line, edge = np.nonzero(crosses)
-    share = (at[line] - begins[edge, 1]) / (ends[edge, 1] - begins[edge, 1])
+    share = (positions[line] - begins[edge, 1]) / (ends[edge, 1] - begins[edge, 1])
     along = begins[edge, 0] + share * (ends[edge, 0] - begins[edge, 0])
     order = np.lexsort([along, line])
-    pairs = np.column_stack([along[order], at[line[order]]]).reshape(-1, 2, 2)
+    pairs = np.column_stack([along[order], positions[line[order]]]).reshape(-1, 2, 2)
     return grid.back(pairs.reshape(-1, 2)).reshape(-1, 2, 2)
 
 
@@ -90,8 +90,8 @@ def line_over(gap: Any, inner: Any, width: float) -> Points | None:
     best = None
     most = 0
     for height in np.linspace(low, high, num=5):
-        whole = shapely.LineString(grid.back(np.array([[west, height], [east, height]])))
-        for part in shapely.get_parts(shapely.intersection(whole, inner)):
+        full_line = shapely.LineString(grid.back(np.array([[west, height], [east, height]])))
+        for part in shapely.get_parts(shapely.intersection(full_line, inner)):
             if part.geom_type != "LineString" or part.length <= 0.0:
                 continue
             ends = np.sort(grid.turned(shapely.get_coordinates(part))[[0, -1], 0])
@@ -277,9 +277,9 @@ class GapCloser:
         places = shapely.points(shapely.get_coordinates(shapely.segmentize(gap.boundary, self.width / 8)))
         rings = shapely.get_rings(shapely.get_parts(self.space.inner))
         ring = rings[int(shapely.distance(rings, gap).argmin())]
-        at = np.sort(shapely.line_locate_point(ring, places))
-        widest = int(np.diff(at, append=at[0] + ring.length).argmax())
-        start, end = float(at[(widest + 1) % len(at)]), float(at[widest])
+        distances = np.sort(shapely.line_locate_point(ring, places))
+        widest = int(np.diff(distances, append=distances[0] + ring.length).argmax())
+        start, end = float(distances[(widest + 1) % len(distances)]), float(distances[widest])
         spans = [(start, end)] if start <= end else [(start, ring.length), (0.0, end)]
         edge = np.concatenate([shapely.get_coordinates(substring(ring, *span)) for span in spans])
         edge = edge[np.concatenate([[True], np.linalg.norm(np.diff(edge, axis=0), axis=1) > 1e-6])]

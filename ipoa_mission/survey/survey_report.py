@@ -53,8 +53,8 @@ def _overlap_as_json(plan: SurveyPlan) -> dict[str, Any] | None:
     least = {"front": plan.overlaps.front, "side": plan.overlaps.side}
     return {
         direction: overlap
-        and {"least": rounded(overlap.share), "asked": rounded(asked), "at": [rounded(x) for x in overlap.at]}
-        for (direction, overlap), asked in zip(least.items(), plan.sight.overlaps, strict=True)
+        and {"least": rounded(overlap.share), "asked": rounded(requested), "at": [rounded(x) for x in overlap.at]}
+        for (direction, overlap), requested in zip(least.items(), plan.sight.overlaps, strict=True)
     }
 
 
@@ -133,10 +133,10 @@ def _table(plan: SurveyPlan, names: Sequence[str]) -> str:
 
 def survey_html(plan: SurveyPlan, names: Sequence[str], remarks: Sequence[str]) -> str:
     """`names`: of the flights' files in the same folder."""
-    whole = sum(flight.forecast.estimate.total_s for flight in plan.flights)
+    total_s = sum(flight.forecast.estimate.total_s for flight in plan.flights)
     parts = {
         "title": escape(plan.scenario.name),
-        "subtitle": f"Survey in {len(names)} flights, {seconds(whole)} together",
+        "subtitle": f"Survey in {len(names)} flights, {seconds(total_s)} together",
         "warnings": warnings([], [], remarks, plan.scenario.remarks),
         "survey": survey_panel(plan, names),
         "flights": "".join(_flight(flight, name) for name, flight in zip(names, plan.flights, strict=True)),

@@ -317,28 +317,28 @@ def _terrain(scenario: Scenario, new: LocalFrame, rise: float, n: int) -> Terrai
 
 def _move_section(section: Moved, old: LocalFrame, new: LocalFrame) -> Moved:
     changes = dict[str, Any]()
-    at = (0.0, 0.0)
+    place = (0.0, 0.0)
     if isinstance(section, Horizontal):
-        at = section.east_north(old)
-        there = old.geodetic(np.array([*at, 0.0]))
+        place = section.east_north(old)
+        there = old.geodetic(np.array([*place, 0.0]))
         degrees = {"latitude_deg": there.latitude_deg, "longitude_deg": there.longitude_deg}
         changes = {"east": None, "north": None, **degrees}
     for key in ("footprint", "polygon"):
         if (ring := getattr(section, key, None)) is not None:
             changes |= {key: None, f"{key}_geodetic": _degrees(ring, old)}
-            at = tuple(np.mean(ring, axis=0).tolist())
+            place = tuple(np.mean(ring, axis=0).tolist())
             if holes := getattr(section, "holes", ()):
                 changes["holes"] = tuple(_degrees(hole, old) for hole in holes)
         elif (ring := getattr(section, f"{key}_geodetic", None)) is not None:
             latitude, longitude = np.mean(ring, axis=0)
-            at = tuple(old.local(Geodetic(latitude, longitude, old.home.altitude))[:2].tolist())
+            place = tuple(old.local(Geodetic(latitude, longitude, old.home.altitude))[:2].tolist())
     if (center := getattr(section, "center", None)) is not None:
         changes["center"] = _move_section(center, old, new)
     for key in ("up", "base"):
         if (height := getattr(section, key, None)) is not None:
-            changes[key] = float(new.local(old.geodetic(np.array([*at, height])))[2])
+            changes[key] = float(new.local(old.geodetic(np.array([*place, height])))[2])
     if (heading := getattr(section, "heading_deg", None)) is not None:
-        (east, north), (ahead, farther) = move_between(old, new)(np.array([at, (at[0], at[1] + 1.0)]))
+        (east, north), (ahead, farther) = move_between(old, new)(np.array([place, (place[0], place[1] + 1.0)]))
         changes["heading_deg"] = heading + math.degrees(math.atan2(ahead - east, farther - north))
     return section.model_copy(update=changes)
 

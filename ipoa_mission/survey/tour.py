@@ -148,7 +148,7 @@ def _first_line_cut(tour: Tour, fits: Callable[[Tour], bool], overlap: float) ->
 
     if not fitting(MAX_PIECES):
         raise Unreached(swath)
-    pieces = next(found for count in range(2, MAX_PIECES + 1) if (found := fitting(count)))
+    pieces = next(pieces_of_count for count in range(2, MAX_PIECES + 1) if (pieces_of_count := fitting(count)))
     between = tuple(np.array([before.end, after.begin]) for before, after in pairwise(pieces))
     return Tour((*pieces, *tour.swaths[1:]), (*between, *tour.transits))
 
@@ -210,9 +210,9 @@ def quickest_parts(
             if all(cost.fits for cost in costs) and is_confirmed:
                 parts = tuple(Sortie(tour.part(first, last), start) for first, last, start in best)
                 return parts, trials.seconds_of(best)
-        for at in trials.unreachable()[::-1]:
-            cut = _first_line_cut(tour.part(at, len(tour.swaths)), sites.can_fly, sites.overlap)
-            tour = Tour((*tour.swaths[:at], *cut.swaths), (*tour.transits[:at], *cut.transits))
+        for line in trials.unreachable()[::-1]:
+            cut = _first_line_cut(tour.part(line, len(tour.swaths)), sites.can_fly, sites.overlap)
+            tour = Tour((*tour.swaths[:line], *cut.swaths), (*tour.transits[:line], *cut.transits))
 
 
 class _Trials:
