@@ -77,14 +77,14 @@ def read_batches(path: Path, around: MapWindow) -> Iterator[Sequence[Feature]]:
             stat = path.stat()
         except OSError as error:
             raise Unreadable(f"cannot be read: {error.strerror}", place=path) from error
-        version = stat.st_mtime_ns, stat.st_size
+        version = stat.st_mtime_ns, stat.st_ctime_ns, stat.st_size
         nearby, around.elsewhere = _read_window(path, version, around.window, around.near)
         yield nearby
 
 
 @lru_cache(maxsize=8)  # the studio reads a scenario at every change
 def _read_window(
-    path: Path, version: tuple[int, int], window: Degrees | None, near: Degrees | None
+    path: Path, version: tuple[int, int, int], window: Degrees | None, near: Degrees | None
 ) -> tuple[tuple[Feature, ...], int]:
     around = MapWindow(window, near)
     features = tuple(chain.from_iterable(_READERS[path.suffix.lower()](path, around)))
