@@ -73,7 +73,7 @@ def importers() -> dict[str, set[str]]:
                 names = {alias.name for alias in node.names}
             elif isinstance(node, ast.ImportFrom) and node.module:
                 names = {node.module, *(f"{node.module}.{alias.name}" for alias in node.names)}
-            for name in names & modules - {name_of(path)}:
+            for name in (names & modules) - {name_of(path)}:
                 by_module[name].add(name_of(path))
     return by_module
 
