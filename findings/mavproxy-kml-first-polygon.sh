@@ -3,8 +3,8 @@
 #
 # MAVProxy 1.8.75, modules.lib.kmlread, from which `kml fence exc` makes fences. Guess: all polygons of a MultiGeometry
 # are read, and a name is not needed, as KML has it. Seen: the second polygon is gone, and the placemark without <name>
-# is None; nothing is said. Of KML with the namespace of Google Earth 5 (earth.google.com/kml/2.2) nothing is read.
-# Exits 1 if that changes.
+# is None; nothing is said. Of KML with Google's older namespace, earth.google.com/kml/2.2, nothing is read. Exits 1 if
+# that changes.
 set -e
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
