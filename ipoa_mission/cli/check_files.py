@@ -18,7 +18,7 @@ from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.options import expect_mission
 from ipoa_mission.rules import RULES
-from ipoa_mission.terminal import notes
+from ipoa_mission.terminal import notes, print_lines
 from ipoa_mission.unread import unread_as_json
 
 if TYPE_CHECKING:
@@ -40,14 +40,14 @@ def missions_in(paths: Iterable[Path]) -> list[Path]:
 
 @dataclass(frozen=True)
 class CheckedFile:
-    """The findings; without a forecast the file could not be read."""
+    """The findings; without a forecast the file could not be read, without a `guarantee` its flight is unknown."""
 
     file: Path
     findings: tuple[Finding, ...]
     remarks: tuple[str, ...] = ()
     forecast: Forecast | None = None
     guarantee: "ClearanceGuarantee | None" = None
-    contingencies: tuple[Any, Any] | None = None
+    shows_contingencies: bool = False
 
     @property
     def errors(self) -> int:
@@ -58,27 +58,35 @@ class CheckedFile:
         return self.forecast is not None
 
     def as_json(self) -> dict[str, Any]:
-        from ipoa_mission.report.summary import findings_as_json
+        from ipoa_mission.report.summary import clearance_as_json, findings_as_json, passed_over_as_json
 
-        rows, remarks = findings_as_json(self.findings), list(self.remarks)
-        about: dict[str, Any] = {"ok": not self.errors, "findings": rows, "remarks": remarks}
+        result: dict[str, Any] = {"ok": not self.errors, "findings": findings_as_json(self.findings)}
+        result["remarks"] = list(self.remarks)
         if self.forecast is None:
-            return about
-        if (world := self.forecast.scenario) is not None:
-            from ipoa_mission.report.summary import clearance_as_json, passed_over_as_json
-
-            about |= {"clearance": clearance_as_json(self.guarantee) or None, "passed_over": passed_over_as_json(world)}
-            about["unread"] = unread_as_json(world.unread)
-        if self.contingencies is not None:
+            return result
+        world = self.forecast.scenario
+        if world is not None:
+            result["clearance"] = clearance_as_json(self.guarantee) or None
+            result["passed_over"] = passed_over_as_json(world)
+            result["unread"] = unread_as_json(world.unread)
+        if self.shows_contingencies:
             from ipoa_mission.cli.contingency_output import contingencies_as_json
 
-            about |= contingencies_as_json(*self.contingencies)
+            result |= contingencies_as_json(self.forecast, self.guarantee is not None)
         if self.forecast.wind.strongest > 0:
-            about["wind"] = self.forecast.wind.as_json()
+            result["wind"] = self.forecast.wind.as_json()
         mission = self.forecast.mission_as_read
-        return about | {"firmware": mission.autopilot.facts(mission.firmware_version)}
+        return result | {"firmware": mission.autopilot.facts(mission.firmware_version)}
 
-    def lines(self) -> Iterator[str]:
+    def print(self) -> None:
+        print_lines(*self._lines())
+        if self.forecast is not None and self.shows_contingencies:
+            from ipoa_mission.cli.contingency_output import print_contingencies
+
+            print_contingencies(self.forecast, self.guarantee is not None)
+        print_lines(self._counts())
+
+    def _lines(self) -> Iterator[str]:
         yield from notes(self.remarks)
         if self.forecast is not None and self.forecast.scenario is not None:
             yield from wind_words(self.forecast.wind)
@@ -89,31 +97,26 @@ class CheckedFile:
         if self.guarantee is not None:
             yield from clearance_words(self.guarantee)
 
-    def counts(self) -> str:
+    def _counts(self) -> str:
         if self.forecast is None:
             return f"{self.file}: not checked"
-        mission, errors = self.forecast.mission_as_read, self.errors
-        severities = f"{number_of(errors, 'error')}, {number_of(len(self.findings) - errors, 'warning')}"
+        mission = self.forecast.mission_as_read
+        severities = f"{number_of(self.errors, 'error')}, {number_of(len(self.findings) - self.errors, 'warning')}"
         items = number_of(len(mission.items), "item")
         return f"{self.file}: {severities}, {items} for {mission.autopilot.checked_for(mission.firmware_version)}"
 
 
-def check_file(file: Path, how: ContingencyOptions, world: "Scenario | None", anyway: bool) -> CheckedFile:
-    """`anyway` accepts any class of vehicle."""
-    requested = read_requested(file, how.flown_by, world=world)
+def check_file(file: Path, options: ContingencyOptions, world: "Scenario | None", anyway: bool) -> CheckedFile:
+    """Check a mission file; `anyway` accepts any class of vehicle. Raises BadInput."""
+    requested = read_requested(file, options.flown_by, world=world)
     forecast = Forecast(requested.mission, world)
     world = forecast.scenario
-    findings = with_strict_vehicle_class(check_forecast(forecast, how.ignore or (), requested.findings), anyway)
+    findings = with_strict_vehicle_class(check_forecast(forecast, options.ignore or (), requested.findings), anyway)
     guarantee = None if world is None else guarantee_if_flown(forecast)
-    contingencies: tuple[Any, Any] | None = ((), ()) if how.contingencies else None
-    if how.contingencies and guarantee is not None:
-        from ipoa_mission.forecast.contingency.contingencies import Contingencies, failsafes_of
-
-        contingencies = forecast.cached(Contingencies).all_rows(), failsafes_of(forecast)
     messages = {finding.message for finding in findings}
     remarks = tuple(remark for remark in requested.remarks if remark not in messages)
     remarks += () if world is None else tuple(remark for remark in world.remarks if remark not in messages)
-    return CheckedFile(file, findings, remarks, forecast, guarantee, contingencies)
+    return CheckedFile(file, findings, remarks, forecast, guarantee, options.contingencies)
 
 
 def number_of(number: int, noun: str) -> str:
@@ -125,10 +128,10 @@ def wind_words(wind: "Wind") -> list[str]:
 
 
 def clearance_words(guarantee: "ClearanceGuarantee | None") -> list[str]:
-    kept = None if guarantee is None else guarantee.clearance
-    if guarantee is None or kept is None:
+    if guarantee is None or guarantee.clearance is None:
         return []
-    return [f"least clearance, to {kept.to} at item {kept.item}: {kept.words(guarantee.confidence)}"]
+    least = guarantee.clearance
+    return [f"least clearance, to {least.to} at item {least.item}: {least.words(guarantee.confidence)}"]
 
 
 def sarif(by_file: Mapping[Path, Sequence[Finding]]) -> str:

@@ -42,9 +42,11 @@ def check(
     if how.flown_by.air is not None and how.scenario is None:
         words = "needs --scenario"
         raise OptionConflict(words, hint="wind moves a flight nearer to obstacles", place="--wind")
-    paths, is_one = missions_in(files), len(files) == 1 and not files[0].is_dir()
+    is_one = len(files) == 1 and not files[0].is_dir()
+    paths = missions_in(files)
     world = read_world(how.scenario, how.flown_by.air, how.ignore)
-    checked, wrong = [], None
+    checked: list[CheckedFile] = []
+    wrong: BadInput | None = None
     for path in paths:
         try:
             checked.append(check_file(path, how, world, anyway))
@@ -52,12 +54,7 @@ def check(
             wrong = error
             checked.append(CheckedFile(path, (unreadable(error),)))
         if not as_json and not (is_one and wrong):
-            print_lines(*checked[-1].lines())
-            if checked[-1].contingencies is not None:
-                from ipoa_mission.cli.contingency_output import print_contingencies
-
-                print_contingencies(*checked[-1].contingencies)
-            print_lines(checked[-1].counts())
+            checked[-1].print()
     if sarif is not None:
         write_atomically(sarif, sarif_log({each.file: each.findings for each in checked}))
     if is_one and wrong:

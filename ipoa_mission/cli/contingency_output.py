@@ -1,10 +1,11 @@
 import math
 from collections import Counter
 from collections.abc import Iterator
+from dataclasses import dataclass
 from typing import Any
 
 from ipoa_mission.autopilot.failsafe import Failsafe
-from ipoa_mission.forecast.contingency.contingencies import ContingencyRow, Grade
+from ipoa_mission.forecast.contingency.contingencies import Contingencies, ContingencyRow, Grade, failsafes_of
 from ipoa_mission.forecast.contingency.contingencies_now import ContingenciesNow
 from ipoa_mission.forecast.contingency.energy_budget import ReserveNow, budget_of
 from ipoa_mission.forecast.forecast import Forecast
@@ -17,11 +18,13 @@ from ipoa_mission.terminal import picked, print_lines, print_table
 CELL = {Grade.CLEAR: "yes", Grade.POSSIBLY_UNCLEAR: "perhaps", Grade.UNCLEAR: "NO", Grade.UNKNOWN: "?"}
 
 
-def contingencies_as_json(rows: tuple[ContingencyRow, ...], failsafes: tuple[Failsafe, ...]) -> dict[str, Any]:
+def contingencies_as_json(forecast: Forecast, is_known: bool) -> dict[str, Any]:
     """Return JSON values: meters, seconds from arming, watt hours; unknown values are null."""
+    rows = forecast.cached(Contingencies).all_rows() if is_known else ()
     if not rows:
         return {"contingencies": None, "failsafes": None}
-    return {"contingencies": [_row(row) for row in rows], "failsafes": [_failsafe(failsafe) for failsafe in failsafes]}
+    failsafes = [_failsafe(failsafe) for failsafe in failsafes_of(forecast)]
+    return {"contingencies": [_row(row) for row in rows], "failsafes": failsafes}
 
 
 def _row(row: ContingencyRow) -> dict[str, Any]:
@@ -54,21 +57,32 @@ def _failsafe(failsafe: Failsafe) -> dict[str, Any]:
     }
 
 
-def print_contingencies(rows: tuple[ContingencyRow, ...], failsafes: tuple[Failsafe, ...]) -> None:
+def print_contingencies(forecast: Forecast, is_known: bool) -> None:
+    rows = forecast.cached(Contingencies).all_rows() if is_known else ()
     if not rows:
         print_lines("contingencies: unknown, because the flight is unknown")
         return
+
     columns = ["contingency", "from\ns", "to\ns", "clear", "least\nm", "required\nm", "to", "leads to"]
     columns += ["takes\ns", "takes\nWh"]
     print_table("contingencies, seconds from arming", columns, [_cells(row) for row in rows])
     print_lines(*dict.fromkeys(f"no time of {row.contingency}: {row.why_untimed}" for row in rows if row.why_untimed))
     print_lines(*dict.fromkeys(f"{row.contingency}: {remark}" for row in rows for remark in row.remarks))
-    causes = ["cause", "parameter", "contingency"]
-    decided = [(f.cause, f"{f.parameter} = {f.value:g}" if f.parameter else "", str(f.action)) for f in failsafes]
-    if decided:
-        print_table("failsafes, by the mission's parameters and the firmware's defaults", causes, decided)
-    many, grades = len(rows), Counter(row.grade for row in rows)
-    unclear = [f"{grades[grade]} of {many} stretches are {grade}" for grade in tuple(Grade)[1:] if grades[grade]]
+
+    failsafes = [
+        (
+            failsafe.cause,
+            f"{failsafe.parameter} = {failsafe.value:g}" if failsafe.parameter else "",
+            str(failsafe.action),
+        )
+        for failsafe in failsafes_of(forecast)
+    ]
+    if failsafes:
+        title = "failsafes, by the mission's parameters and the firmware's defaults"
+        print_table(title, ["cause", "parameter", "contingency"], failsafes)
+
+    grades = Counter(row.grade for row in rows)
+    unclear = [f"{grades[grade]} of {len(rows)} stretches are {grade}" for grade in tuple(Grade)[1:] if grades[grade]]
     print_lines("; ".join(unclear) or "every contingency is clear")
 
 
@@ -89,43 +103,44 @@ def _rounded(value: float) -> float | None:
     return round(value, 2) if math.isfinite(value) else None
 
 
+@dataclass
 class ContingencyDisplay:
     """Show contingencies by position; append to `reserves` when the battery's share changes."""
 
-    def __init__(
-        self,
-        forecast: Forecast,
-        vehicle: Vehicle,
-        show: Progress,
-        reserves: list[ReserveNow],
-        contingencies: ContingenciesNow,
-    ) -> None:
-        self._now, self._frame, self._vehicle, self._show = contingencies, forecast.frame, vehicle, show
-        self._done, self._words, self._shown_s = 0.0, "", -math.inf
-        self._budget, self._reserves = budget_of(forecast), reserves
+    forecast: Forecast
+    vehicle: Vehicle
+    progress: Progress
+    reserves: list[ReserveNow]
+    contingencies: ContingenciesNow
+    _shown: tuple[float, str] = (0.0, "")
+    _shown_s: float = -math.inf
 
     def show(self, share: float, words: str) -> None:
-        self._done, self._words = share, words
-        self._show(share, words)
+        self._shown = (share, words)
+        self.progress(share, words)
 
     def hear(self, message: Message) -> None:
         interval_s = 1.0
         if not isinstance(message, Position) or message.time_s - self._shown_s < interval_s:
             return
-        path = self._vehicle.record().path
-        if path and self._vehicle.state.in_air:
+        path = self.vehicle.record().path
+        if path and self.vehicle.state.in_air:
             self._shown_s = message.time_s
-            place = self._frame.local(Geodetic(message.latitude_deg, message.longitude_deg, message.altitude))
-            time, away = self._now.time_at(place, path[-1].time_s)
-            off = "off its path: not forecast from here"
-            words = [off if away > self._now.off_path else self._now.words(time), *map(str, self._reserve(time))]
-            self._show(self._done, f"{self._words}  now: {'; '.join(words)}")
+            place = self.forecast.frame.local(Geodetic(message.latitude_deg, message.longitude_deg, message.altitude))
+            time, distance = self.contingencies.time_at(place, path[-1].time_s)
+            words = "off its path: not forecast from here"
+            if distance <= self.contingencies.off_path:
+                words = self.contingencies.words(time)
+            now = "; ".join([words, *map(str, self._reserve(time))])
+            share, stage = self._shown
+            self.progress(share, f"{stage}  now: {now}")
 
     def _reserve(self, time: float) -> Iterator[ReserveNow]:
-        left = self._vehicle.state.battery_left
-        if self._budget is None or left is None:
+        left = self.vehicle.state.battery_left
+        budget = budget_of(self.forecast)
+        reserve = None if budget is None or left is None else budget.against_plan(left, time)
+        if reserve is None:
             return
-        if (now := self._budget.against_plan(left, time)) is not None:
-            if not self._reserves or self._reserves[-1].left != now.left:
-                self._reserves.append(now)
-            yield now
+        if not self.reserves or self.reserves[-1].left != reserve.left:
+            self.reserves.append(reserve)
+        yield reserve
