@@ -80,7 +80,8 @@ def compare(
     if flown_by.autopilot not in (None, flown.autopilot):
         message = f"expected a log of {flown_by.autopilot}, not of {flown.autopilot}"
         raise BadInput(message, code="other-autopilot", place=log)
-    mission, remarks = None, list[str]()
+    mission: Mission | None = None
+    remarks: list[str] = []
     if file is not None:
         mission, remarks = _read_mission(file, log, flown.autopilot, flown_by.autopilot is None)
     numbers = _numbers(how, log, len(flown.flights))
@@ -176,8 +177,8 @@ def _remarks(rows: list[_Row], log: Path, world: "Scenario | None") -> list[str]
 
 def _flights_remarks(rows: list[_Row]) -> Iterator[str]:
     for row in rows:
-        which = f"flight {row.number}: " if len(rows) > 1 else ""
-        yield from (f"{which}{words}" for words in (row.compared.remarks if row.compared else ()))
+        flight = f"flight {row.number}: " if len(rows) > 1 else ""
+        yield from (f"{flight}{words}" for words in (row.compared.remarks if row.compared else ()))
 
 
 def _draw(compared: "ComparedFlight", picture: Path, title: str) -> None:
@@ -196,23 +197,22 @@ def _draw(compared: "ComparedFlight", picture: Path, title: str) -> None:
 
 def _as_json(row: _Row) -> dict[str, Any]:
     flight = row.flight
-    about: dict[str, Any] = {"flight": row.number, "armed_s": round(flight.armed_s, 3), "in_mission": flight.in_mission}
-    about |= {"flown_s": _known(row.record.total_s)} if row.compared is None else _compared_as_json(row.compared)
+    result: dict[str, Any] = {"flight": row.number, **picked(flight, "armed_s", "in_mission")}
+    result |= {"flown_s": _known(row.record.total_s)} if row.compared is None else _compared_as_json(row.compared)
     if row.clearance is not None:
-        about["clearance"] = _clearance_as_json(row.clearance)
-    return about
+        result["clearance"] = _clearance_as_json(row.clearance)
+    return result
 
 
 def _clearance_as_json(flown: "FlownClearance") -> dict[str, Any]:
-    near, required = flown.least.nearest, round(flown.least.required, 3)
-    east, north, up = near.place
+    nearest = flown.least.nearest
+    place = dict(zip(("east", "north", "up"), (round(axis, 3) for axis in nearest.place), strict=True))
     return {
-        "least": round(near.distance, 3),
-        "to": near.what,
-        "place": picked(flown.place, "latitude_deg", "longitude_deg", digits=7)
-        | {"east": round(east, 3), "north": round(north, 3), "up": round(up, 3)},
+        "least": round(nearest.distance, 3),
+        "to": nearest.what,
+        "place": picked(flown.place, "latitude_deg", "longitude_deg", digits=7) | place,
         **picked(flown, "time_s", "kept"),
-        "required": required,
+        "required": round(flown.least.required, 3),
         **picked(flown, "planned", "guaranteed"),
     }
 
@@ -255,9 +255,10 @@ def _print_compared(compared: "ComparedFlight", title: str) -> None:
         for leg in comparison.legs
     ]
     print_table(title, ["item", "estimated\ns", "flown\ns", "difference\ns", "done at\ns"], rows)
-    flown = _seconds(comparison.flown_total_s)
-    how = f"{flown} s" if flown else f"not completed: {compared.record.why_not}"
-    print_lines(f"estimated {comparison.estimated_total_s:.1f} s, flown {how}")
+    flown = f"{comparison.flown_total_s:.1f} s"
+    if not math.isfinite(comparison.flown_total_s):
+        flown = f"not completed: {compared.record.why_not}"
+    print_lines(f"estimated {comparison.estimated_total_s:.1f} s, flown {flown}")
     if math.isfinite(comparison.route_error):
         print_lines(f"from the first waypoint to the last: {comparison.route_error:+.1%}")
     if compared.parameters:
@@ -267,15 +268,15 @@ def _print_compared(compared: "ComparedFlight", title: str) -> None:
 
 def _cells(row: _Row) -> tuple[str, ...]:
     clearance = "" if row.clearance is None else f"{floor_cm(row.clearance.least.nearest.distance):.2f}"
-    about = (str(row.number), f"{row.flight.armed_s:.1f}")
+    flight = (str(row.number), f"{row.flight.armed_s:.1f}")
     if row.compared is None:
-        how = "" if row.flight.in_mission else "not in a mission"
-        return (*about, "", "", _seconds(row.record.total_s), "", "", clearance, how)
+        remark = "" if row.flight.in_mission else "not in a mission"
+        return (*flight, "", "", _seconds(row.record.total_s), "", "", clearance, remark)
     totals = row.compared.comparison
     errors = (f"{error:+.1%}" if math.isfinite(error) else "" for error in (totals.total_error, totals.route_error))
     items = f"{len(row.record.item_reached_s)} of {len(row.compared.forecast.mission.items)}"
     times = (f"{totals.estimated_total_s:.1f}", _seconds(totals.flown_total_s))
-    return (*about, items, *times, *errors, clearance, "")
+    return (*flight, items, *times, *errors, clearance, "")
 
 
 def _seconds(value: float) -> str:

@@ -25,7 +25,9 @@ def flight_as_json(estimate: Estimate, record: FlightRecord, reserves: Sequence[
         "in_air": record.in_air,
         "flown_s": round(record.total_s, 3),
         "time_zero": "armed",
-        "items": [{"seq": index + 1, "done_s": round(at, 3)} for index, at in sorted(record.item_reached_s.items())],
+        "items": [
+            {"seq": index + 1, "done_s": round(time_s, 3)} for index, time_s in sorted(record.item_reached_s.items())
+        ],
         "estimate": estimate_as_json(estimate),
         "messages": list(record.messages),
         **({"deviations": [deviation.as_json() for deviation in record.deviations]} if record.deviations else {}),
@@ -37,10 +39,10 @@ def next_steps(link: str | None, system: int | None, record: FlightRecord) -> st
     """Name the possible orders to a vehicle that was left in the air."""
     if link is None or not (record.deviations and record.in_air):
         return ""
-    steps = {"resume": "continues its mission", "rtl": "returns it home"}
-    to = f"--link {link}" + (f" --system {system}" if system else "")
-    orders = (f"`ipoa-mission {verb} {to}` {does}" for verb, does in steps.items())
-    return f"{', '.join(orders)}; a pilot can take it over"
+    vehicle = f"--link {link}" + (f" --system {system}" if system else "")
+    resume = f"`ipoa-mission resume {vehicle}` continues its mission"
+    rtl = f"`ipoa-mission rtl {vehicle}` returns it home"
+    return f"{resume}, {rtl}; a pilot can take it over"
 
 
 def print_flown_json(flown: FlownJob, written: Sequence[Path], hint: str = "") -> None:
@@ -81,11 +83,12 @@ def print_flown(flown: FlownJob, written: Sequence[Path]) -> None:
 def _of_plan(job: Job) -> str:
     if job.flight is None:
         return ""
-    guarantee, keep = job.forecast.guarantee_if_known, ""
+    guarantee = job.forecast.guarantee_if_known
+    clearance = ""
     if guarantee and guarantee.confidence and guarantee.clearance:
-        kept = floor_cm(guarantee.clearance.guaranteed)
-        keep = f"; {100 * guarantee.confidence:g} % of flights keep {kept:.2f} m"
-    return f"{keep}; QGroundControl would have said {job.estimate.qgroundcontrol_s:.0f} s"
+        least = floor_cm(guarantee.clearance.guaranteed)
+        clearance = f"; {100 * guarantee.confidence:g} % of flights keep {least:.2f} m"
+    return f"{clearance}; QGroundControl would have said {job.estimate.qgroundcontrol_s:.0f} s"
 
 
 def _legs(estimate: Estimate, record: FlightRecord) -> list[tuple[str, ...]]:
@@ -103,17 +106,18 @@ def print_planned(flight: Flight, written: Iterable[Path]) -> None:
 
 
 def describe(flight: Flight) -> list[str]:
-    mission, estimate = flight.mission, flight.estimate
+    mission = flight.mission
     firmware = mission.autopilot.checked_for(mission.firmware_version)
     lines = [
         f"{flight.name}: {flight.plan.cost.length:.1f} m, {len(mission.items)} items, for {firmware}",
         *clearance_words(flight.guarantee),
-        f"estimated {estimate.total_s:.1f} s",
+        f"estimated {flight.estimate.total_s:.1f} s",
         *wind_words(flight.forecast.wind),
     ]
     lines += [] if flight.budget is None else flight.budget.words
-    warnings = [words for f in flight.findings for words in (str(f), *([f"hint: {f.hint}"] if f.hint else []))]
-    return [*lines, *warnings, *(f"note: {remark}" for remark in flight.notes)]
+    for finding in flight.findings:
+        lines += [str(finding), *([f"hint: {finding.hint}"] if finding.hint else [])]
+    return lines + notes(flight.notes)
 
 
 def print_parts(whole: Flight, parts: Sequence[Forecast], written: Iterable[Path]) -> None:
@@ -122,8 +126,9 @@ def print_parts(whole: Flight, parts: Sequence[Forecast], written: Iterable[Path
     for number, part in enumerate(parts, 1):
         budget = budget_of(part)
         assert budget is not None, "it was split by its energy"
-        left = budget.left(budget.used.between)
-        share, takes = "" if left is None else f"{left.likely:.0%}", str(budget.used.between)
-        rows.append((str(number), str(len(part.mission.items)), f"{part.estimate.total_s:.1f}", takes, share))
+        energy = budget.used.between
+        left = budget.left(energy)
+        share = "" if left is None else f"{left.likely:.0%}"
+        rows.append((str(number), str(len(part.mission.items)), f"{part.estimate.total_s:.1f}", str(energy), share))
     print_table(f"{len(parts)} flights, a battery each", ["flight", "items", "takes\ns", "takes\nWh", "left"], rows)
     print_lines(f"written: {', '.join(map(str, written))}")

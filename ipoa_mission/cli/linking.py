@@ -39,14 +39,15 @@ def connect_to(link: str, options: LinkOptions, usual_log: Path | None, reading:
 
     `reading`: any vehicle is accepted. Errors name the log. `options.timeout` ends all but a flight.
     """
-    with recorded_writes(written := list[Path]()):
+    written: list[Path] = []
+    with recorded_writes(written):
         try:
             with _vehicle_on(link, options, usual_log, reading) as vehicle:
                 yield vehicle
         except MissionError as error:
-            logs = map(Path, options.written(usual_log))
-            if kept := [str(log) for log in logs if log in written and log.exists()]:
-                error.known["written"] = kept
+            logs = [path for path in options.written(usual_log) if Path(path) in written and Path(path).exists()]
+            if logs:
+                error.known["written"] = logs
             raise
 
 
@@ -56,7 +57,8 @@ def _vehicle_on(link: str, options: LinkOptions, usual_log: Path | None, reading
 
     expect_log(options.log)
     timeout = options.timeout
-    signer, began = signer_of(options.key), time.monotonic()
+    signer = signer_of(options.key)
+    began = time.monotonic()
     patience = SPECIFIED if timeout is None else replace(SPECIFIED, total_s=timeout)
     if options.backend is Backend.MAVSDK:
         from ipoa_mission.link.mavsdk_backend import connect as connect_by_mavsdk
@@ -64,8 +66,8 @@ def _vehicle_on(link: str, options: LinkOptions, usual_log: Path | None, reading
         if signer is not None:
             words = "the mavsdk backend does not sign"
             raise BadInput(words, hint="omit --backend", code="backend-cannot", place="--key")
-        how = ConnectionOptions(patience, reading=reading)
-        vehicle: Vehicle = connect_by_mavsdk(link, options.system, options.log, how)
+        connection = ConnectionOptions(patience, reading=reading)
+        vehicle: Vehicle = connect_by_mavsdk(link, options.system, options.log, connection)
     else:
         from ipoa_mission.link.connect import connect
 
@@ -115,11 +117,12 @@ def upload(
     from ipoa_mission.rules import expect_ignorable
 
     flown_by = FlownByOptions(autopilot=how.autopilot, unmeasured_version=how.unmeasured_version)
-    states, ignored = states_firmware(file, how.autopilot), expect_ignorable(how.ignore or ())
+    is_for_firmware = states_firmware(file, how.autopilot)
+    ignored = expect_ignorable(how.ignore or ())
     read_mission_file(file, how.autopilot)
     default_log = file.with_name(f"{file.stem}-upload.tlog")
     with connect_to(link, on_link, default_log) as vehicle:
-        requested = read_requested(file, flown_by, None if states else vehicle.autopilot)
+        requested = read_requested(file, flown_by, None if is_for_firmware else vehicle.autopilot)
         if not on_link.anyway:
             refuse_errors([finding for finding in requested.findings if finding.code not in ignored])
         mission = requested.mission
@@ -161,7 +164,8 @@ def download(
         progress_bar("download") as show,
     ):
         mission = vehicle.download(show)
-    remarks, log = write_mission(mission, file), on_link.written(default_log)
+    remarks = write_mission(mission, file)
+    log = on_link.written(default_log)
     counts = {"items": len(mission.items), "fence": len(mission.fence), "rally": len(mission.rally)}
     words = [f"{len(mission.items)} items written to {file}", *notes(remarks)]
     _report(to.as_json, vehicle, counts | {"written": [str(file), *log], "remarks": list(remarks)}, words, log)
@@ -175,7 +179,8 @@ def clear(changes: ChangesMade, link: LinkOption, on_link: LinkOptions, as_json:
     """
     from ipoa_mission.link.messages import MissionType
 
-    words, after = "some of the vehicle's lists may be deleted", "the vehicle's lists are deleted"
+    words = "some of the vehicle's lists may be deleted"
+    after = "the vehicle's lists are deleted"
     with connect_to(link, on_link, None) as vehicle, changes.reporting(words, "repeat the command", after):
         vehicle.clear(MissionType.ALL)
     about = {"cleared": ["mission", "fence", "rally"], "written": on_link.written(None)}

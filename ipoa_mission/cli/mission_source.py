@@ -65,33 +65,34 @@ def read_job(
     source: Path, flown_by: FlownByOptions, autopilot: Autopilot | None = None, ignore: Sequence[str] = ()
 ) -> Job:
     requested = read_requested(source, flown_by, autopilot)
-    forecast, mission = Forecast(requested.mission, wind=flown_by.air), requested.mission
+    mission = requested.mission
+    forecast = Forecast(mission, wind=flown_by.air)
     warnings = refuse_errors(check(forecast, ignore, requested.findings))
     refuse_unsound(mission)
-    timed = forecast.estimate
-    of = source, len(mission.items), mission.autopilot
-    log.info("%s: %d items for %s, estimated %.1f s%s", *of, timed.total_s, timed.besides)
+    estimate = forecast.estimate
+    items = f"{len(mission.items)} items for {mission.autopilot}"
+    log.info("%s: %s, estimated %.1f s%s", source, items, estimate.total_s, estimate.besides)
     return Job(source.stem, forecast, (*requested.remarks, *(finding.message for finding in warnings)), ignore=ignore)
 
 
 def adapt_scenario(scenario: Scenario, search: SearchOptions, flown_by: FlownByOptions) -> Scenario:
-    optimizer, autopilot, vehicle = search.optimizer, flown_by.autopilot, flown_by.vehicle
+    optimizer = scenario.optimizer
+    if search.optimizer is not None and search.optimizer != optimizer.name:
+        optimizer = type(optimizer)(name=search.optimizer)
+    scenario = scenario.flown_by(flown_by.autopilot or scenario.vehicle.autopilot)
+    vehicle = scenario.vehicle
+    autopilot = vehicle.autopilot
     changes: dict[str, Any] = {}
-    if optimizer is not None and optimizer != scenario.optimizer.name:
-        changes["optimizer"] = type(scenario.optimizer)(name=optimizer)
-    scenario = scenario.flown_by(autopilot or scenario.vehicle.autopilot)
-    changed = dict[str, Any]()
-    flies = scenario.vehicle.autopilot
     if flown_by.unmeasured_version:
-        changed["unmeasured_version"] = True
+        changes["unmeasured_version"] = True
     if flown_by.version is not None:
-        flies.tables.expect(flown_by.version)
-        changed["firmware_version"] = flown_by.firmware_version
+        autopilot.tables.expect(flown_by.version)
+        changes["firmware_version"] = flown_by.firmware_version
     if flown_by.parameters:
-        expect_own(flown_by.parameters, flies)
-        changed["parameters"] = flies.parameter_table.overridden(scenario.vehicle.parameters, flown_by.parameters)
-    if changed:
-        changes["vehicle"] = scenario.vehicle.model_copy(update=changed).remarked(flown_by.parameter_remarks)
-    if vehicle is not None:
-        changes["vehicle"] = changes.get("vehicle", scenario.vehicle).learned_as(read_vehicle(vehicle, flies))
-    return scenario.model_copy(update=changes)
+        expect_own(flown_by.parameters, autopilot)
+        changes["parameters"] = autopilot.parameter_table.overridden(vehicle.parameters, flown_by.parameters)
+    if changes:
+        vehicle = vehicle.model_copy(update=changes).remarked(flown_by.parameter_remarks)
+    if flown_by.vehicle is not None:
+        vehicle = vehicle.learned_as(read_vehicle(flown_by.vehicle, autopilot))
+    return scenario.model_copy(update={"vehicle": vehicle, "optimizer": optimizer})

@@ -74,7 +74,8 @@ def mock(worse: FaultOptions, how: MockOptions, as_json: options.JsonOption = Fa
     from ipoa_mission.simulator.mock_server import Server
     from ipoa_mission.simulator.station import Station
 
-    address, system = parse_address(how.link), how.system or 1
+    address = parse_address(how.link)
+    system = how.system or 1
     parameters, remarks = options.read_parameter_options(how.param, how.param_file)
     autopilot = built_in_autopilot(how, parameters)
     name = str(autopilot.profile.autopilot)
@@ -86,10 +87,10 @@ def mock(worse: FaultOptions, how: MockOptions, as_json: options.JsonOption = Fa
     def print_address() -> bool:
         """Print once, when the server asks first whether it is to end."""
         if as_json:
-            about = {"autopilot": name, "version": str(version), "link": str(address), "system": system}
             place = {"latitude_deg": home.latitude_deg, "longitude_deg": home.longitude_deg}
             place["altitude_amsl"] = home.altitude
-            print_json(about | {"home": place, "speedup": how.speedup, "remarks": list(remarks)}, indent=None)
+            simulated = {"autopilot": name, "version": str(version), "link": str(address), "system": system}
+            print_json(simulated | {"home": place, "speedup": how.speedup, "remarks": list(remarks)}, indent=None)
         else:
             words = f"{name} {version} at {address}, {how.speedup:g} times as fast as real; Ctrl-C ends it"
             print_lines(words, *notes(remarks))
@@ -119,7 +120,8 @@ def built_in_autopilot(how: MockOptions, parameters: Mapping[str, float]) -> "Bu
         if how.home is not None:
             raise OptionConflict("cannot be combined with --scenario, which defines home", place="--home")
         world = read_scenario(how.scenario)
-        family, place = how.autopilot or world.vehicle.autopilot, world.home.geodetic()
+        family = how.autopilot or world.vehicle.autopilot
+        place = world.home.geodetic()
         conditions = replace(conditions, wind=world.wind.air(), ground=world.ground)
         if family is world.vehicle.autopilot:
             parameters = family.parameter_table.overridden(world.vehicle.parameters, parameters)

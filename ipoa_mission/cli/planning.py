@@ -43,22 +43,26 @@ def plan(
     from ipoa_mission.cli.mission_source import adapt_scenario
     from ipoa_mission.flight.flight import names_of, parts_summary, plan_flight, plan_for_batteries, write_parts
 
-    seed, air, to, out = asked.search.seed, asked.flown_by.air, asked.files, asked.files.folder
+    to = asked.files
+    out = to.folder
     expect_folder(out)
     adapted = adapt_scenario(_read(scenario, added), asked.search, asked.flown_by).ignoring(asked.ignore or ())
-    if (planner := planner_of(adapted, added)) is not None:
+    planner = planner_of(adapted, added)
+    if planner is not None:
         planner.plan(adapted, asked, changes)
         return
+
     to.expect_plans([adapted.name])
     with changes.planning() as show:
-        how: dict[str, Any] = {"wind": air, "seed": seed, "progress": show}
-        flight, parts = plan_for_batteries(adapted, **how) if split else (plan_flight(adapted, **how), ())
+        options: dict[str, Any] = {"wind": asked.flown_by.air, "seed": asked.search.seed, "progress": show}
+        flight, parts = plan_for_batteries(adapted, **options) if split else (plan_flight(adapted, **options), ())
     if len(parts) > 1:
         expect_free(names_of(flight, parts, out), to.force, ask=not to.as_json)
         summary = parts_summary(flight, parts)
         files = [*write_parts(flight, parts, summary, out, to.report)]
     else:
-        summary, files = flight.summary(), [*flight.write(out)]
+        summary = flight.summary()
+        files = [*flight.write(out)]
         if to.report:
             files.append(out / f"{flight.name}.html")
             flight.report(files[-1])
@@ -74,7 +78,8 @@ def _read(path: Path | None, added: Planners) -> "Scenario":
     from ipoa_mission.scenario import read_scenario
 
     for planner in added:
-        if (scenario := planner.scenario(path)) is not None:
+        scenario = planner.scenario(path)
+        if scenario is not None:
             return scenario
     if path is None:
         raise OptionConflict(", or ".join(("expected a scenario", *(planner.instead for planner in added))))

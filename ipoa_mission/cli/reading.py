@@ -18,8 +18,6 @@ if TYPE_CHECKING:
     from ipoa_mission.scenario import Scenario
     from ipoa_mission.wind import Wind
 
-SHOWN = 6
-
 
 @dataclass(frozen=True)
 class RequestedMission:
@@ -36,25 +34,26 @@ def read_requested(
 ) -> RequestedMission:
     """Read a mission file; `autopilot` is the default, for `.waypoints` also the `world`'s."""
     series = None if flown_by.version is None else flown_by.version.series
-    with_this_version = [each for each in registered() if series in each.tables.series]
-    otherwise = None if world is None else world.vehicle.autopilot
+    with_this_version = [candidate for candidate in registered() if series in candidate.tables.series]
+    fallback = None if world is None else world.vehicle.autopilot
     if len(with_this_version) == 1:
-        (otherwise,) = with_this_version
-    read = read_by_items(file, read_mission_file(file, flown_by.autopilot or autopilot, otherwise))
+        (fallback,) = with_this_version
+    read = read_by_items(file, read_mission_file(file, flown_by.autopilot or autopilot, fallback))
     maps = {} if world is None else {section.file: section for section in world.maps}
     findings = (*read.findings, *(finding for section in maps.values() for finding in section.differences()))
-    mission, remarks = read.mission, tuple(finding.message for finding in findings)
-    remarks += taken_for(read)
+    mission = read.mission
+    remarks = (*(finding.message for finding in findings), *taken_for(read))
     if flown_by.version is not None:
-        possible = [each for each in with_this_version if each is not mission.autopilot]
+        possible = [candidate for candidate in with_this_version if candidate is not mission.autopilot]
         try:
             mission = replace(mission, firmware_version=mission.autopilot.tables.expect(flown_by.version))
         except BadInput as error:
             raise error.at(hint=f"--autopilot {possible[0]}" if possible else None) from None
     mission = replace(mission, unmeasured_version=flown_by.unmeasured_version)
     if mission.parameters:
-        shown = ", ".join(f"{name} {value:g}" for name, value in [*mission.parameters.items()][:SHOWN])
-        more = len(mission.parameters) - SHOWN
+        most = 6
+        shown = ", ".join(f"{name} {value:g}" for name, value in [*mission.parameters.items()][:most])
+        more = len(mission.parameters) - most
         remarks += (f"parameters from {parameter_path(file)}: {shown}{f' and {more} more' if more > 0 else ''}",)
     if flown_by.vehicle is not None:
         mission = replace(mission, vehicle=read_vehicle(flown_by.vehicle, mission.autopilot))

@@ -35,7 +35,7 @@ def show(file: FileArgument, how: WorldOptions, as_json: JsonOption = False) -> 
     requested, forecast, world = read_forecast(file, how)
     mission = forecast.mission
     rows = rows_of(forecast)
-    errors = refusals(forecast.mission)
+    errors = refusals(mission)
     timed, total, energy = (None, "no time: a position or height is not valid", []) if errors else _estimated(forecast)
     done = {} if timed is None else {item.seq: item.done_s for item in timed.items}
     of_world = () if forecast.scenario is None else forecast.scenario.remarks
@@ -76,7 +76,8 @@ def _cells(row: "Row", done_s: float | None) -> tuple[str, ...]:
 
 def _lengths(rows: "Sequence[Row]", flown: float, total: str) -> Iterator[str]:
     climbs = [row.climb for row in rows if row.climb is not None]
-    up, down = sum(c for c in climbs if c > 0), -sum(c for c in climbs if c < 0)
+    up = sum(climb for climb in climbs if climb > 0)
+    down = -sum(climb for climb in climbs if climb < 0)
     length = sum(row.length for row in rows if row.length is not None)
     once = f"{length:.0f} m, {up:.0f} m up and {down:.0f} m down"
     if any(row.passes > 1 for row in rows):
@@ -124,13 +125,16 @@ def export(
     if to_output != (how.form is not None) or (to_output and how.as_json):
         raise OptionConflict("belongs to TARGET -, and excludes --json", hint="like - --format kml", place="--format")
     suffix = target.suffix.lower() if how.form is None else f".{how.form.lower()}"
-    if suffix not in (suffixes := [*EXPORTS, *MISSIONS]):
+    suffixes = (*EXPORTS, *MISSIONS)
+    if suffix not in suffixes:
         raise WrongSuffix(f'expected a name that ends in {", ".join(suffixes)}, not in "{suffix}"', place=target)
-    read, world = read_by_items(file, read_mission_file(file, how.autopilot)), read_world(how.scenario)
+    read = read_by_items(file, read_mission_file(file, how.autopilot))
+    world = read_world(how.scenario)
     if to_output:
-        forecast, is_mission = Forecast(read.mission, world), suffix in MISSIONS
-        text = mission_text(read.mission, suffix, read) if is_mission else forecast_text(forecast, suffix, file.stem)
-        sys.stdout.write(text)
+        if suffix in MISSIONS:
+            sys.stdout.write(mission_text(read.mission, suffix, read))
+        else:
+            sys.stdout.write(forecast_text(Forecast(read.mission, world), suffix, file.stem))
         return
     expect_free([target], how.force, ask=not how.as_json)
     remarks = taken_for(read)
