@@ -80,7 +80,8 @@ class Graph:
         )
 
     def spot(self, x: float, y: float) -> str:
-        left, up = float(self.x.place(np.array([x]))[0]), float(self.y.place(np.array([y]))[0])
+        left = float(self.x.place(np.array([x]))[0])
+        up = float(self.y.place(np.array([y]))[0])
         return f"left:{100 * left:.2f}%;top:{100 - 100 * up:.2f}%"
 
     def _points(self, x: Vector, y: Vector) -> NDArray[np.float64]:
@@ -96,7 +97,8 @@ class Graph:
 
 
 def _path(points: NDArray[np.float64]) -> str:
-    pieces, pen = [], "M"
+    pieces = []
+    pen = "M"
     for x, y in points:
         if not (math.isfinite(x) and math.isfinite(y)):
             pen = "M"

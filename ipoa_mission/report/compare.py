@@ -130,13 +130,15 @@ def compare_logged(
     flight: LoggedFlight, mission: Mission | None = None, assumed: Assumptions | None = None
 ) -> ComparedFlight | None:
     """Compare with the estimate of `mission`, or of the logged mission, if known."""
-    flown, assumed = mission or flight.mission, assumed or Assumptions()
+    assumed = assumed or Assumptions()
+    flown = mission or flight.mission
     if flown is None:
         return None
     flown = flown.with_parameters(flight.parameters).with_parameters(assumed.parameters)
     version = assumed.version or flight.firmware_version
     forecast = Forecast(replace(flown, vehicle=assumed.vehicle), wind=assumed.wind).on(version)
-    record, remarks = flight.record(flown), list[str]()
+    record = flight.record(flown)
+    remarks: list[str] = []
     if flight.mission is not None:
         difference = compare(to_wire(flown), to_wire(flight.mission), flight.autopilot)
         if difference is not None and difference.seq is None:  # without ArduPilot's home
@@ -146,17 +148,19 @@ def compare_logged(
             words = f"{difference.field}: {difference.got} in the log, not {difference.sent}"
             remarks.append(f"another mission was flown: item {difference.seq}: {words}")
     track = flown_track(flown, record)
-    away = 0.0 if track is None else math.hypot(*track.points[0, :2])  # from home [m]
-    if away > 5.0:
-        remarks.append(f"it was armed {away:.0f} m from the mission's home, where the estimate begins")
+    from_home = 0.0 if track is None else math.hypot(*track.points[0, :2])  # [m]
+    if from_home > 5.0:
+        remarks.append(f"it was armed {from_home:.0f} m from the mission's home, where the estimate begins")
     if record.home_drift > NOTED_HOME_DRIFT:
         drift = f"{record.home_drift:.1f} m"
         remarks.append(f"home's altitude changed by up to {drift} in flight: heights count from that at arming")
-    if (first := min(record.item_reached_s, default=0) + 1) > 1:
+    first = min(record.item_reached_s, default=0) + 1
+    if first > 1:
         remarks.append(f"it began at item {first}")
-    autopilot, actual = forecast.mission.autopilot, forecast.mission
-    defaults = autopilot.complete({}, actual.firmware_version)
-    current = autopilot.parameter_table.by_old_names(actual.parameters)
+
+    autopilot = forecast.mission.autopilot
+    defaults = autopilot.complete({}, forecast.mission.firmware_version)
+    current = autopilot.parameter_table.by_old_names(forecast.mission.parameters)
     changed = {
         name: current[name]
         for name in defaults

@@ -100,23 +100,25 @@ def outline_around(points: Points, distance: float) -> list[Points]:
     """Return closed rings, the outer one first, (n, 2) [m]."""
     if distance <= 0.0:
         return []
-    around = shapely.LineString(points[:, :2]).simplify(distance / 10).buffer(distance, quad_segs=4)
-    return [shapely.get_coordinates(ring) for ring in (around.exterior, *around.interiors)]
+    outline = shapely.LineString(points[:, :2]).simplify(distance / 10).buffer(distance, quad_segs=4)
+    return [shapely.get_coordinates(ring) for ring in (outline.exterior, *outline.interiors)]
 
 
 def find_dangers(predicted: SampledTrack, scenario: Scenario) -> list[Danger]:
     """Return where the path, a cut corner or the return comes too close; ground only where the path meets it."""
-    dangers, required = [], scenario.limits.obstacle_distance
+    dangers = []
+    required = scenario.limits.obstacle_distance
     nearest = scenario.airspace.obstacle_clearance(predicted.points)
     if falls_short(nearest.distance, required):
-        how = "runs into" if nearest.distance < 0 else f"comes within {floor_cm(nearest.distance):.2f} m of"
+        verb = "runs into" if nearest.distance < 0 else f"comes within {floor_cm(nearest.distance):.2f} m of"
         where = _where(predicted.times[nearest.leg], nearest.place)
-        words = f"the path as predicted {how} {nearest.what} {where}; {ceil_cm(required):.2f} m are required"
+        words = f"the path as predicted {verb} {nearest.what} {where}; {ceil_cm(required):.2f} m are required"
         dangers.append(Danger(words, nearest.distance < scenario.vehicle.radius))
+
     height = predicted.points[:, 2] - predicted.ground
-    away = np.hypot(*(predicted.points[:, :2] - predicted.points[0, :2]).T) > LANDING_RADIUS
-    lowest = int(np.argmin(np.where(away, height, np.inf)))
-    if away[lowest] and height[lowest] < 0:
+    en_route = np.hypot(*(predicted.points[:, :2] - predicted.points[0, :2]).T) > LANDING_RADIUS
+    lowest = int(np.argmin(np.where(en_route, height, np.inf)))
+    if en_route[lowest] and height[lowest] < 0:
         where = _where(predicted.times[lowest], predicted.points[lowest])
         dangers.append(Danger(f"the path as predicted runs into the ground {where}", True))
     return dangers
@@ -129,7 +131,8 @@ def _where(time: float, place: Sequence[float] | Vector) -> str:
 
 def placed_items(forecast: Forecast) -> list[tuple[Item, Vector | None]]:
     """Return each item as flown, and its place, east, north, up [m]; a landing is on the ground."""
-    flown, scenario = as_flown(forecast.mission), forecast.scenario
+    flown = as_flown(forecast.mission)
+    scenario = forecast.scenario
     ground = forecast.ground if scenario is None else scenario.airspace.ground
     places = item_places(flown, forecast.frame, ground)
     for item, place in zip(flown.items, places, strict=True):
@@ -144,17 +147,19 @@ def item_legs(forecast: Forecast) -> tuple[ItemLeg, ...]:
     rows = rows_of(forecast)
     bent = {leg.seq for leg in forecast.cruise if leg.stray > 0}
     curves = {seq: join([leg for leg in forecast.cruise if leg.seq == seq]) for seq in bent}
-    before, flying = np.zeros(3), False
+    before = np.zeros(3)
+    is_flying = False
     for time in forecast.estimate.items:
         item, place = items[time.seq - 1]
         leg = (place if place is not None else before) - before
         path, stray = curves.get(time.seq, (before + np.array([[0.0], [1.0]]) * leg, 0.0))
         moves = item.command in {*WAYPOINTS, Command.NAV_TAKEOFF} and np.linalg.norm(leg) > 0
-        is_proved = place is not None and flying and moves and not forecast.unknown
+        is_proved = place is not None and is_flying and moves and not forecast.unknown
         proof = prove(path, forecast.world, stray) if is_proved else None
         legs.append(ItemLeg(item, time, rows[time.seq], item_words(item), place, path, proof))
         if place is not None:
-            before, flying = place, True
+            before = place
+            is_flying = True
     return tuple(legs)
 
 

@@ -152,7 +152,7 @@ def to_kml(forecast: Forecast, name: str) -> str:
         _node("Style", _node("LineStyle", _node("color", color), _node("width", "3")), id=style)
         for style, color in colors.items()
     ]
-    ways = [
+    stretches = [
         _placemark(f"way {n}", _shape("LineString", stretch.points, stretch.over_terrain), "way")
         for n, stretch in enumerate(lines_of(forecast), start=1)
     ]
@@ -168,7 +168,7 @@ def to_kml(forecast: Forecast, name: str) -> str:
         border = _node("LinearRing", _coordinates((lon, lat, 0.0) for lon, lat in ring(part)))
         fence.append(_placemark(f"fence {n} ({style})", _node("Polygon", _node("outerBoundaryIs", border)), style))
     rally_points = [_placemark(label, _shape("Point", [place])) for label, place in rally]
-    marks = {"way": ways, "items": items, "fence": fence, "rally points": rally_points}
+    marks = {"way": stretches, "items": items, "fence": fence, "rally points": rally_points}
     folders = [_node("Folder", _node("name", label), *marked) for label, marked in marks.items() if marked]
     document = _node("Document", _node("name", name), *styles, *folders)
     return _text_of(_node("kml", document, xmlns="http://www.opengis.net/kml/2.2"))

@@ -41,9 +41,15 @@ class PageNotes:
 def report_html(
     forecast: Forecast, notes: PageNotes, plan: Plan | None = None, flight: FlightRecord | None = None
 ) -> str:
-    findings, scenario, mission, proof = notes.findings, forecast.world, forecast.mission, forecast.proof_if_known
-    airspace, required = scenario.airspace, scenario.limits.obstacle_distance
-    legs, predicted = item_legs(forecast), sample_track(forecast.estimate.track, airspace)
+    findings = notes.findings
+    scenario = forecast.world
+    mission = forecast.mission
+    proof = forecast.proof_if_known
+    airspace = scenario.airspace
+    required = scenario.limits.obstacle_distance
+
+    legs = item_legs(forecast)
+    predicted = sample_track(forecast.estimate.track, airspace)
     track = None if flight is None else flown_track(mission, flight)
     flown = None if track is None else sample_track(track, airspace)
     comparison = None if flight is None else compare_flight(forecast.estimate, flight)
@@ -51,7 +57,8 @@ def report_html(
     places = np.array([leg.place for leg in legs if leg.place is not None]).reshape(-1, 3)
     extent = drawn_flight.extent_of(places, predicted.points, *([] if flown is None else [flown.points]))
     has_zones = extent.obstacles(airspace) != extent.buildings(airspace)
-    dangers, home = drawn_flight.find_dangers(predicted, scenario), return_paths(forecast)
+    dangers = drawn_flight.find_dangers(predicted, scenario)
+    returns = return_paths(forecast)
     waypoints = sum(leg.item.is_waypoint for leg in legs)
     vehicle = f"Mission for {mission.autopilot.firmware().name}, {len(mission.items)} items"
     parts = {
@@ -62,7 +69,7 @@ def report_html(
         "warnings": warnings(dangers, findings, [*notes.remarks, *forecast.estimate.remarks], scenario.remarks),
         "survey": notes.panel,
         "map": ground_plan(drawn, extent),
-        "legend": legend(scenario, extent, flown is not None, bool(home)),
+        "legend": legend(scenario, extent, flown is not None, bool(returns)),
         "profile": height_profile(drawn),
         "apart": distance_profile(predicted, required),
         "profile_note": f"The pale band is the {required:g} m round the path that must stay free.",
@@ -75,12 +82,12 @@ def report_html(
         "footer": _footer(scenario, plan, mission),
         "map_js": _asset("map.js"),
         "page_js": _asset("page.js"),
-        "data": _page_data(predicted, legs, home),
+        "data": _page_data(predicted, legs, returns),
     }
     return page_of("page.html", parts)
 
 
-def _page_data(predicted: SampledTrack, legs: Sequence[ItemLeg], home: Sequence[Mapping[str, Any]]) -> str:
+def _page_data(predicted: SampledTrack, legs: Sequence[ItemLeg], returns: Sequence[Mapping[str, Any]]) -> str:
     """Return the flight as JSON that is safe inside an HTML script element."""
     decimals = {"times": 2, "along": 1, "points": 2, "speeds": 2, "ground": 2, "apart": 2}
     data = {
@@ -95,7 +102,7 @@ def _page_data(predicted: SampledTrack, legs: Sequence[ItemLeg], home: Sequence[
             }
             for leg in legs
         ],
-        "home": [*home],
+        "home": [*returns],
     }
     return json.dumps(data, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")
 
@@ -107,11 +114,12 @@ def _rounded(values: NDArray[np.float64], digits: int) -> list[Any]:
 
 
 def _footer(scenario: Scenario, plan: Plan | None, mission: Mission) -> str:
-    home, changed = mission.home, mission.parameters
+    home = mission.home
+    parameters = ", ".join(f"{name} {value:g}" for name, value in mission.parameters.items())
     rows = {
         "home": f"{home.latitude_deg:.7f}, {home.longitude_deg:.7f}, {home.altitude:g} m above mean sea level",
         "vehicle": f"radius {scenario.vehicle.radius:g} m, safety distance {scenario.safety_distance:g} m",
-        "parameters": ", ".join(f"{name} {value:g}" for name, value in changed.items()) or "the autopilot's defaults",
+        "parameters": parameters or "the autopilot's defaults",
         "world": f"{len(scenario.airspace.obstacles)} obstacles, {scenario.terrain.kind} terrain",
         **({"planned by": f"{plan.optimizer}, seed {plan.seed}"} if plan is not None else {}),
         "made by": f"ipoa-mission {version('ipoa-mission')}",

@@ -227,14 +227,16 @@ def _alternating(rings: list[Points]) -> list[Points]:
 
 
 def _draw_leg_times(axes: Axes, comparison: Comparison) -> None:
-    legs, at = comparison.legs, np.arange(len(comparison.legs))
+    legs = comparison.legs
+    middles = np.arange(len(legs))
     hatched: dict[str, Any] = {"color": "white", "edgecolor": Color.VERMILLION, "hatch": "////", "linewidth": 0.8}
-    axes.bar(at - 0.2, [leg.estimated_s for leg in legs], 0.38, color=Color.BLUE, label="estimated")
-    axes.bar(at + 0.2, [leg.flown_s for leg in legs], 0.38, label="flown", **hatched)
+    axes.bar(middles - 0.2, [leg.estimated_s for leg in legs], 0.38, color=Color.BLUE, label="estimated")
+    axes.bar(middles + 0.2, [leg.flown_s for leg in legs], 0.38, label="flown", **hatched)
     step = max(1, -(-len(legs) // 30))  # at most 30 labels
-    axes.set_xticks(at[::step], [str(leg.seq) for leg in legs[::step]])
-    estimated, flown, title = comparison.estimated_route_s, comparison.flown_route_s, "leg by leg"
-    if flown > 0:
+    axes.set_xticks(middles[::step], [str(leg.seq) for leg in legs[::step]])
+    flown_s = comparison.flown_route_s
+    title = "leg by leg"
+    if flown_s > 0:
         error = signed(100 * comparison.route_error, 1, "%")
-        title = f"route: estimated {estimated:.1f} s, flown {flown:.1f} s ({error})"
+        title = f"route: estimated {comparison.estimated_route_s:.1f} s, flown {flown_s:.1f} s ({error})"
     axes.set(xlabel="item", ylabel="time for the leg [s]", title=title)

@@ -44,7 +44,8 @@ def _limit_as_json(limit: "KeptLimit") -> dict[str, Any]:
 
 
 def items_as_json(forecast: "Forecast") -> dict[str, Any]:
-    ground, estimate = landing_height(forecast.mission), forecast.estimate
+    ground = landing_height(forecast.mission)
+    estimate = forecast.estimate
     return {
         "items": len(forecast.mission.items),
         **({} if ground is None else {LANDING_GROUND_KEY: ground}),

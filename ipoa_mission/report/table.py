@@ -72,8 +72,10 @@ def mission_table(mission: Mission, scenario: "Scenario | None" = None) -> tuple
 
 
 def rows_of(forecast: Forecast) -> tuple[Row, ...]:
-    mission, scenario = forecast.mission, forecast.scenario
-    legs, passes = defaultdict[int, list[Leg]](list), Counter[int]()
+    mission = forecast.mission
+    scenario = forecast.scenario
+    legs = defaultdict[int, list[Leg]](list)
+    passes = Counter[int]()
     if not refusals(mission):
         for leg in forecast.legs:
             if not leg.alternative:

@@ -62,9 +62,10 @@ def stretches(bar: ContingencyBar, predicted: SampledTrack) -> list[tuple[Contin
 
 def contingency_strip(forecast: Forecast, predicted: SampledTrack) -> str:
     """Also list those not clear; nothing without a forecast."""
-    bars, axis = contingency_bars(forecast), along_axis(predicted)
+    bars = contingency_bars(forecast)
     if not bars:
         return ""
+    axis = along_axis(predicted)
     drawn = ""
     for bar in bars:
         ways = "".join(_stretch(row, axis.place(np.array(ends))) for row, *ends in stretches(bar, predicted))

@@ -22,8 +22,8 @@ def ground_plan(flight: DrawnFlight, extent: Extent) -> str:
     airspace = flight.scenario.airspace
     bodies = sorted(extent.obstacles(airspace), key=lambda body: float(body.bounds[1, 2]))
     highest = max((float(body.bounds[1, 2]) for body in extent.buildings(airspace)), default=1.0)
-    around = outline_around(flight.predicted.points, flight.deviation_bound.level)
-    bound = "".join(_ring(ring[:-1]) for ring in around)
+    outline = outline_around(flight.predicted.points, flight.deviation_bound.level)
+    bound = "".join(_ring(ring[:-1]) for ring in outline)
     places = [(n, leg, leg.place) for n, leg in enumerate(flight.legs) if leg.place is not None]
     layers = [
         _relief(*ground_mesh(airspace, 120, extent)),
@@ -91,7 +91,8 @@ def _relief(east: Points, north: Points, up: Points) -> str:
 
 
 def _footprint(body: Obstacle, highest: float) -> str:
-    rings, name = "".join(map(_ring, body.outline())), escape(body.name)
+    rings = "".join(map(_ring, body.outline()))
+    name = escape(body.name)
     if not body.solid:
         return f'<path class="zone" d="{rings}"><title>{name}: no-fly zone</title></path>'
     base, top = body.bounds[:, 2]

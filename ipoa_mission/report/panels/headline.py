@@ -28,14 +28,16 @@ def verdict(
             return _line("bad", "✕", f"Not to be flown: {errors[0]}.")
         return '<p class="verdict">No leg between waypoints to judge.</p>'
     against = [proof.words()] if not proof.is_proved else [danger.words for danger in dangers if danger.touching]
-    kept = None if guarantee is None else guarantee.clearance
-    if guarantee is not None and (broken := [kept for kept in guarantee.limits if kept.forbids]):
-        worst = min(broken, key=lambda kept: kept.slack)
+    broken = [] if guarantee is None else [limit for limit in guarantee.limits if limit.forbids]
+    if guarantee is not None and broken:
+        worst = min(broken, key=lambda limit: limit.slack)
         against.append(f"too near to {worst.to}: {worst.words(guarantee.confidence)}")
     if against or errors:
         return _line("bad", "✕", f"Not to be flown: {[*against, *errors][0]}.")
-    if guarantee is not None and kept is not None:
-        words = f"Clear of {kept.to}: {kept.words(guarantee.confidence)}"
+
+    if guarantee is not None and guarantee.clearance is not None:
+        least_kept = guarantee.clearance
+        words = f"Clear of {least_kept.to}: {least_kept.words(guarantee.confidence)}"
     else:
         least = proof.clearance
         required = next(check.required for check in proof.checks if check.nearest is least)
@@ -60,16 +62,16 @@ def figures(forecast: Forecast, length: float, waypoints: int, comparison: Compa
     interval = f"{seconds(estimate.low_s)} to {seconds(estimate.high_s)}{estimate.besides}"
     cards = [_card("estimated flight", seconds(estimate.total_s), interval, "lead")]
     if comparison is not None:
-        cards.append(_flown(comparison))
+        cards.append(_flown_card(comparison))
     cards.append(_card("QGroundControl would say", seconds(estimate.qgroundcontrol_s), COUNTED_TERMS))
-    if guarantee is not None and (kept := guarantee.clearance) is not None:
-        cards.append(_kept(kept, guarantee.confidence))
+    if guarantee is not None and guarantee.clearance is not None:
+        cards.append(_clearance_card(guarantee.clearance, guarantee.confidence))
     cards.append(_card("path", meters(length, 0), f"{waypoints} waypoints"))
     if estimate.route.seconds > 0:
         against = f"{number(estimate.route.ratio, 2)} times the lower bound, {seconds(estimate.route.least)}"
         cards.append(_card("first place to last waypoint", seconds(estimate.route.seconds), against))
     if budget is not None:
-        cards.append(_energy(budget))
+        cards.append(_energy_card(budget))
     return f'<dl class="figures">{"".join(cards)}</dl>'
 
 
@@ -95,25 +97,26 @@ def warnings(
     return f'<section class="{look}"><h2>Before you fly</h2><ul>{"".join(rows)}</ul></section>'
 
 
-def _kept(kept: KeptLimit, confidence: float | None) -> str:
-    look = "bad" if kept.falls_short else ""
-    value = f"{abs(floor_cm(kept.guaranteed)):.2f}\N{NO-BREAK SPACE}m{' inside' if kept.guaranteed < 0 else ''}"
+def _clearance_card(limit: KeptLimit, confidence: float | None) -> str:
+    look = "bad" if limit.falls_short else ""
+    value = f"{abs(floor_cm(limit.guaranteed)):.2f}\N{NO-BREAK SPACE}m{' inside' if limit.guaranteed < 0 else ''}"
     if confidence is None:
-        return _card("predicted clearance", value, f"to {kept.to}", look)
-    note = f"to {kept.to}; predicted {floor_cm(kept.nominal):.2f} m"
+        return _card("predicted clearance", value, f"to {limit.to}", look)
+    note = f"to {limit.to}; predicted {floor_cm(limit.nominal):.2f} m"
     return _card(f"{100 * confidence:g}\N{NO-BREAK SPACE}% of flights keep", value, note, look)
 
 
-def _energy(budget: Budget) -> str:
-    used, battery = budget.used, budget.battery
-    value, between = f"{number(used.energy_wh, 1)}\N{NO-BREAK SPACE}Wh", used.between
-    sure = f"{number(between.low, 1)} to {number(between.high, 1)} Wh"
+def _energy_card(budget: Budget) -> str:
+    used = budget.used
+    battery = budget.battery
+    value = f"{number(used.energy_wh, 1)}\N{NO-BREAK SPACE}Wh"
+    interval = f"{number(used.between.low, 1)} to {number(used.between.high, 1)} Wh"
     if battery is None:
-        return _card("energy", value, f"{sure}; {number(used.mean_w, 0)} W on average")
+        return _card("energy", value, f"{interval}; {number(used.mean_w, 0)} W on average")
     left = max(used.left(battery), 0.0)
-    note = f"{sure}; {left:.0%} of {battery.capacity_wh:.4g} Wh left, {battery.reserve:.0%} required"
-    if (late := budget.no_return) is not None:
-        note += f"; no RTL from item {late.seq} on"
+    note = f"{interval}; {left:.0%} of {battery.capacity_wh:.4g} Wh left, {battery.reserve:.0%} required"
+    if budget.no_return is not None:
+        note += f"; no RTL from item {budget.no_return.seq} on"
     bar = (
         f'<i class="battery" role="img" aria-label="{escape(note)}"><i style="width:{left:.1%}"></i>'
         f'<b style="left:{battery.reserve:.1%}"></b></i>'
@@ -121,7 +124,7 @@ def _energy(budget: Budget) -> str:
     return _card("energy", value, note, "bad" if left < battery.reserve else "", bar)
 
 
-def _flown(comparison: Comparison) -> str:
+def _flown_card(comparison: Comparison) -> str:
     """Show the route if the log ends early."""
     if math.isfinite(comparison.flown_total_s):
         off = share(comparison.estimated_total_s, comparison.flown_total_s)

@@ -21,10 +21,11 @@ def along_axis(predicted: SampledTrack) -> GraphAxis:
 
 def height_profile(flight: DrawnFlight) -> str:
     """Show obstacles below the path and near it."""
-    predicted, flown, limits = flight.predicted, flight.flown, flight.scenario.limits
+    predicted = flight.predicted
+    flown = flight.flown
     along = predicted.along
     up = predicted.points[:, 2]
-    required = limits.obstacle_distance
+    required = flight.scenario.limits.obstacle_distance
     near = list(near_track(predicted, flight.scenario.airspace, required))
     tops = np.array([min(float(body.bounds[1, 2]), float(up.max()) * 1.6) for body, *_ in near])
     heights = [up + required, predicted.ground, *([] if flown is None else [flown.points[:, 2]])]
@@ -118,7 +119,8 @@ def near_track(
 
 def _block(chart: Graph, body: Obstacle, run: tuple[float, float], look: str) -> str:
     least = MIN_WIDTH * (chart.x.high - chart.x.low)
-    middle, half = sum(run) / 2, max(run[1] - run[0], least) / 2
+    middle = sum(run) / 2
+    half = max(run[1] - run[0], least) / 2
     base, top = (float(up) for up in body.bounds[:, 2])
     words = f"{body.name}: {base:.0f} to {top:.0f} m" if body.solid else f"{body.name}: no-fly zone"
     return chart.block((middle - half, middle + half), (max(base, chart.y.low), min(top, chart.y.high)), look, words)

@@ -20,7 +20,8 @@ def legs_table(legs: Sequence[ItemLeg], flown_s: Mapping[int, float] | None) -> 
         *([] if flown_s is None else [("flown", "s"), ("off by", "s")]),
     ]
     head = "".join(f'<th scope="col">{name}<small>{unit}</small></th>' for name, unit in columns)
-    rows, open_s = "", None if flown_s is None else dict(flown_s)
+    rows = ""
+    open_s = None if flown_s is None else dict(flown_s)
     for n, leg in enumerate(legs):
         done = None if open_s is None else open_s.pop(leg.time.seq - 1, math.nan)  # counts once
         rows += _leg(n, leg, done)
@@ -31,8 +32,10 @@ def legs_table(legs: Sequence[ItemLeg], flown_s: Mapping[int, float] | None) -> 
 
 
 def _leg(n: int, leg: ItemLeg, flown_s: float | None) -> str:
-    time, place = leg.time, leg.place
-    row, clearance = leg.row, ""
+    time = leg.time
+    place = leg.place
+    row = leg.row
+    clearance = ""
     if leg.proof is not None:
         least = leg.proof.clearance
         mark = f'<span title="to {escape(least.what)}">'
