@@ -2,6 +2,7 @@
 
 import asyncio
 from collections.abc import Awaitable, Callable
+from dataclasses import dataclass, field
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -66,7 +67,7 @@ class FlightDesk:
 
     async def order(self, request: Order) -> None:
         if self._phase != "flying":
-            name = {"rtl": "return", "land": "landing", "hold": "hold", "go_on": "going on"}[request.what]
+            name = {"rtl": "return", "land": "landing", "go_on": "going on"}.get(request.what, request.what)
             raise MissionError(f"no {name}: nothing flies", hint="start a flight first", code="not-in-the-air")
         await self._process.send(request.model_dump(mode="json"))
 
@@ -115,14 +116,12 @@ class FlightDesk:
         self._send(state)
 
 
+@dataclass
 class BatteryGuard:
-    """Require a charged battery for the next flight of a survey on a link."""
-
-    def __init__(self) -> None:
-        self._link: str | None = None
-        self._systems: dict[str, int] = {}
-        self._loaded = ""
-        self._flown = ""
+    _link: str | None = None
+    _systems: dict[str, int] = field(default_factory=dict)
+    _loaded: str = ""
+    _flown: str = ""
 
     def hear(self, answer: dict[str, Any]) -> None:
         if self._link is None:

@@ -6,6 +6,7 @@ import time
 from collections import deque
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
@@ -36,15 +37,15 @@ FORECAST_INTERVAL_S = 1.0
 ORDERED: dict[InFlight, Contingency] = {"hold": Contingency.HOLD, "rtl": Contingency.RTL, "land": Contingency.LAND}
 
 
+@dataclass(eq=False)
 class FlightWorker:
     """Fly one mission at a time; `inbox` holds the page's messages."""
 
-    def __init__(self, inbox: "queue.SimpleQueue[JobOrder]") -> None:
-        self._inbox = inbox
+    inbox: "queue.SimpleQueue[JobOrder]"
 
     def fly(self, order: JobOrder, answer: Answer) -> None:
-        while not self._inbox.empty():
-            self._inbox.get()  # left over
+        while not self.inbox.empty():
+            self.inbox.get()  # left over
         try:
             self._fly(HandedOver.take(Path(order["file"])), order, answer)
         except MissionError as error:
@@ -82,7 +83,7 @@ class FlightWorker:
             answer(loaded)
             answer(State(phase="loaded", words=f"{items} items are on {name}, read back and equal"))
             self._await_start(loaded)
-            watch = Watch(forecast, vehicle, answer, order["speedup"] if link is None else None, self._inbox)
+            watch = Watch(forecast, vehicle, answer, order["speedup"] if link is None else None, self.inbox)
             vehicle.conformance.ends_held = False
             record = begin_mission(vehicle, forecast, ProcedureOptions(stages=watch.stages, remark=watch.remark))
         ordered = None if record.completed or record.armed or record.deviations else watch.obeyed
@@ -105,7 +106,7 @@ class FlightWorker:
         start: JobOrder | None = None
         while start is None:
             with suppress(queue.Empty):
-                start = self._inbox.get(timeout=0.1)
+                start = self.inbox.get(timeout=0.1)
         for key in ("vehicle", "mission", "proof"):
             if start.get(key) != getattr(loaded, key):
                 words = f"not started: {key}: expected {getattr(loaded, key)!r}, not {start.get(key)!r}"
@@ -141,31 +142,26 @@ def _heard_on(link: str) -> Iterator[HeardLink]:
         yield HeardLink(link=link, system=None, words="no vehicle heard")
 
 
+@dataclass(eq=False)
 class Watch:
     """`speedup`: of the built-in autopilot, which has no clock."""
 
-    def __init__(
-        self,
-        forecast: Forecast,
-        vehicle: Vehicle,
-        answer: Answer,
-        speedup: float | None,
-        inbox: "queue.SimpleQueue[JobOrder]",
-    ) -> None:
-        self._forecast = forecast
-        self._vehicle = vehicle
-        self._answer = answer
-        self._speedup = speedup
-        self._inbox = inbox
+    forecast: Forecast
+    vehicle: Vehicle
+    answer: Answer
+    speedup: float | None
+    inbox: "queue.SimpleQueue[JobOrder]"
+
+    def __post_init__(self) -> None:
         self._contingencies: ContingenciesNow | None = None
         self._budget: Budget | None = None
         self._unknown = "no scenario gives the obstacles here"
-        if forecast.scenario is not None:
+        if self.forecast.scenario is not None:
             self._unknown = "the flight has no forecast"
-            self._budget = budget_of(forecast)
+            self._budget = budget_of(self.forecast)
             with suppress(MissionError):
-                self._contingencies = ContingenciesNow(forecast, tuple(ORDERED.values()))
-        self._expected = {item.seq - 1: item.done_s for item in forecast.estimate.items}
+                self._contingencies = ContingenciesNow(self.forecast, tuple(ORDERED.values()))
+        self._expected = {item.seq - 1: item.done_s for item in self.forecast.estimate.items}
         self._orders: tuple[tuple[OrderThen, ...], Reserve | None] = ((), None)
         self._orders_s = -FORECAST_INTERVAL_S
         self._position_s = -POSITION_INTERVAL_S
@@ -181,16 +177,16 @@ class Watch:
     @contextmanager
     def stages(self, stage: Stage) -> Iterator[Progress]:
         if stage is Stage.START:
-            self._vehicle.overhearing = self.hear
+            self.vehicle.overhearing = self.hear
         if stage is Stage.FLIGHT:
-            self._answer(State(phase="flying", words=Stage.START))
+            self.answer(State(phase="flying", words=Stage.START))
             yield self.look
         else:
-            with _stages("preparing", self._answer)(stage) as progress:
+            with _stages("preparing", self.answer)(stage) as progress:
                 yield progress
 
     def remark(self, words: str) -> None:
-        self._answer(State(phase="preparing", words=words))
+        self.answer(State(phase="preparing", words=words))
 
     def hear(self, message: Message) -> None:
         """Handle a message; one without a position may still require landing earlier."""
@@ -204,16 +200,15 @@ class Watch:
                 self._wind = round(message.speed, 1), round(message.direction_deg % 360.0)
             case WindVelocity((north, east, _)):
                 self._wind = round(math.hypot(north, east), 1), round(math.degrees(math.atan2(-east, -north)) % 360.0)
-            case Position() if self._vehicle.state.armed and message.time_s - self._position_s >= POSITION_INTERVAL_S:
+            case Position() if self.vehicle.state.armed and message.time_s - self._position_s >= POSITION_INTERVAL_S:
                 self._position_s = message.time_s
-                if self._speedup is not None:
-                    self._keep_pace(message.time_s, self._speedup)
-                record = self._vehicle.record()
+                if self.speedup is not None:
+                    self._keep_pace(message.time_s, self.speedup)
+                record = self.vehicle.record()
                 if record.path:
-                    self._answer(self._seen(message, record))
+                    self.answer(self._seen(message, record))
 
     def _keep_pace(self, time_s: float, speedup: float) -> None:
-        """Sleep until the real time of `time_s` of the simulated flight."""
         if self._begun is None:
             self._begun = time_s, time.monotonic()
         first_s, begun_s = self._begun
@@ -222,8 +217,8 @@ class Watch:
 
     def look(self, *_: object) -> None:
         with suppress(queue.Empty):
-            self._order(self._inbox.get_nowait()["what"])
-        vehicle = self._vehicle
+            self._order(self.inbox.get_nowait()["what"])
+        vehicle = self.vehicle
         link_loss = vehicle.link_loss
         words = vehicle.changed or vehicle.order.words
         lost_s = None
@@ -239,20 +234,13 @@ class Watch:
         state = State(phase="flying", words=words or Stage.START, lost_s=lost_s)
         if state != self._state:
             self._state = state
-            self._answer(state)
+            self.answer(state)
 
     def _is_under_way(self, order: InFlight) -> bool:
-        """Return whether the vehicle shows that it obeys the order."""
-        modes = self._vehicle.autopilot.modes
-        match order:
-            case "rtl":
-                return self._vehicle.state.custom_mode in modes.returns
-            case "land":
-                return self._vehicle.state.custom_mode in modes.lands
-            case "hold":
-                return self._vehicle.order.is_held
-            case "go_on":
-                return not self._vehicle.order.is_held
+        modes = self.vehicle.autopilot.modes
+        if order in ("rtl", "land"):
+            return self.vehicle.state.custom_mode in (modes.returns if order == "rtl" else modes.lands)
+        return self.vehicle.order.is_held == (order == "hold")
 
     def _seen(self, position: Position, record: FlightRecord) -> Seen:
         reached = record.item_reached_s
@@ -267,18 +255,17 @@ class Watch:
             done=0 if last is None else last + 1,
             flown_s=None if last is None else round(reached[last], 2),
             expected_s=None if last is None else round(self._expected.get(last, reached[last]), 2),
-            held=self._vehicle.order.is_held,
+            held=self.vehicle.order.is_held,
             orders=orders,
             reserve=reserve,
             satellites=self._satellites,
             wind=self._wind,
             said=tuple(self._texts),
-            deviations=tuple(map(str, self._vehicle.conformance.deviations)),
+            deviations=tuple(map(str, self.vehicle.conformance.deviations)),
         )
 
     def _order_effects(self, position: Position, time_s: float) -> tuple[tuple[OrderThen, ...], Reserve | None]:
-        """Return the effects of orders and the battery's reserve, renewed every `FORECAST_INTERVAL_S`."""
-        state = self._vehicle.state
+        state = self.vehicle.state
         if not state.in_air:
             return (), None if state.battery_left is None else Reserve(left=state.battery_left)
         if time_s - self._orders_s >= FORECAST_INTERVAL_S:
@@ -287,7 +274,7 @@ class Watch:
             unknown = self._unknown
             if self._contingencies is not None:
                 forecast_s, distance = self._contingencies.time_at(self._local(position), time_s)
-                leaves = self._vehicle.mode_change and not self._vehicle.order.is_held
+                leaves = self.vehicle.mode_change and not self.vehicle.order.is_held
                 is_off_path = distance > ContingenciesNow.off_path or leaves
                 unknown = "it is off its planned path: orders from here are not forecast" if is_off_path else ""
             orders = tuple(self._each_order(forecast_s, unknown, position))
@@ -295,14 +282,11 @@ class Watch:
         return self._orders
 
     def _each_order(self, forecast_s: float, unknown: str, position: Position) -> Iterator[OrderThen]:
-        """Yield the effect of each order that is not under way, at a time of the forecast.
-
-        If it is `unknown` for this reason, hold and land are checked from the actual position.
-        """
-        current = self._vehicle.state.current
-        if self._vehicle.order.is_held:
-            item = "" if current is None else f" with item {current.seq + 1 - self._vehicle.autopilot.counts_home}"
-            left_s = None if unknown else round(max(self._forecast.estimate.total_s - forecast_s, 0.0), 1)
+        """Yield each order's effect, or why it is `unknown`; hold and land are checked from the actual position."""
+        current = self.vehicle.state.current
+        if self.vehicle.order.is_held:
+            item = "" if current is None else f" with item {current.seq + 1 - self.vehicle.autopilot.counts_home}"
+            left_s = None if unknown else round(max(self.forecast.estimate.total_s - forecast_s, 0.0), 1)
             yield OrderThen(what="go_on", clear=None, words=unknown or f"as planned{item}", seconds=left_s)
         rows: dict[Contingency, tuple[ContingencyRow, float | None]] = {}
         if self._contingencies is not None and unknown:
@@ -324,10 +308,10 @@ class Watch:
 
     def _local(self, position: Position) -> Vector:
         place = Geodetic(position.latitude_deg, position.longitude_deg, position.altitude)
-        return self._forecast.frame.local(place)
+        return self.forecast.frame.local(place)
 
     def _reserve(self, forecast_s: float, is_off_path: bool) -> Reserve | None:
-        left = self._vehicle.state.battery_left
+        left = self.vehicle.state.battery_left
         if left is None:
             return None
         plan = None if self._budget is None or is_off_path else self._budget.against_plan(left, forecast_s)
@@ -343,8 +327,8 @@ class Watch:
         )
 
     def _order(self, name: InFlight) -> None:
-        order = self._vehicle.order
-        modes = self._vehicle.autopilot.modes
+        order = self.vehicle.order
+        modes = self.vehicle.autopilot.modes
         self._ordered = name if name == "rtl" or name == "land" else None
         match name:
             case "hold":

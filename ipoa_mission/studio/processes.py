@@ -14,6 +14,7 @@ import sys
 import threading
 from collections.abc import Callable, Mapping
 from contextlib import suppress
+from dataclasses import dataclass, field
 from typing import Any, Literal, TypeAlias
 
 from ipoa_mission.errors import MissionError
@@ -27,19 +28,23 @@ Subject: TypeAlias = Literal["scenario", "sketch", "plan", "file", "flight"]
 MakeJobs: TypeAlias = "Callable[[queue.SimpleQueue[JobOrder]], Mapping[str, tuple[Job, Subject]]]"
 
 
+@dataclass(eq=False)
 class Process:
     """One job at a time; a worker that dies is restarted, and its job is answered by `died`."""
 
-    def __init__(self, module: str, died: Trouble) -> None:
-        self._module, self._died, self._number = module, died, 0
-        self._process: asyncio.subprocess.Process | None = None
-        self._one_at_a_time = asyncio.Lock()
+    module: str
+    died: Trouble
+    _number: int = 0
+    _process: asyncio.subprocess.Process | None = None
+    _one_at_a_time: asyncio.Lock = field(default_factory=asyncio.Lock)
 
     async def start(self) -> None:
         if self._process is None or self._process.returncode is not None:
-            command, pipe = (sys.executable, "-m", self._module), asyncio.subprocess.PIPE
+            pipe = asyncio.subprocess.PIPE
             limit = 256 * 1024 * 1024  # of an answer [bytes]
-            self._process = await asyncio.create_subprocess_exec(*command, stdin=pipe, stdout=pipe, limit=limit)
+            self._process = await asyncio.create_subprocess_exec(
+                sys.executable, "-m", self.module, stdin=pipe, stdout=pipe, limit=limit
+            )
 
     async def ask(self, order: dict[str, Any], hear: Callable[[dict[str, Any]], None]) -> bool:
         """Send a job, and call `hear` with every answer; return whether there was no trouble. Pass on cancellation."""
@@ -47,7 +52,8 @@ class Process:
             await self.start()
             self._number += 1
             await self.send(order | {"id": self._number})
-            cancelled, went_well = False, True
+            cancelled = False
+            went_well = True
             while True:
                 try:
                     line = await self._line()
@@ -74,7 +80,8 @@ class Process:
                 await self._process.stdin.drain()
 
     async def close(self) -> None:
-        process, self._process = self._process, None
+        process = self._process
+        self._process = None
         if process is not None and process.returncode is None:
             with suppress(ProcessLookupError):
                 process.kill()
@@ -87,7 +94,7 @@ class Process:
                 if text.startswith(b"{"):  # a library's prints
                     return json.loads(text)
             await process.wait()
-        return {"id": self._number, "answer": as_json(self._died), "done": True}
+        return {"id": self._number, "answer": as_json(self.died), "done": True}
 
 
 class JobCancelled(BaseException):
@@ -108,7 +115,7 @@ class Worker:
         self._jobs = make_jobs(self._inbox)
         self._current: int | None = None
         self._is_cancelled = False
-        self._lock, self._writes = threading.Lock(), threading.Lock()
+        self._lock = threading.Lock()
 
     def listen(self) -> None:
         for line in sys.stdin:
@@ -128,7 +135,8 @@ class Worker:
         while (order := self._orders.get()) is not None:
             try:
                 with self._lock:
-                    self._current, self._is_cancelled = order["id"], False
+                    self._current = order["id"]
+                    self._is_cancelled = False
                 self._do(order)
             except (JobCancelled, SystemError):  # compiled code raises SystemError when interrupted
                 if not self._is_cancelled:
@@ -162,6 +170,5 @@ class Worker:
             answer(Trouble(of=subject, message=as_on_map(str(error)), hint=error.hint))
 
     def _write(self, message: JobOrder) -> None:
-        with self._writes:
-            self._channel.write(json.dumps(message, allow_nan=False) + "\n")
-            self._channel.flush()
+        self._channel.write(json.dumps(message, allow_nan=False) + "\n")
+        self._channel.flush()

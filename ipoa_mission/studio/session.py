@@ -2,6 +2,7 @@
 
 import asyncio
 from collections.abc import Callable, Coroutine
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any, Literal, TypeAlias
@@ -29,22 +30,20 @@ OpenFile: TypeAlias = Callable[[Path, Path | None, Path | None], str]
 Work: TypeAlias = Callable[[], Coroutine[Any, Any, object]]
 
 
+@dataclass(eq=False)
 class Session:
-    def __init__(
-        self,
-        path: Path,
-        seed: int = 0,
-        open_file: OpenFile | None = None,
-        world: Path | None = None,
-        log: Path | None = None,
-    ) -> None:
-        self.document = Document(path)
-        self.folder = path.parent
-        self._open_file = open_file
-        self._world = world
-        self._log = log
+    """`world` and `log`: scenario and log of a mission."""
+
+    path: Path
+    seed: int = 0
+    open_file: OpenFile | None = None
+    world: Path | None = None
+    log: Path | None = None
+
+    def __post_init__(self) -> None:
+        self.document = Document(self.path)
+        self.folder = self.path.parent
         self._windows: set[Window] = set()
-        self._seed = seed
         self._flown: tuple[Path, ...] = ()
         words = "the planner ended unexpectedly; nothing of the scenario is lost"
         died = Trouble(of="plan", message=words, hint="plan again")
@@ -105,7 +104,7 @@ class Session:
                     file, remarks = self.document.save_as(request.suffix)
                     self.send_all(Written(files=(file.name,), remarks=remarks))
                 case requests.SetScenario():
-                    self._world = None if request.scenario is None else Path(request.scenario)
+                    self.world = None if request.scenario is None else Path(request.scenario)
                     self.document.read_for(request.autopilot)
                     self._changed(True)
                 case requests.Upload():
@@ -155,8 +154,8 @@ class Session:
                 self._flights.abandon()
 
     def _opened(self, mission: Path) -> Redirect:
-        assert self._open_file is not None, "the server opens files"
-        token = self._open_file(mission, None if self.document.is_mission else self.document.path, None)
+        assert self.open_file is not None, "the server opens files"
+        token = self.open_file(mission, None if self.document.is_mission else self.document.path, None)
         return Redirect(address=f"../{token}/")
 
     def _changed(self, different: bool) -> None:
@@ -188,9 +187,9 @@ class Session:
 
     async def _judge(self) -> None:
         worlds = sorted(str(path) for path in await asyncio.to_thread(list, self.folder.glob("*.toml")))
-        if self._world is not None and str(self._world) not in worlds:
-            worlds = [str(self._world), *worlds]
-        log = None if self._log is None else str(self._log)
+        if self.world is not None and str(self.world) not in worlds:
+            worlds = [str(self.world), *worlds]
+        log = None if self.log is None else str(self.log)
         await self._ask(self._quick, {"job": "judge", "worlds": worlds, "log": log})
 
     @property
@@ -212,7 +211,7 @@ class Session:
     async def _plan(self) -> None:
         self._forget("trouble of plan", "contingencies")
         self._stop("contingencies")
-        order = {"job": "plan", "seed": self._seed, "flown": [str(log) for log in self._flown]}
+        order = {"job": "plan", "seed": self.seed, "flown": [str(log) for log in self._flown]}
         if await self._ask(self._thorough, order):
             self._start("contingencies", self._show_contingencies)
 
@@ -259,7 +258,7 @@ class Session:
         """Return whether the answers had no error."""
         document = self.document
         about = {"text": document.text, "path": str(document.path), "revision": document.revision}
-        judged_by = {"world": None if self._world is None else str(self._world), "autopilot": document.autopilot}
+        judged_by = {"world": None if self.world is None else str(self.world), "autopilot": document.autopilot}
         return await process.ask(about | judged_by | order, send or self.send_all)
 
     def _job(self, name: str, work: Work) -> None:
@@ -302,6 +301,5 @@ class Session:
 
 
 def _slot(answer: dict[str, Any]) -> str:
-    """Return the key of the latest answer of its kind: `plan`, `trouble of file`, `contingencies of 0`."""
     of = {"trouble": "of", "contingencies": "flight"}.get(answer["kind"])
     return str(answer["kind"]) if of is None else f"{answer['kind']} of {answer[of]}"

@@ -4,7 +4,7 @@ import asyncio
 import hmac
 from collections.abc import Iterable
 from contextlib import suppress
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, TypeAlias
 
@@ -24,11 +24,12 @@ OPENED = (".toml", *MISSIONS, *LOGS)
 FILE_CHECK_S = 1.0
 
 
+@dataclass(eq=False)
 class Lobby:
     """Recent files, this folder, a new scenario."""
 
-    def __init__(self, folder: Path, open_file: OpenFile) -> None:
-        self.folder, self._open_file = folder, open_file
+    folder: Path
+    open_file: OpenFile
 
     def join(self, window: Window) -> None:
         window.put_nowait(as_json(self._start()))
@@ -44,7 +45,7 @@ class Lobby:
                 case Begin():
                     target = unused(self.folder / "mission.toml")
                     begin_scenario(target, (*place_of(request.place), request.altitude))
-                    token = self._open_file(target, None, None)
+                    token = self.open_file(target, None, None)
                 case _:
                     raise BadInput("expected a file that is open", hint="open one first")
             window.put_nowait(as_json(Redirect(address=f"../{token}/")))
@@ -54,8 +55,8 @@ class Lobby:
     def opened(self, path: Path, world: Path | None = None) -> str:
         """Open a scenario, a mission, or a log with its mission; return its token."""
         if path.suffix.lower() in LOGS:
-            return self._open_file(_mission_of(path), world, path)
-        return self._open_file(path, world, None)
+            return self.open_file(_mission_of(path), world, path)
+        return self.open_file(path, world, None)
 
     def take(self, name: str, content: bytes) -> str:
         """Keep a dropped file and open it; return its relative address."""
@@ -84,12 +85,13 @@ class Lobby:
 Host: TypeAlias = Session | Lobby
 
 
+@dataclass(eq=False)
 class Sessions:
     """A page of an earlier run reopens its file."""
 
-    def __init__(self, port: int = 0, seed: int = 0) -> None:
-        self._port, self._seed = port, seed
-        self.hosts: dict[str, Host] = {}
+    port: int = 0
+    seed: int = 0
+    hosts: dict[str, Host] = field(default_factory=dict)
 
     def open_file(self, path: Path, world: Path | None = None, log: Path | None = None) -> str:
         beside = {"world": world, "log": log}
@@ -97,7 +99,7 @@ class Sessions:
         known = memory.address_of(path.resolve()).model_copy(update=changes)
         if known.token not in self.hosts:
             self.hosts[known.token] = self._session(known)
-        memory.remember(known, self._port)
+        memory.remember(known, self.port)
         return known.token
 
     def at(self, token: str) -> Host | None:
@@ -125,7 +127,7 @@ class Sessions:
 
     def _session(self, opened: memory.Opened) -> Session:
         world, log = (Path(name) if name and Path(name).is_file() else None for name in (opened.world, opened.log))
-        return Session(Path(opened.path), self._seed, self.open_file, world, log)
+        return Session(Path(opened.path), self.seed, self.open_file, world, log)
 
 
 def begin_scenario(target: Path, home: tuple[float, float, float]) -> None:

@@ -3,7 +3,7 @@
 import asyncio
 import json
 import socket
-from collections.abc import AsyncIterator, Callable, Iterable
+from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -53,40 +53,42 @@ HEADERS = {
 }
 
 
+@dataclass(frozen=True)
 class Guard:
     """Refuse foreign requests, and send security headers; `knows` checks a token."""
 
-    def __init__(self, app: ASGIApp, knows: Callable[[str], bool], hosts: Iterable[str], policy: str) -> None:
-        self._app = app
-        self._knows = knows
-        self._hosts = frozenset(hosts)
-        self._headers = HEADERS | {"Content-Security-Policy": policy}
+    app: ASGIApp
+    knows: Callable[[str], bool]
+    host: str
+    policy: str
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         if scope["type"] not in ("http", "websocket"):
-            return await self._app(scope, receive, send)
+            return await self.app(scope, receive, send)
         if not self._allowed(scope):
             if scope["type"] == "websocket":
                 return await send({"type": "websocket.close", "code": 1008})
             return await PlainTextResponse("Forbidden", 403)(scope, receive, self._with_headers(send))
-        return await self._app(scope, receive, self._with_headers(send))
+        return await self.app(scope, receive, self._with_headers(send))
 
     def _allowed(self, scope: Scope) -> bool:
         headers = Headers(scope=scope)
         origin = headers.get("origin")
-        if headers.get("host") not in self._hosts or origin not in (None, *(f"http://{host}" for host in self._hosts)):
+        if headers.get("host") != self.host or origin not in (None, f"http://{self.host}"):
             return False
         if headers.get("sec-fetch-site", "none") not in ("none", "same-origin"):
             return False
         must_say_origin = scope["type"] == "websocket" or scope["method"] not in ("GET", "HEAD")
         if must_say_origin and origin is None:
             return False
-        return self._knows(scope["path"].lstrip("/").split("/", 1)[0])
+        return self.knows(scope["path"].lstrip("/").split("/", 1)[0])
 
     def _with_headers(self, send: Send) -> Send:
+        headers = HEADERS | {"Content-Security-Policy": self.policy}
+
         async def send_with_headers(message: Message) -> None:
             if message["type"] == "http.response.start":
-                added = ((key.lower().encode(), value.encode()) for key, value in self._headers.items())
+                added = ((key.lower().encode(), value.encode()) for key, value in headers.items())
                 message["headers"] = [*message.get("headers", []), *added]
             await send(message)
 
@@ -120,7 +122,8 @@ class _Handlers:
             content += chunk
             if len(content) > LARGEST:
                 return JSONResponse({"message": f"expected a file of at most {LARGEST // 1_000_000} MB"}, 413)
-        host, name = self._at(request), request.path_params["name"]
+        host = self._at(request)
+        name = request.path_params["name"]
         try:
             if isinstance(host, Lobby):
                 return JSONResponse({"address": await asyncio.to_thread(host.take, name, bytes(content))})
@@ -140,7 +143,8 @@ class _Handlers:
     async def talk(self, socket: WebSocket) -> None:
         await socket.accept()
         window: Window = asyncio.Queue()
-        host, sending = self._at(socket), asyncio.create_task(_send(socket, window))
+        host = self._at(socket)
+        sending = asyncio.create_task(_send(socket, window))
         if self.tiles is not None:
             window.put_nowait(as_json(self.tiles.shown))
         host.join(window)
@@ -179,7 +183,7 @@ def application(sessions: Sessions, bundle: Path, host: str, tiles: TileSource |
         Route("/{name}", handlers.page),
     ]
     policy = policy_for(None if tiles is None else tiles.origin)
-    guard = Middleware(Guard, knows=lambda token: sessions.at(token) is not None, hosts=(host,), policy=policy)
+    guard = Middleware(Guard, knows=lambda token: sessions.at(token) is not None, host=host, policy=policy)
     return Starlette(routes=[Mount("/{token}", routes=routes)], middleware=[guard], lifespan=handlers.alive)
 
 
@@ -204,7 +208,8 @@ def serve(
     with _listen(options.port, known.port) as listener:
         number = listener.getsockname()[1]
         sessions = Sessions(number, options.seed)
-        lobby, start = Lobby(Path.cwd(), sessions.open_file), address_of(None)
+        lobby = Lobby(Path.cwd(), sessions.open_file)
+        start = address_of(None)
         sessions.hosts[start.token] = lobby
         remember(start, number)
         token = start.token if path is None else lobby.opened(path, world)
@@ -216,16 +221,16 @@ def serve(
         uvicorn.Server(config).run(sockets=[listener])
 
 
-def _listen(asked: int, before: int) -> socket.socket:
-    """Return a socket at the requested port, else the one before, else any."""
-    if asked:
+def _listen(requested: int, last: int) -> socket.socket:
+    """Return a socket at the requested port, else at the last one, else at any."""
+    if requested:
         try:
-            return socket.create_server(("127.0.0.1", asked))
+            return socket.create_server(("127.0.0.1", requested))
         except OSError as error:
             words = f"expected a free port: {error.strerror}"
-            raise BadInput(words, hint="leave --port out", place=f"--port {asked}") from error
+            raise BadInput(words, hint="leave --port out", place=f"--port {requested}") from error
     with suppress(OSError):
-        return socket.create_server(("127.0.0.1", before))
+        return socket.create_server(("127.0.0.1", last))
     return socket.create_server(("127.0.0.1", 0))
 
 
