@@ -100,7 +100,7 @@ def unused(path: Path) -> Path:
 
 
 def read_text(path: Path) -> str:
-    """Return UTF-8 text without a byte order mark, with its line ends. Raises Unreadable and WrongFormat."""
+    """Return UTF-8 text without a byte order mark, with its line ends."""
     try:
         return read_bytes(path).decode("utf-8-sig")
     except UnicodeDecodeError as error:
@@ -109,7 +109,7 @@ def read_text(path: Path) -> str:
 
 
 def why_no_json(text: str, offset: int) -> str | None:
-    """Return why a text is not JSON from this offset on, or None if the reason is not known."""
+    """Return why a text is not JSON from an offset on, if known."""
     if not text.strip():
         return "the file is empty"
     if offset >= len(text.rstrip()):
@@ -121,7 +121,6 @@ def why_no_json(text: str, offset: int) -> str | None:
 
 
 def read_bytes(path: Path, most: int = -1) -> bytes:
-    """Return the file's first `most` bytes, by default all. Raises Unreadable."""
     try:
         with path.open("rb") as file:
             return file.read(most)

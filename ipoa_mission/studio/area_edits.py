@@ -13,7 +13,8 @@ from ipoa_mission.studio.vocabulary import LngLat, Path
 from ipoa_mission.survey.survey_area import parts_of
 from ipoa_mission.survey.survey_section import USUAL_HEIGHT, USUAL_SPACING
 
-DIGITS, DEGREES = 2, 7  # decimals of meters and of degrees
+DIGITS = 2  # decimals of meters
+DEGREES = 7  # decimals of degrees
 #: [east, north] or [latitude, longitude]
 Move: TypeAlias = Callable[[float, float], tuple[float, float]]
 
@@ -30,14 +31,14 @@ def moves_of(old: LocalFrame, new: LocalFrame, step: Any) -> tuple[Move, Move]:
     def local(east: float, north: float) -> tuple[float, float]:
         moved = np.array([float(east) + step[0], float(north) + step[1], 0.0])
         if new is not old:
-            there = old.geodetic(moved)
-            moved = new.local(Geodetic(there.latitude_deg, there.longitude_deg, new.home.altitude))
+            place = old.geodetic(moved)
+            moved = new.local(Geodetic(place.latitude_deg, place.longitude_deg, new.home.altitude))
         return round(float(moved[0]), DIGITS), round(float(moved[1]), DIGITS)
 
     def geodetic(latitude: float, longitude: float) -> tuple[float, float]:
         east, north, _ = old.local(Geodetic(float(latitude), float(longitude), old.home.altitude))
-        there = old.geodetic(np.array([east + step[0], north + step[1], 0.0]))
-        return round(there.latitude_deg, DEGREES), round(there.longitude_deg, DEGREES)
+        place = old.geodetic(np.array([east + step[0], north + step[1], 0.0]))
+        return round(place.latitude_deg, DEGREES), round(place.longitude_deg, DEGREES)
 
     return local, geodetic
 
@@ -61,8 +62,10 @@ def _opened(ring: Any) -> Any:
 def write_in_full(document: MutableMapping[str, Any]) -> None:
     """Write the polygon as areas of open rings, so that a path has the numbers of area, ring and corner."""
     survey = document.get("survey", {})
-    if "polygon" in survey and (areas := areas_of(survey["polygon"])) != survey["polygon"]:
-        survey["polygon"] = areas
+    if "polygon" in survey:
+        areas = areas_of(survey["polygon"])
+        if areas != survey["polygon"]:  # else its bytes stay
+            survey["polygon"] = areas
 
 
 def change_area(document: MutableMapping[str, Any], change: AreaChange, frame: LocalFrame) -> None:
@@ -71,10 +74,10 @@ def change_area(document: MutableMapping[str, Any], change: AreaChange, frame: L
         case DrawArea():
             _draw(document, change, frame)
         case OwnArea():
-            areas = [[[local_of(frame, at) for at in ring] for ring in rings] for rings in change.parts]
-            _shaped(document, "polygon", areas)
+            areas = [[[local_of(frame, place) for place in ring] for ring in rings] for rings in change.parts]
+            _set_shape(document, "polygon", areas)
         case MapArea():
-            _shaped(document, "area", change.file)
+            _set_shape(document, "area", change.file)
         case Corner(op="put_corner"):
             corner = at_path(document, change.path)
             corner[0], corner[1] = local_of(frame, change.place)
@@ -85,17 +88,19 @@ def change_area(document: MutableMapping[str, Any], change: AreaChange, frame: L
 def take_of_area(document: MutableMapping[str, Any], path: Path) -> None:
     """Remove a corner, a hole, or with its outer ring an area. Raises InvalidRing if nothing is left."""
     write_in_full(document)
-    here, last = at_path(document, path[:-1]), path[-1]
+    items = at_path(document, path[:-1])
+    last = path[-1]
     if len(path) == (3 if path[1] == "line" else 5):
         least = LEAST_CORNERS[str(path[1])]
-        if len(here) <= least:
+        if len(items) <= least:
             raise InvalidRing(f"expected {least} corners or more", hint="remove the whole area")
     else:
         if last == 0:
-            here, last = at_path(document, path[:-2]), path[-2]
-        if len(path) != 4 or len(here) < 2:
+            items = at_path(document, path[:-2])
+            last = path[-2]
+        if len(path) != 4 or len(items) < 2:
             raise InvalidRing("expected some area to be left", hint="remove the survey")
-    del here[last]
+    del items[last]
 
 
 def move_nested(value: Any, move: Move) -> None:
@@ -116,17 +121,17 @@ def _draw(document: MutableMapping[str, Any], change: DrawArea, frame: LocalFram
     ring = [local_of(frame, place) for place in change.ring]
     areas = document.get("survey", {}).get("polygon")
     if change.what == "corridor":
-        _shaped(document, "line", ring)
+        _set_shape(document, "line", ring)
         document["survey"]["width"] = 40.0  # [m]
     elif change.what == "hole":
-        _around(shapely.Point(ring[0]), document, areas or ()).append(ring)
+        _area_around(shapely.Point(ring[0]), document, areas or ()).append(ring)
     elif areas is None:
-        _shaped(document, "polygon", [[ring]])
+        _set_shape(document, "polygon", [[ring]])
     else:
         areas.append([ring])
 
 
-def _around(point: Any, document: Any, areas: Any) -> Any:
+def _area_around(point: Any, document: Any, areas: Any) -> Any:
     """Return the rings of the area that contains the point."""
     for rings in areas:
         if shapely.Polygon(rings[0]).buffer(0.0).intersects(point):
@@ -135,13 +140,13 @@ def _around(point: Any, document: Any, areas: Any) -> Any:
     raise BadInput("expected a place inside an area that this scenario draws", hint=hint, place="hole")
 
 
-def _shaped(document: MutableMapping[str, Any], key: str, shape: Any) -> None:
+def _set_shape(document: MutableMapping[str, Any], key: str, shape: Any) -> None:
     """Replace the survey's shape; add a survey from home to home if there is none."""
     if "survey" not in document:
-        for other in ("start", "goal", "via"):
-            document.pop(other, None)
+        for place in ("start", "goal", "via"):
+            document.pop(place, None)
         document["survey"] = {key: shape, "line_spacing": USUAL_SPACING, "height_above_ground": USUAL_HEIGHT}
         return
-    for other in {"polygon", "line", "area", "width"} - {key}:
-        document["survey"].pop(other, None)
+    for replaced in {"polygon", "line", "area", "width"} - {key}:
+        document["survey"].pop(replaced, None)
     document["survey"][key] = shape

@@ -36,7 +36,8 @@ def build_page(web: Path, tell: Callable[[str], None]) -> None:
     """Raise MissionError with npm's last lines."""
     program = npm()
     tell("building the studio's page once (npm ci, npm run build)")
-    modules, locked = web / "node_modules" / ".package-lock.json", web / "package-lock.json"
+    modules = web / "node_modules" / ".package-lock.json"
+    locked = web / "package-lock.json"
     if not modules.is_file() or modules.stat().st_mtime < locked.stat().st_mtime:
         _run(program, web, "ci", "--omit=dev", "--no-audit", "--no-fund")
     _run(program, web, "run", "build")
@@ -54,7 +55,8 @@ def _run(program: str, web: Path, *step: str) -> None:
 def npm() -> str:
     """Return npm on the path, or of a package in this Python."""
     folders = os.pathsep.join([os.environ.get("PATH", os.defpath), str(Path(sys.executable).parent)])
-    if (program := shutil.which("npm", path=folders)) is not None:
+    program = shutil.which("npm", path=folders)
+    if program is not None:
         return program
     raise MissionError(
         "the studio's page is not built in this installation, and there is no npm to build it",
@@ -66,8 +68,8 @@ def npm() -> str:
 def sources_digest(web: Path) -> str:
     digest = hashlib.sha256()
     patterns = ("*.ts", "*.tsx", "*.css", "*.html", "*.mjs", "package*.json")
-    own = sorted({file for pattern in patterns for file in web.glob(pattern)})
-    for path in (*own, *(web.parents[1] / file for file in SHARED)):
+    sources = sorted({file for pattern in patterns for file in web.glob(pattern)})
+    for path in (*sources, *(web.parents[1] / file for file in SHARED)):
         if path.name != "messages.d.ts":  # made from them
             digest.update(path.name.encode() + b"\0" + path.read_bytes().replace(b"\r\n", b"\n") + b"\0")
     return digest.hexdigest()

@@ -26,10 +26,11 @@ def keep(
     """Write a dropped file next to the scenario, never over another."""
     bare = Path("".join(letter for letter in name.replace("\\", "/").rpartition("/")[2] if letter.isprintable()))
     stem = bare.stem.encode()[:200].decode(errors="ignore")  # valid on any system
-    plain, suffix = Path(stem + bare.suffix), bare.suffix.lower()
+    suffix = bare.suffix.lower()
     if not stem or stem.startswith(".") or suffix not in suffixes:
         raise WrongSuffix(f"expected a file that ends in {', '.join(suffixes)}", place=stem + bare.suffix or "the file")
-    number, target = 1, folder / plain
+    number = 1
+    target = folder / f"{stem}{bare.suffix}"
     while target.exists() and target.read_bytes() != content:
         number += 1
         target = folder / f"{stem}-{number}{suffix}"
@@ -55,27 +56,28 @@ def use_of(file: Path, scenario: str) -> dict[str, Any]:
 
 
 def changes_of(mission: Mission, scenario: str) -> list[Change]:
-    """Return changes to a mission's home, places and fence; obstacles stay."""
+    """Return changes to a mission's home, places and fence; obstacles stay. Raises BadInput."""
     flown_to = (*WAYPOINTS, Command.NAV_TAKEOFF, Command.NAV_LAND)
     items = [item for item in mission.items if item.has_position and item.command in flown_to]
     if len(items) > 1 and items[-1].command == Command.NAV_LAND:
-        (*_, one, other) = items
-        if abs(one.latitude_deg - other.latitude_deg) + abs(one.longitude_deg - other.longitude_deg) < 1e-6:
+        *_, last, landing = items
+        if abs(last.latitude_deg - landing.latitude_deg) + abs(last.longitude_deg - landing.longitude_deg) < 1e-6:
             items.pop()
     if len(items) < 2:
         raise BadInput("the mission has no two places to fly between", code="empty")
-    table, home = parse_table(scenario), mission.home
-    taken = (float(table["home"]["longitude_deg"]), float(table["home"]["latitude_deg"]))
-    away = apart(home, Geodetic(taken[1], taken[0]))
+    table = parse_table(scenario)
+    home = mission.home
+    scenario_home = (float(table["home"]["longitude_deg"]), float(table["home"]["latitude_deg"]))
+    distance = apart(home, Geodetic(scenario_home[1], scenario_home[0]))
     has_ground = table.get("terrain", {}).get("kind", "flat") != "flat"
-    if away > REACH and (table.get("obstacles") or table.get("maps") or has_ground):
+    if distance > REACH and (table.get("obstacles") or table.get("maps") or has_ground):
         raise TooFar(
-            f"expected within {REACH / 1000:g} km of the scenario's, not {away / 1000:.0f} km away",
+            f"expected within {REACH / 1000:g} km of the scenario's, not {distance / 1000:.0f} km away",
             hint="the obstacles on this map do not move: open a new scenario for this mission",
             place="home",
         )
     changes: list[Change] = [
-        Shift(path=("home",), taken=taken, put_down=(home.longitude_deg, home.latitude_deg)),
+        Shift(path=("home",), taken=scenario_home, put_down=(home.longitude_deg, home.latitude_deg)),
         Put(path=("home", "altitude_amsl"), value=round(home.altitude, 2)),
         Put(path=("start",), value=_place(items[0], mission)),
         Put(path=("goal",), value=_place(items[-1], mission)),
@@ -86,11 +88,11 @@ def changes_of(mission: Mission, scenario: str) -> list[Change]:
 
 
 def _place(item: Item, mission: Mission) -> dict[str, float]:
-    where = {"latitude_deg": round(item.latitude_deg, 7), "longitude_deg": round(item.longitude_deg, 7)}
+    place = {"latitude_deg": round(item.latitude_deg, 7), "longitude_deg": round(item.longitude_deg, 7)}
     height = mission.altitude_above_home(item)
     if math.isnan(height):
-        return where | {"height_above_ground": round(item.altitude, 2)}
-    return where | {"altitude_amsl": round(mission.home.altitude + height, 2)}
+        return place | {"height_above_ground": round(item.altitude, 2)}
+    return place | {"altitude_amsl": round(mission.home.altitude + height, 2)}
 
 
 def fences_of(mission: Mission) -> Iterator[dict[str, Any]]:

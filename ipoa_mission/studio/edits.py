@@ -147,7 +147,8 @@ def _move(tables: Any, local: Move, geodetic: Move | None) -> None:
 
 def _shift_home(document: MutableMapping[str, Any], change: requests.Shift) -> None:
     """Move home alone, so that places in meters stay on the map; beyond 20 km they move along."""
-    old, home = frame_of(document), document["home"]
+    old = frame_of(document)
+    home = document["home"]
     for key, n in (("longitude_deg", 0), ("latitude_deg", 1)):
         home[key] = round(float(home[key]) + change.put_down[n] - change.taken[n], DEGREES)
     if apart(old.home, frame_of(document).home) > 20_000.0:
@@ -206,10 +207,11 @@ def _with_value(item: Item, change: requests.PutItem, mission: Mission) -> Item:
             raise BadInput(f"expected a whole number, not {value:g}", place=f"item {change.seq}: {change.what}")
         if change.what == "command":
             return replace(item, command=int(value), params=(0.0, 0.0, 0.0, item.params[3]))
-        above, amsl = mission.altitude_above_home(item), plain_frame(int(value)) == Frame.GLOBAL
-        known = math.isfinite(above) and value != Frame.GLOBAL_TERRAIN_ALT
-        altitude = round(above + (mission.home.altitude if amsl else 0.0), DIGITS) if known else item.altitude
-        return replace(item, frame=int(value), altitude=altitude)
+        height = mission.altitude_above_home(item)
+        if not math.isfinite(height) or value == Frame.GLOBAL_TERRAIN_ALT:
+            return replace(item, frame=int(value))
+        datum = mission.home.altitude if plain_frame(int(value)) == Frame.GLOBAL else 0.0
+        return replace(item, frame=int(value), altitude=round(height + datum, DIGITS))
     number = int(change.what.removeprefix("param"))
     if number > 4 and not math.isfinite(value):
         raise BadInput("expected a number", place=f"item {change.seq}: {change.what}")
@@ -220,9 +222,10 @@ def _with_value(item: Item, change: requests.PutItem, mission: Mission) -> Item:
 
 def _new_item(mission: Mission, change: requests.InsertItem) -> Item:
     before = [item for item in mission.items[: change.seq - 1] if item.has_position and item.altitude > 0]
-    like = before[-1] if before else Item(Command.NAV_WAYPOINT, Frame.GLOBAL_RELATIVE_ALT, altitude=20.0)
-    firmware, home = mission.firmware, mission.home
-    is_placed, is_landing = change.command in firmware.placed, change.command == Command.NAV_LAND
+    model = before[-1] if before else Item(Command.NAV_WAYPOINT, Frame.GLOBAL_RELATIVE_ALT, altitude=20.0)
+    home = mission.home
+    firmware = mission.firmware
+    is_placed = change.command in firmware.placed
     usual: dict[int, tuple[float, ...]] = {
         Command.DO_CHANGE_SPEED: (1.0, mission.cruise_speed or 5.0, -1.0),
         **dict.fromkeys((Command.DO_JUMP, Command.DO_JUMP_TAG), (1.0, 1.0)),
@@ -231,12 +234,13 @@ def _new_item(mission: Mission, change: requests.InsertItem) -> Item:
     }
     heading = math.nan if is_placed and firmware.takes_nan is None else 0.0
     p1, p2, p3 = (*usual.get(change.command, ()), 0.0, 0.0, 0.0)[:3]
-    item = Item(change.command, like.frame, (p1, p2, p3, heading))
+    item = Item(change.command, model.frame, (p1, p2, p3, heading), altitude=model.altitude)
     if not is_placed or change.command == Command.NAV_RETURN_TO_LAUNCH:
-        return replace(item, frame=int(Frame.MISSION))
-    place = change.place or (like.longitude_deg or home.longitude_deg, like.latitude_deg or home.latitude_deg)
-    frame = int(Frame.GLOBAL_RELATIVE_ALT) if is_landing else like.frame
-    return _moved(replace(item, frame=frame, altitude=0.0 if is_landing else like.altitude), place)
+        return replace(item, frame=int(Frame.MISSION), altitude=0.0)
+    if change.command == Command.NAV_LAND:
+        item = replace(item, frame=int(Frame.GLOBAL_RELATIVE_ALT), altitude=0.0)
+    place = change.place or (model.longitude_deg or home.longitude_deg, model.latitude_deg or home.latitude_deg)
+    return _moved(item, place)
 
 
 def _with_frame(item: Item, mission: Mission) -> Item:

@@ -23,7 +23,7 @@ from ipoa_mission.studio import answers
 from ipoa_mission.studio.dropped import fences_of
 from ipoa_mission.studio.flight_answers import Checked, ItemField, ItemKind, MissionItem, OpenMission
 from ipoa_mission.studio.plan_answers import UNKNOWN_EXTENT
-from ipoa_mission.studio.view import degree_of, fence_of, on_map, without_folders, world_of
+from ipoa_mission.studio.view import corners_of, degree_of, fence_of, without_folders, world_of
 from ipoa_mission.studio.vocabulary import Number
 
 #: Label and unit by command and param; others are shown if not zero.
@@ -124,9 +124,9 @@ def _known(value: float) -> Number:
 def mission_world(forecast: Forecast) -> answers.World:
     mission = forecast.mission_as_read
     scenario = forecast.scenario
-    frame = LocalFrame(forecast.mission_as_read.home)
-    here = round(mission.home.longitude_deg, 7), round(mission.home.latitude_deg, 7)
-    spot = answers.Spot(name="home", path=("home",), place=here, up=0.0, above_ground=0.0)
+    frame = LocalFrame(mission.home)
+    home = (round(mission.home.longitude_deg, 7), round(mission.home.latitude_deg, 7))
+    spot = answers.Spot(name="home", path=("home",), place=home, up=0.0, above_ground=0.0)
     sections = map(FenceSection.model_validate, fences_of(mission))
     fences = tuple(fence_of(n, section, frame) for n, section in enumerate(sections))
     if scenario is not None and scenario.why_elsewhere(mission.home) is None:
@@ -137,16 +137,14 @@ def mission_world(forecast: Forecast) -> answers.World:
     points = np.array([np.zeros(2), *places])
     points = points[np.isfinite(points).all(axis=1) & (np.abs(points) < UNKNOWN_EXTENT / 10).all(axis=1)]
     room = max(60.0, 0.25 * float(np.ptp(points, axis=0).max()))  # [m]
-    low, high = points.min(axis=0) - room, points.max(axis=0) + room
-    corners = np.array([low, (high[0], low[1]), high, (low[0], high[1])])
-    (west, south), _, (east, north), _ = around = on_map(frame, corners)
+    corners = corners_of(frame, points.min(axis=0) - room, points.max(axis=0) + room)
     return answers.World(
-        box=(west, south, east, north),
-        around=around,
+        box=(*corners[0], *corners[2]),
+        around=corners,
         degree_m=degree_of(frame),
         spots=(spot,),
         fences=fences,
-        heights=answers.Heights(corner=(west, south), step=(1.0, 1.0), columns=1, up=()),
+        heights=answers.Heights(corner=corners[0], step=(1.0, 1.0), columns=1, up=()),
         home_amsl=mission.home.altitude,
     )
 
@@ -156,15 +154,16 @@ def check_answer(findings: Sequence[Finding], forecast: Forecast) -> Checked:
         return words if forecast.scenario is None else without_folders(words, forecast.scenario)
 
     flaws = tuple(
-        replace(each, message=shown(each.message), hint=each.hint and shown(each.hint), remedies=())
-        for each in findings
+        replace(finding, message=shown(finding.message), hint=finding.hint and shown(finding.hint), remedies=())
+        for finding in findings
     )
     remarks = () if forecast.scenario is None else tuple(map(shown, forecast.scenario.remarks))
     return Checked(flaws=flaws, timeless=_why_timeless(forecast), remarks=remarks)
 
 
 def _why_timeless(forecast: Forecast) -> str | None:
-    mission, scenario = forecast.mission_as_read, forecast.scenario
+    mission = forecast.mission_as_read
+    scenario = forecast.scenario
     if not mission.items:
         return "it has no item"
     if refusals(mission):

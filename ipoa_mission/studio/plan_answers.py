@@ -31,7 +31,8 @@ UNKNOWN_EXTENT = 1e7  # [m]
 
 def sketched(sketch: Sketch, scenario: Scenario, number: int | None) -> answers.Sketch:
     """Show a coarse path; its time is a lower bound by the vehicle's limits."""
-    vehicle, clearance = scenario.vehicle, sketch.proof.clearance
+    vehicle = scenario.vehicle
+    clearance = sketch.proof.clearance
     points, *others = (_sampled(curve) for curve in (sketch.curve, *sketch.others))
     limits = kinematics(vehicle.autopilot, vehicle.autopilot_parameters(), vehicle.cruise_speed)
     return answers.Sketch(
@@ -48,7 +49,7 @@ def sketched(sketch: Sketch, scenario: Scenario, number: int | None) -> answers.
 
 
 def planned(flight: Flight, proof: str) -> answers.Plan:
-    plan, scenario = expected(flight.forecast, flight.name), flight.scenario
+    scenario = flight.scenario
     proved = {
         "of": "scenario",
         "proof": proof,
@@ -57,7 +58,7 @@ def planned(flight: Flight, proof: str) -> answers.Plan:
         "warnings": tuple(without_folders(finding.message, scenario) for finding in flight.findings),
         "remarks": flight.notes,
     }
-    return plan.model_copy(update=proved)
+    return expected(flight.forecast, flight.name).model_copy(update=proved)
 
 
 def expected(forecast: Forecast, name: str) -> answers.Plan:
@@ -71,14 +72,9 @@ def expected(forecast: Forecast, name: str) -> answers.Plan:
     required = 0.0 if scenario is None else scenario.limits.obstacle_distance
     if kept is not None:
         required = kept.required
-    budget = budget_of(forecast) if forecast.energy is not None else None
+    budget = budget_of(forecast)
     left = None if budget is None else budget.left(budget.used.between)
-    ring = (
-        []
-        if guarantee is None
-        else drawn_flight.outline_around(course.points, drawn_flight.shown_deviation_bound(forecast).level)
-    )
-    homeward = [] if guarantee is None else return_paths(forecast)
+    deviation_m = 0.0 if guarantee is None else drawn_flight.shown_deviation_bound(forecast).level
     return answers.Plan(
         name=name,
         verdict="" if scenario is None or not forecast.cruise else without_folders(forecast.proof.words(), scenario),
@@ -93,7 +89,7 @@ def expected(forecast: Forecast, name: str) -> answers.Plan:
         length=round(float(course.along[-1]), 1),
         energy_wh=None if budget is None else round(budget.used.energy_wh, 2),
         battery_left=None if left is None else round(left.likely, 3),
-        deviation_ring=tuple(on_map(frame, points) for points in ring),
+        deviation_ring=tuple(on_map(frame, ring) for ring in drawn_flight.outline_around(course.points, deviation_m)),
         course=answers.Course(
             line=line_of(frame, course.points),
             times=course.times.round(2).tolist(),
@@ -107,8 +103,8 @@ def expected(forecast: Forecast, name: str) -> answers.Plan:
         stops=tuple(_stops(forecast, course)),
         bindings=(*_near_places(guarantee, course, scenario), *_slow_items(estimate, course)),
         homeward=tuple(
-            answers.Homeward(from_s=way["from"], clear=way["clear"], line=line_of(frame, np.array(way["points"])))
-            for way in homeward
+            answers.Homeward(from_s=path["from"], clear=path["clear"], line=line_of(frame, np.array(path["points"])))
+            for path in ([] if guarantee is None else return_paths(forecast))
         ),
         remarks=tuple(estimate.remarks),
     )
@@ -134,7 +130,8 @@ def _turns_home(course: SampledTrack, forecast: Forecast) -> int | None:
 
 
 def _stops(forecast: Forecast, course: SampledTrack) -> Iterator[answers.Stop]:
-    scenario, items = forecast.scenario, drawn_flight.placed_items(forecast)
+    scenario = forecast.scenario
+    items = drawn_flight.placed_items(forecast)
     for time in forecast.estimate.items:
         item, place = items[time.seq - 1]
         above = None
@@ -154,8 +151,14 @@ def _stops(forecast: Forecast, course: SampledTrack) -> Iterator[answers.Stop]:
 def _nearby(course: SampledTrack, scenario: Scenario) -> Iterator[answers.NearbyObstacle]:
     for body, (begins, ends), look in near_track(course, scenario.airspace, scenario.limits.obstacle_distance):
         base, top = body.bounds[:, 2].round(2).tolist()
-        name, along = without_folders(body.name, scenario), (round(begins, 1), round(ends, 1))
-        yield answers.NearbyObstacle(name=name, look=look, begins=along[0], ends=along[1], base=base, top=top)
+        yield answers.NearbyObstacle(
+            name=without_folders(body.name, scenario),
+            look=look,
+            begins=round(begins, 1),
+            ends=round(ends, 1),
+            base=base,
+            top=top,
+        )
 
 
 def _near_places(
@@ -168,12 +171,13 @@ def _near_places(
         yield answers.Binding(what="danger", words=danger.words, at=int(np.argmin(course.apart)))
     if guarantee is None:
         return
-    for check in sorted(guarantee.limits, key=lambda kept: kept.slack)[:5]:
-        if math.isfinite(check.guaranteed) and check.slack < 1.5 * check.required + 1.0:
-            at = int(np.argmin(np.linalg.norm(course.points - np.array(check.place), axis=1)))
-            part, share = (f", in {check.part}", None) if check.part else ("", guarantee.confidence)
-            words = f"{check.limit}, to {check.to}{part}: {check.words(share)}"
-            yield answers.Binding(what="near", words=without_folders(words, scenario), at=at)
+    for limit in sorted(guarantee.limits, key=lambda limit: limit.slack)[:5]:
+        if math.isfinite(limit.guaranteed) and limit.slack < 1.5 * limit.required + 1.0:
+            sample = int(np.argmin(np.linalg.norm(course.points - np.array(limit.place), axis=1)))
+            part = f", in {limit.part}" if limit.part else ""
+            confidence = None if limit.part else guarantee.confidence
+            words = f"{limit.limit}, to {limit.to}{part}: {limit.words(confidence)}"
+            yield answers.Binding(what="near", words=without_folders(words, scenario), at=sample)
 
 
 def _slow_items(estimate: Estimate, course: SampledTrack) -> Iterator[answers.Binding]:
@@ -199,28 +203,26 @@ def _limits(flight: Flight) -> Iterator[answers.Limit]:
 def strips_of(forecast: Forecast, flight: int) -> Iterator[answers.ContingencyStrip]:
     """Yield the strip at once, and again with costs, which take simulated flights."""
     bars = () if forecast.scenario is None else contingency_bars(forecast)
-    budget, course = budget_of(forecast) if bars else None, course_of(forecast)
+    if not bars:
+        yield answers.ContingencyStrip(flight=flight, reserve=None, bars=())
+        return
+
+    budget = budget_of(forecast)
+    reserve = None if budget is None or budget.battery is None else budget.battery.reserve
+    course = course_of(forecast)
     drawn = [
-        answers.StripBar(
-            contingency=bar.contingency, stretches=tuple(_stretches(bar, course, forecast.world)), costs=()
-        )
+        answers.StripBar(contingency=bar.contingency, stretches=_stretches(bar, course, forecast.world), costs=())
         for bar in bars
     ]
-    strip = answers.ContingencyStrip(
-        flight=flight,
-        reserve=None if budget is None or budget.battery is None else budget.battery.reserve,
-        bars=tuple(drawn),
-    )
-    yield strip
-    if bars:
-        costs = [tuple(_costs(bar, forecast, budget)) for bar in bars]
-        full = [bar.model_copy(update={"costs": cost}) for bar, cost in zip(drawn, costs, strict=True)]
-        yield strip.model_copy(update={"bars": tuple(full)})
+    yield answers.ContingencyStrip(flight=flight, reserve=reserve, bars=tuple(drawn))
+    costs = [tuple(_costs(bar, forecast, budget)) for bar in bars]
+    full = (bar.model_copy(update={"costs": cost}) for bar, cost in zip(drawn, costs, strict=True))
+    yield answers.ContingencyStrip(flight=flight, reserve=reserve, bars=tuple(full))
 
 
-def _stretches(bar: ContingencyBar, course: SampledTrack, scenario: Scenario) -> Iterator[answers.StripStretch]:
-    for row, begins, ends in stretches(bar, course):
-        yield answers.StripStretch(
+def _stretches(bar: ContingencyBar, course: SampledTrack, scenario: Scenario) -> tuple[answers.StripStretch, ...]:
+    return tuple(
+        answers.StripStretch(
             look=GRADE_LOOKS[row.grade],
             from_s=round(row.from_s, 2),
             to_s=round(row.to_s, 2),
@@ -228,13 +230,16 @@ def _stretches(bar: ContingencyBar, course: SampledTrack, scenario: Scenario) ->
             ends=round(ends, 1),
             words=without_folders(row.in_full, scenario),
         )
+        for row, begins, ends in stretches(bar, course)
+    )
 
 
 def _costs(bar: ContingencyBar, forecast: Forecast, budget: Budget | None) -> Iterator[answers.StripCost]:
     if bar.contingency not in TIMED or bar.rows[0].grade is Grade.UNKNOWN:
         return
-    for time, predicted in sorted(_taken(bar.contingency, forecast.cached(Contingencies)).items()):
-        (low, high), used = predicted.duration_s, predicted.used
+    for time, predicted in sorted(_sampled_costs(bar.contingency, forecast.cached(Contingencies)).items()):
+        low, high = predicted.duration_s
+        used = predicted.used
         left = None if budget is None or used is None else budget.left(budget.taken(time, used))
         yield answers.StripCost(
             at_s=round(time, 2),
@@ -246,16 +251,18 @@ def _costs(bar: ContingencyBar, forecast: Forecast, budget: Budget | None) -> It
         )
 
 
-def _taken(contingency: Contingency, contingencies: Contingencies) -> dict[float, PredictedContingency]:
+def _sampled_costs(contingency: Contingency, contingencies: Contingencies) -> dict[float, PredictedContingency]:
     """Return costs at up to 24 times, with more samples at jumps, such as where a return begins to climb first."""
     begin, end = contingencies.in_air
     evenly = np.linspace(begin, end, min(16, 2 + math.floor((end - begin) / DURATIONS.step_s))).tolist()
-    costs = {time: taken for time in evenly if (taken := contingencies.predicted(contingency, time)) is not None}
+    predicted = ((time, contingencies.predicted(contingency, time)) for time in evenly)
+    costs = {time: cost for time, cost in predicted if cost is not None}
     while len(costs) < 24:
         wide = [(a, b) for a, b in pairwise(sorted(costs)) if b - a > DURATIONS.min_step_s]
         steep = [(abs(sum(costs[b][0]) - sum(costs[a][0])) / 2 / (b - a), (a + b) / 2) for a, b in wide]
         steepest, middle = max(steep, default=(0.0, 0.0))
-        if steepest < DURATIONS.max_slope or (taken := contingencies.predicted(contingency, middle)) is None:
+        cost = contingencies.predicted(contingency, middle) if steepest >= DURATIONS.max_slope else None
+        if cost is None:
             break
-        costs[middle] = taken
+        costs[middle] = cost
     return costs

@@ -98,7 +98,8 @@ class PlanWorker:
                 shown_at = time.perf_counter()
                 answer(Progress(share=share, words=words))
 
-        self._plan, self._flights = None, []
+        self._plan = None
+        self._flights = []
         scenario = _scenario(order["text"], order["path"])
         try:
             if "survey" not in scenario.added:
@@ -118,7 +119,8 @@ class PlanWorker:
             answer(strip)
 
     def write(self, order: JobOrder, answer: Answer) -> None:
-        plan, folder = self._expect_plan(), Path(order["folder"])
+        plan = self._expect_plan()
+        folder = Path(order["folder"])
         files = [*plan.write(folder)]
         if isinstance(plan, Survey):
             files += plan.report(folder)
@@ -196,10 +198,10 @@ def _mission_in(
     text: str, path: str, world_text: str | None, world_path: str, autopilot: str | None
 ) -> tuple[MissionFile, Forecast]:
     world = None if world_text is None else _scenario(world_text, world_path)
-    named = None if autopilot is None else autopilot_named(autopilot)
-    if named is None and world is not None and Path(path).suffix.lower() == ".waypoints":
-        named = world.vehicle.autopilot  # such a file does not name its autopilot
-    file = read_by_items(Path(path), parse_mission(Path(path), text, named))
+    chosen = None if autopilot is None else autopilot_named(autopilot)
+    if chosen is None and world is not None and Path(path).suffix.lower() == ".waypoints":
+        chosen = world.vehicle.autopilot  # such a file does not name its autopilot
+    file = read_by_items(Path(path), parse_mission(Path(path), text, chosen))
     return file, Forecast(file.mission, world)
 
 
@@ -227,7 +229,8 @@ def replayed(log: Path, forecast: Forecast) -> Replay:
     track = flown_track(forecast.mission, record)
     if track is None:
         raise MissionError("expected a flight with positions", code="log-incomplete", place=log.name)
-    compared, count = compare_flight(forecast.estimate, record), len(track.times)
+    compared = compare_flight(forecast.estimate, record)
+    count = len(track.times)
     shown = np.unique(np.linspace(0, count - 1, min(1000, count)).round().astype(int))
     several = [f"the first of {len(flown.flights)} flights in it"] if len(flown.flights) > 1 else []
     return Replay(

@@ -23,15 +23,15 @@ from ipoa_mission.survey.survey_task import SPARE, expect_survey, keep_out, surv
 
 def plan_trouble(error: MissionError, scenario: Scenario, of: Literal["plan", "sketch"] = "plan") -> Trouble:
     if survey_of(scenario) is None:
-        own = (*_higher(error, scenario), *_return_remedies(error, scenario))
+        of_kind = (*_higher(error, scenario), *_return_remedies(error, scenario))
     else:
-        own = tuple(_survey_remedies(error, scenario))
+        of_kind = tuple(_survey_remedies(error, scenario))
     return Trouble(
         of=of,
         message=in_words(without_folders(str(error), scenario)),
         of_home=_is_of_home(error),
         hint=error.hint and in_words(without_folders(error.hint, scenario)),
-        remedies=(*_tried(error), *_unread(error, scenario), *_map_heights(error, scenario), *own),
+        remedies=(*_tried(error), *_unread(error, scenario), *_map_heights(error, scenario), *of_kind),
     )
 
 
@@ -92,9 +92,11 @@ def _higher(error: MissionError, scenario: Scenario) -> Iterator[Remedy]:
     points |= {f"via[{n}]": point for n, point in enumerate(scenario.via_points)}
     if error.code != "place-blocked" or error.place not in points:
         return
-    name, number = error.place.partition("[")[0], list(points).index(error.place) - 2
+    name = error.place.partition("[")[0]
+    number = list(points).index(error.place) - 2
     point = np.asarray(points[error.place], float)
-    required, airspace = scenario.limits.obstacle_distance, scenario.airspace
+    airspace = scenario.airspace
+    required = scenario.limits.obstacle_distance
     tops = [float(airspace.ground(point[None, :])[0])]
     for body in airspace.obstacles:
         middle = np.append(point[:2], body.bounds[:, 2].mean())
@@ -106,8 +108,8 @@ def _higher(error: MissionError, scenario: Scenario) -> Iterator[Remedy]:
         return
     path = (name, number) if name == "via" else (name,)
     section = scenario.via[number] if name == "via" else getattr(scenario, name)
-    others = [key for key in ("height_above_ground", "altitude_amsl") if getattr(section, key, None) is not None]
-    takes = tuple(Take(path=(*path, key)) for key in others)
+    heights = [key for key in ("height_above_ground", "altitude_amsl") if getattr(section, key, None) is not None]
+    takes = tuple(Take(path=(*path, key)) for key in heights)
     label = f"{name}{f' {number + 1}' if name == 'via' else ''} to {height:g} m above home"
     yield Remedy(label=label[0].upper() + label[1:], changes=(*takes, Put(path=(*path, "up"), value=height)))
 
@@ -147,7 +149,8 @@ def _wider_bounds(scenario: Scenario) -> Iterator[Remedy]:
     ground = scenario.airspace.ground(corners)
     (west, south), (east, north) = corners.min(axis=0).tolist(), corners.max(axis=0).tolist()
     needed = {"east": (west, east), "north": (south, north), "up": (float(ground.min()), float(ground.max()) + height)}
-    changes, margin = list[Change](), 5.0  # beyond the survey [m]
+    changes: list[Change] = []
+    margin = 5.0  # beyond the survey [m]
     for key, (least, most) in needed.items():
         sides = getattr(scenario.bounds, key)
         if sides is not None and not sides[0] <= least - margin < most + margin <= sides[1]:
@@ -192,5 +195,5 @@ def _without_rings(error: MissionError, table: Mapping[str, Any]) -> Iterator[Re
             polygon = table["survey"]["polygon"]
             numbers = numbers_in_full([int(step) for step in change.field[2:]], polygon)
             area, ring = (*numbers, 0)[:2]
-            taken = Take(path=("survey", "polygon", area, ring))
-            yield Remedy(label=f"Take {ring_name(area, ring, len(parts_of(polygon)))} out", changes=(taken,))
+            take = Take(path=("survey", "polygon", area, ring))
+            yield Remedy(label=f"Take {ring_name(area, ring, len(parts_of(polygon)))} out", changes=(take,))

@@ -48,8 +48,9 @@ def splice_between(before: str, after: str, label: str, renumbers: bool = True) 
     return Splice(start, before[start : len(before) - end], after[start : len(after) - end], label, renumbers)
 
 
-def _count_equal(one: str, other: str) -> int:
-    return next((n for n, (a, b) in enumerate(zip(one, other, strict=False)) if a != b), min(len(one), len(other)))
+def _count_equal(before: str, after: str) -> int:
+    pairs = zip(before, after, strict=False)
+    return next((n for n, (a, b) in enumerate(pairs) if a != b), min(len(before), len(after)))
 
 
 @dataclass
@@ -230,7 +231,8 @@ class Document:
             return True
         if self.text == self._journal.saved:
             return self.take_theirs()
-        was_known, self.changed_outside = self.changed_outside, True
+        was_known = self.changed_outside
+        self.changed_outside = True
         return not was_known
 
     def take_theirs(self) -> bool:

@@ -15,7 +15,7 @@ from ipoa_mission.studio import answers
 from ipoa_mission.studio.area_edits import areas_of
 from ipoa_mission.studio.edits import frame_of
 from ipoa_mission.studio.plan_answers import expected
-from ipoa_mission.studio.view import on_map, without_folders
+from ipoa_mission.studio.view import on_map, rings_of, without_folders
 from ipoa_mission.studio.vocabulary import renamed
 from ipoa_mission.survey.camera import CAMERAS
 from ipoa_mission.survey.flown_coverage import Overlap, Overlaps, lines_of_tour, photo_places, smallest_overlaps
@@ -32,12 +32,14 @@ def area_of(table: Mapping[str, Any], scenario: Scenario | None) -> answers.Surv
     """Return a scenario's drawn area, valid or not; an area of a map only if valid."""
     rings = list[answers.AreaRing]()
     with suppress(KeyError, TypeError, ValueError, IndexError):
-        survey, frame = table["survey"], frame_of(dict(table))
+        survey = table["survey"]
+        frame = frame_of(dict(table))
         if "line" in survey:
             places = _places(survey["line"], frame)
             rings.append(answers.AreaRing(name="corridor", path=("survey", "line"), what="line", places=places))
         rings += _rings(areas_of(survey.get("polygon", [])), frame, is_drawn=True)
-    if not rings and scenario is not None and (area := surveyed_area(scenario)) is not None:
+    area = None if rings or scenario is None else surveyed_area(scenario)
+    if scenario is not None and area is not None:
         parts = ((part.exterior, *part.interiors) for part in shapely.get_parts(area.shape))
         areas = [[shapely.get_coordinates(ring)[:-1] for ring in rings_of_part] for rings_of_part in parts]
         rings = _rings(areas, scenario.frame, is_drawn=False)
@@ -97,7 +99,8 @@ def in_words(message: str, table: Mapping[str, Any] | None = None) -> str:
 
 
 def coarse_survey(sketch: SurveySketch, scenario: Scenario, number: int | None) -> answers.CoarseSurvey:
-    sight, ground = sketch.sight, scenario.airspace.ground
+    sight = sketch.sight
+    ground = scenario.airspace.ground
     free = sketch.area.without(sketch.keep_out)
     lines = [*lines_of_tour(sketch.tour, sight, ground)]
     overlaps = smallest_overlaps(lines, sight, ground, free) if lines else None
@@ -107,7 +110,8 @@ def coarse_survey(sketch: SurveySketch, scenario: Scenario, number: int | None) 
 
 
 def planned_survey(survey: Survey, proofs: Sequence[str], flown: Sequence[FilePath]) -> answers.PlannedSurvey:
-    plan, parts = survey.plan, []
+    plan = survey.plan
+    parts = []
     remarks = tuple(without_folders(words, plan.scenario) for words in survey.notes)
     for name, flight, proof in zip(survey.names, plan.flights, proofs, strict=True):
         warned = tuple(without_folders(finding.message, plan.scenario) for finding in flight.findings)
@@ -134,7 +138,10 @@ def planned_survey(survey: Survey, proofs: Sequence[str], flown: Sequence[FilePa
 def _layout(
     scenario: Scenario, laid: SurveySketch | SurveyPlan, tours: Sequence[Tour], overlaps: Overlaps | None
 ) -> answers.SurveyLayout:
-    frame, shape, sight, coverage = scenario.frame, laid.area.shape, laid.sight, laid.coverage
+    frame = scenario.frame
+    shape = laid.area.shape
+    sight = laid.sight
+    coverage = laid.coverage
     swaths = [swath for tour in tours for swath in tour.swaths]
     around = shape.buffer(sight.spacing)
     kept_out = shapely.Polygon() if laid.keep_out is None else laid.keep_out.intersection(around)
@@ -147,7 +154,7 @@ def _layout(
         lines=tuple(_lines(scenario, sight, tours)),
         ways=tuple(on_map(frame, way) for tour in tours for way in tour.transits if len(way) > 1),
         seen=_polygons(scenario, coverage.seen),
-        gaps=tuple(_polygon(scenario, part) for part in gaps if part.geom_type == "Polygon"),
+        gaps=tuple(rings_of(frame, part) for part in gaps if part.geom_type == "Polygon"),
         kept_out=_polygons(scenario, kept_out),
         share=coverage.share,
         gaps_m2=round(float(sum(part.area for part in gaps)), 2),
@@ -179,8 +186,4 @@ def _lines(scenario: Scenario, sight: Sight, tours: Sequence[Tour]) -> Iterator[
 
 def _polygons(scenario: Scenario, shape: Any) -> answers.Polygons:
     simple = shapely.simplify(shape, tolerance=0.1)
-    return tuple(_polygon(scenario, part) for part in shapely.get_parts(simple) if part.geom_type == "Polygon")
-
-
-def _polygon(scenario: Scenario, part: Any) -> Any:
-    return tuple(on_map(scenario.frame, shapely.get_coordinates(ring)) for ring in (part.exterior, *part.interiors))
+    return tuple(rings_of(scenario.frame, part) for part in shapely.get_parts(simple) if part.geom_type == "Polygon")

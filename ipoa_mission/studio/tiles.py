@@ -38,10 +38,11 @@ def chosen_tiles(asked: str | None, attribution: str | None) -> TileSource | Non
         tiles = open_tiles(source, attribution)
         memory.keep(tiles=(source, tiles.shown.attribution))
         return tiles
-    if (known := memory.known().tiles) is None:
+    remembered = memory.known().tiles
+    if remembered is None:
         return None
     try:
-        return open_tiles(*known)
+        return open_tiles(*remembered)
     except BadInput:
         return None
 
@@ -50,7 +51,8 @@ def open_tiles(source: str, attribution: str | None = None) -> TileSource:
     """Open an address with {z}, {x} and {y}, or an MBTiles or PMTiles file."""
     if "://" in source:
         return _of_server(source, attribution)
-    path, formats = Path(source), {".mbtiles": _of_mbtiles, ".pmtiles": _of_pmtiles}
+    path = Path(source)
+    formats = {".mbtiles": _of_mbtiles, ".pmtiles": _of_pmtiles}
     if path.suffix.lower() not in formats or not path.is_file():
         words = f"expected an address with {{z}}, {{x}} and {{y}}, or a file: {' or '.join(formats)}"
         raise BadInput(words, place=f"--tiles: {source}")

@@ -1,7 +1,7 @@
 """Show a scenario on a map: longitude, latitude, and heights above home."""
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from itertools import pairwise
 from typing import Any
@@ -26,12 +26,12 @@ CELLS = 96  # of the ground, along the longer side
 
 
 def world_of(scenario: Scenario) -> World:
-    frame, bounds = scenario.frame, scenario.airspace.bounds
-    (left, below), (right, above) = bounds.lower[:2], bounds.upper[:2]
-    around = on_map(frame, np.array([(left, below), (right, below), (right, above), (left, above)]))
+    frame = scenario.frame
+    bounds = scenario.airspace.bounds
+    corners = corners_of(frame, bounds.lower[:2], bounds.upper[:2])
     return World(
-        box=(*around[0], *around[2]),
-        around=around,
+        box=(*corners[0], *corners[2]),
+        around=corners,
         degree_m=degree_of(frame),
         floor=float(bounds.lower[2]),
         ceiling=float(bounds.upper[2]),
@@ -46,12 +46,23 @@ def world_of(scenario: Scenario) -> World:
     )
 
 
+def corners_of(frame: LocalFrame, lower: Sequence[float], upper: Sequence[float]) -> tuple[LngLat, ...]:
+    """Return the corners of a local box [m] from the south-west one on."""
+    (west, south), (east, north) = lower, upper
+    return on_map(frame, np.array([(west, south), (east, south), (east, north), (west, north)]))
+
+
 def on_map(frame: LocalFrame, points: NDArray[np.float64]) -> tuple[LngLat, ...]:
     """Return longitude and latitude [deg] of local points (n, 2 or 3)."""
     if points.shape[1] == 2:
         points = np.column_stack([points, np.zeros(len(points))])
     latitude, longitude, _ = frame.to_geodetic(points)
     return tuple(zip(longitude.round(7).tolist(), latitude.round(7).tolist(), strict=True))
+
+
+def rings_of(frame: LocalFrame, polygon: Any) -> tuple[tuple[LngLat, ...], ...]:
+    """Return the rings of a local polygon, the outer one first."""
+    return tuple(on_map(frame, shapely.get_coordinates(ring)) for ring in (polygon.exterior, *polygon.interiors))
 
 
 def line_of(frame: LocalFrame, points: Points) -> MapLine:
@@ -93,8 +104,7 @@ def _doubtful(name: str, shape: shapely.Geometry, frame: LocalFrame) -> Iterator
     half_width = 0.75  # of a line [m]
     wide = shape if shapely.get_dimensions(shape) == 2 else shape.buffer(half_width, quad_segs=3)
     for part in shapely.get_parts(wide):
-        rings = tuple(on_map(frame, shapely.get_coordinates(ring)) for ring in (part.exterior, *part.interiors))
-        yield Body(name=name, path=None, solid=False, doubt=True, base=0.0, top=0.0, rings=rings)
+        yield Body(name=name, path=None, solid=False, doubt=True, base=0.0, top=0.0, rings=rings_of(frame, part))
 
 
 def _spots(scenario: Scenario) -> Iterator[Spot]:
@@ -105,8 +115,8 @@ def _spots(scenario: Scenario) -> Iterator[Spot]:
     points = np.array([point for _, _, point in places])
     heights = points[:, 2] - scenario.airspace.ground(points)
     for (name, path, point), where, height in zip(places, on_map(scenario.frame, points), heights, strict=True):
-        up, above_ground = round(float(point[2]), 2), round(float(height), 2)
-        yield Spot(name=name, path=path, place=where, up=up, above_ground=above_ground)
+        up = round(float(point[2]), 2)
+        yield Spot(name=name, path=path, place=where, up=up, above_ground=round(float(height), 2))
 
 
 def fence_of(n: int, fence: FenceSection, frame: LocalFrame) -> Fence:

@@ -23,7 +23,8 @@ def place_of(words: str) -> tuple[float, float]:
     >>> place_of("47.397742, 8.545594"), place_of("47.4 S 8.5 W")
     ((47.397742, 8.545594), (-47.4, -8.5))
     """
-    text, square = words.strip(), "".join(words.split())
+    text = words.strip()
+    square = "".join(words.split())
     expected = "expected degrees (47.3977, 8.5456), MGRS (32TMT6569649438) or a whole plus code (8FVC9GXW+36)"
     number = r"([-+]?\d+(?:\.\d*)?)\s*°?\s*"
     if degrees := re.fullmatch(rf"{number}([NS]?)[\s,;]+{number}([EW]?)", text, re.IGNORECASE):
