@@ -196,8 +196,7 @@ def _draw(compared: "ComparedFlight", picture: Path, title: str) -> None:
 
 
 def _as_json(row: _Row) -> dict[str, Any]:
-    flight = row.flight
-    result: dict[str, Any] = {"flight": row.number, **picked(flight, "armed_s", "in_mission")}
+    result: dict[str, Any] = {"flight": row.number, **picked(row.flight, "armed_s", "in_mission")}
     result |= {"flown_s": _known(row.record.total_s)} if row.compared is None else _compared_as_json(row.compared)
     if row.clearance is not None:
         result["clearance"] = _clearance_as_json(row.clearance)

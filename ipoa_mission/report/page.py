@@ -41,7 +41,6 @@ class PageNotes:
 def report_html(
     forecast: Forecast, notes: PageNotes, plan: Plan | None = None, flight: FlightRecord | None = None
 ) -> str:
-    findings = notes.findings
     scenario = forecast.world
     mission = forecast.mission
     proof = forecast.proof_if_known
@@ -64,9 +63,9 @@ def report_html(
     parts = {
         "title": escape(scenario.name),
         "subtitle": escape(f"{vehicle}, cruise {scenario.vehicle.cruise_speed:g} m/s"),
-        "verdict": verdict(proof, forecast.guarantee_if_known, dangers, findings),
+        "verdict": verdict(proof, forecast.guarantee_if_known, dangers, notes.findings),
         "figures": figures(forecast, float(predicted.along[-1]), waypoints, comparison),
-        "warnings": warnings(dangers, findings, [*notes.remarks, *forecast.estimate.remarks], scenario.remarks),
+        "warnings": warnings(dangers, notes.findings, [*notes.remarks, *forecast.estimate.remarks], scenario.remarks),
         "survey": notes.panel,
         "map": ground_plan(drawn, extent),
         "legend": legend(scenario, extent, flown is not None, bool(returns)),

@@ -73,7 +73,6 @@ def mission_table(mission: Mission, scenario: "Scenario | None" = None) -> tuple
 
 def rows_of(forecast: Forecast) -> tuple[Row, ...]:
     mission = forecast.mission
-    scenario = forecast.scenario
     legs = defaultdict[int, list[Leg]](list)
     passes = Counter[int]()
     if not refusals(mission):
@@ -84,7 +83,7 @@ def rows_of(forecast: Forecast) -> tuple[Row, ...]:
             with suppress(BadInput):  # endless jumps
                 passes.update(visit.seq for visit in forecast.itinerary.visits)
     home = Row(0, "home", mission.home.latitude_deg, mission.home.longitude_deg, mission.home.altitude, 0.0)
-    rows = (_row(seq, item, mission, legs[seq], scenario) for seq, item in enumerate(mission.items, start=1))
+    rows = (_row(seq, item, mission, legs[seq], forecast.scenario) for seq, item in enumerate(mission.items, start=1))
     return (home, *(replace(row, passes=max(passes[row.seq], 1)) for row in rows))
 
 

@@ -32,7 +32,6 @@ UNKNOWN_EXTENT = 1e7  # [m]
 def sketched(sketch: Sketch, scenario: Scenario, number: int | None) -> answers.Sketch:
     """Show a coarse path; its time is a lower bound by the vehicle's limits."""
     vehicle = scenario.vehicle
-    clearance = sketch.proof.clearance
     points, *others = (_sampled(curve) for curve in (sketch.curve, *sketch.others))
     limits = kinematics(vehicle.autopilot, vehicle.autopilot_parameters(), vehicle.cruise_speed)
     return answers.Sketch(
@@ -42,20 +41,19 @@ def sketched(sketch: Sketch, scenario: Scenario, number: int | None) -> answers.
         is_proved=sketch.proof.is_proved,
         verdict=without_folders(sketch.proof.words(), scenario),
         length=round(float(sketch.curve.length), 1),
-        clearance=round(float(clearance.distance), 2),
-        nearest=without_folders(clearance.what, scenario),
+        clearance=round(float(sketch.proof.clearance.distance), 2),
+        nearest=without_folders(sketch.proof.clearance.what, scenario),
         seconds=round(least_time(points, limits).seconds, 1),
     )
 
 
 def planned(flight: Flight, proof: str) -> answers.Plan:
-    scenario = flight.scenario
     proved = {
         "of": "scenario",
         "proof": proof,
         "waypoints": len(flight.chosen.route.points),
         "limits": tuple(_limits(flight)),
-        "warnings": tuple(without_folders(finding.message, scenario) for finding in flight.findings),
+        "warnings": tuple(without_folders(finding.message, flight.scenario) for finding in flight.findings),
         "remarks": flight.notes,
     }
     return expected(flight.forecast, flight.name).model_copy(update=proved)

@@ -99,11 +99,10 @@ def in_words(message: str, table: Mapping[str, Any] | None = None) -> str:
 
 
 def coarse_survey(sketch: SurveySketch, scenario: Scenario, number: int | None) -> answers.CoarseSurvey:
-    sight = sketch.sight
     ground = scenario.airspace.ground
     free = sketch.area.without(sketch.keep_out)
-    lines = [*lines_of_tour(sketch.tour, sight, ground)]
-    overlaps = smallest_overlaps(lines, sight, ground, free) if lines else None
+    lines = [*lines_of_tour(sketch.tour, sketch.sight, ground)]
+    overlaps = smallest_overlaps(lines, sketch.sight, ground, free) if lines else None
     return answers.CoarseSurvey(
         number=number, layout=_layout(scenario, sketch, (sketch.tour,), overlaps), seconds=round(sketch.seconds, 1)
     )
@@ -139,11 +138,10 @@ def _layout(
     scenario: Scenario, laid: SurveySketch | SurveyPlan, tours: Sequence[Tour], overlaps: Overlaps | None
 ) -> answers.SurveyLayout:
     frame = scenario.frame
-    shape = laid.area.shape
     sight = laid.sight
     coverage = laid.coverage
     swaths = [swath for tour in tours for swath in tour.swaths]
-    around = shape.buffer(sight.spacing)
+    around = laid.area.shape.buffer(sight.spacing)
     kept_out = shapely.Polygon() if laid.keep_out is None else laid.keep_out.intersection(around)
     longest = max(swaths, key=lambda swath: swath.length)
     east, north = longest.end - longest.begin
@@ -158,7 +156,7 @@ def _layout(
         kept_out=_polygons(scenario, kept_out),
         share=coverage.share,
         gaps_m2=round(float(sum(part.area for part in gaps)), 2),
-        area_m2=round(float(shape.area), 1),
+        area_m2=round(float(laid.area.shape.area), 1),
         spacing=round(sight.spacing, 2),
         trigger=None if sight.trigger is None else round(sight.trigger, 2),
         photos=sum(sight.photos(swath.length) for swath in swaths),
