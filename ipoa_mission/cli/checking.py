@@ -21,7 +21,7 @@ def check(
     files: Annotated[
         list[Path], typer.Argument(metavar="FILE...", help="Mission files (.plan, .waypoints), or folders of them.")
     ],
-    how: ContingencyOptions,
+    options: ContingencyOptions,
     sarif: Annotated[
         Path | None, typer.Option("--sarif", metavar="FILE", help="Write the findings in all files as SARIF, for CI.")
     ] = None,
@@ -39,40 +39,41 @@ def check(
     from ipoa_mission.cli.check_files import sarif as sarif_log
     from ipoa_mission.cli.reading import read_world
 
-    if how.flown_by.air is not None and how.scenario is None:
+    if options.flown_by.air is not None and options.scenario is None:
         words = "needs --scenario"
         raise OptionConflict(words, hint="wind moves a flight nearer to obstacles", place="--wind")
     is_one = len(files) == 1 and not files[0].is_dir()
     paths = missions_in(files)
-    world = read_world(how.scenario, how.flown_by.air, how.ignore)
+    world = read_world(options.scenario, options.flown_by.air, options.ignore)
     checked: list[CheckedFile] = []
     wrong: BadInput | None = None
     for path in paths:
         try:
-            checked.append(check_file(path, how, world, anyway))
+            checked.append(check_file(path, options, world, anyway))
         except BadInput as error:
             wrong = error
             checked.append(CheckedFile(path, (unreadable(error),)))
         if not as_json and not (is_one and wrong):
             checked[-1].print()
     if sarif is not None:
-        write_atomically(sarif, sarif_log({each.file: each.findings for each in checked}))
+        write_atomically(sarif, sarif_log({checked_file.file: checked_file.findings for checked_file in checked}))
     if is_one and wrong:
         raise wrong
-    errors = sum(each.errors for each in checked)
+    errors = sum(checked_file.errors for checked_file in checked)
     if as_json and is_one:
         print_json(checked[0].as_json())
     elif as_json:
-        print_json({"ok": not errors, "files": [{"file": str(each.file)} | each.as_json() for each in checked]})
+        by_file = [{"file": str(checked_file.file)} | checked_file.as_json() for checked_file in checked]
+        print_json({"ok": not errors, "files": by_file})
     elif not is_one:
-        warnings = sum(len(each.findings) for each in checked) - errors
+        warnings = sum(len(checked_file.findings) for checked_file in checked) - errors
         severities = f"{number_of(errors, 'error')}, {number_of(warnings, 'warning')}"
         print_lines(f"{number_of(len(checked), 'file')}: {severities}")
     if errors:
         raise typer.Exit(BadInput.exit_code if wrong else 1)
 
 
-def estimate(file: FileArgument, how: WorldOptions, as_json: JsonOption = False) -> None:
+def estimate(file: FileArgument, options: WorldOptions, as_json: JsonOption = False) -> None:
     """Estimate the flight time of a mission, item by item, next to QGroundControl's estimate.
 
     Time zero: armed, in the mission mode, on the ground.
@@ -86,11 +87,11 @@ def estimate(file: FileArgument, how: WorldOptions, as_json: JsonOption = False)
     from ipoa_mission.report.summary import energy_as_json
     from ipoa_mission.unread import unread_as_json
 
-    requested, forecast, world = read_forecast(file, how)
+    requested, forecast, world = read_forecast(file, options)
     if wrong := refusals(requested.mission):
         raise BadInput(wrong[0], place=file).followed_by(*(f"{file}: {words}" for words in wrong[1:]))
-    asked = forecast.mission_as_read
-    refuse_errors(tuple(check_version(asked.autopilot, asked.firmware_version, asked.unmeasured_version)))
+    as_read = forecast.mission_as_read
+    refuse_errors(tuple(check_version(as_read.autopilot, as_read.firmware_version, as_read.unmeasured_version)))
     mission = forecast.mission
     prediction = forecast.estimate
     budget = known_budget(forecast)
@@ -100,8 +101,8 @@ def estimate(file: FileArgument, how: WorldOptions, as_json: JsonOption = False)
         energy |= {} if budget is None else {"energy": energy_as_json(budget)}
         firmware = mission.autopilot.facts(mission.firmware_version)
         unread = unread_as_json(() if world is None else world.unread)
-        about = {"firmware": firmware, "remarks": list(remarks), "unread": unread}
-        print_json(estimate_as_json(prediction) | energy | about)
+        context = {"firmware": firmware, "remarks": list(remarks), "unread": unread}
+        print_json(estimate_as_json(prediction) | energy | context)
         return
     items = budget.items if budget else (None,) * len(prediction.items)
     rows = [_cells(item, used) for item, used in zip(prediction.items, items, strict=True)]
@@ -145,11 +146,12 @@ def remarks_on(requested: "RequestedMission", forecast: "Forecast") -> tuple[str
     from ipoa_mission.checks.firmware_check import check_firmware, check_version
     from ipoa_mission.finding import Severity
 
-    prediction, world, asked = forecast.estimate, forecast.scenario, forecast.mission_as_read
-    version = check_version(asked.autopilot, asked.firmware_version, asked.unmeasured_version)
+    prediction = forecast.estimate
+    as_read = forecast.mission_as_read
+    version = check_version(as_read.autopilot, as_read.firmware_version, as_read.unmeasured_version)
     unmeasured = (finding.message for finding in version)
     refused = (finding.message for finding in check_firmware(requested.mission) if finding.severity is Severity.ERROR)
-    of_world = () if world is None else world.remarks
+    of_world = () if forecast.scenario is None else forecast.scenario.remarks
     planned = _planned_otherwise(requested, prediction)
     return tuple(dict.fromkeys((*requested.remarks, *unmeasured, *refused, *of_world, *prediction.remarks, *planned)))
 
@@ -157,9 +159,9 @@ def remarks_on(requested: "RequestedMission", forecast: "Forecast") -> tuple[str
 def _planned_otherwise(requested: "RequestedMission", estimate: "Estimate") -> Iterator[str]:
     tolerance_s = 0.05
     if requested.planned is not None and abs(requested.planned[1] - estimate.total_s) > tolerance_s:
-        about, planned_s = requested.planned
+        file, planned_s = requested.planned
         why = "in its scenario's world and wind (--scenario), with its parameters"
-        yield f"{about} has {planned_s:.1f} s for it: {why}"
+        yield f"{file} has {planned_s:.1f} s for it: {why}"
 
 
 def route_in_words(estimate: "Estimate") -> list[str]:

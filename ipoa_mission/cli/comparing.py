@@ -53,7 +53,7 @@ def compare(
         ),
     ],
     flown_by: FlownByOptions,
-    how: LogOptions,
+    options: LogOptions,
     as_json: JsonOption = False,
 ) -> None:
     """Compare the log of a flown mission with the estimate, leg by leg, for each flight in the log.
@@ -76,7 +76,7 @@ def compare(
         raise OptionConflict("expected a mission and a log at most", place=files[2])
     *missions, log = files
     file = expect_mission(missions[0]) if missions else None
-    flown = read_flights(log, how.system)
+    flown = read_flights(log, options.system)
     if flown_by.autopilot not in (None, flown.autopilot):
         message = f"expected a log of {flown_by.autopilot}, not of {flown.autopilot}"
         raise BadInput(message, code="other-autopilot", place=log)
@@ -84,18 +84,18 @@ def compare(
     remarks: list[str] = []
     if file is not None:
         mission, remarks = _read_mission(file, log, flown.autopilot, flown_by.autopilot is None)
-    numbers = _numbers(how, log, len(flown.flights))
-    if how.picture is not None:
-        expect_free([how.picture], how.force, ask=not as_json)
+    numbers = _numbers(options, log, len(flown.flights))
+    if options.picture is not None:
+        expect_free([options.picture], options.force, ask=not as_json)
     version = None if flown_by.version is None else flown.autopilot.tables.expect(flown_by.version)
-    world = read_world(how.scenario, flown_by.air)
+    world = read_world(options.scenario, flown_by.air)
     learned = None if flown_by.vehicle is None else read_vehicle(flown_by.vehicle, flown.autopilot)
     assumed = Assumptions(flown_by.parameters, learned, flown_by.air or CALM, version)
     rows = [_row(number, flown.flights[number - 1], mission, assumed, world) for number in numbers]
     drawn = []
-    if how.picture is not None and rows[0].compared is not None:
-        _draw(rows[0].compared, how.picture, (file or log).stem)
-        drawn = [str(how.picture)]
+    if options.picture is not None and rows[0].compared is not None:
+        _draw(rows[0].compared, options.picture, (file or log).stem)
+        drawn = [str(options.picture)]
     landed = (words for row in rows if row.compared for words in landed_elsewhere(row.compared.forecast, row.record))
     remarks += [*flown_by.parameter_remarks, *flown.remarks, *_remarks(rows, log, world), *landed]
     beyond = flown.autopilot.beyond_the_model(flown.version)
@@ -116,12 +116,12 @@ def compare(
         raise typer.Exit(1)
 
 
-def _numbers(how: LogOptions, log: Path, count: int) -> Sequence[int]:
-    if how.number is not None and how.number > count:
+def _numbers(options: LogOptions, log: Path, count: int) -> Sequence[int]:
+    if options.number is not None and options.number > count:
         message = f"expected a number up to {count}, the flights in {log}"
-        raise BadInput(message, place=f"--flight {how.number}")
-    numbers = range(1, count + 1) if how.number is None else [how.number]
-    if how.picture is not None and len(numbers) > 1:
+        raise BadInput(message, place=f"--flight {options.number}")
+    numbers = range(1, count + 1) if options.number is None else [options.number]
+    if options.picture is not None and len(numbers) > 1:
         raise OptionConflict(f"needs --flight N, as {log} has {len(numbers)} flights", place="--picture")
     return numbers
 

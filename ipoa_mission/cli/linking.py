@@ -101,7 +101,7 @@ class UploadOptions:
 
 @interruptible
 def upload(
-    changes: ChangesMade, file: FileArgument, link: LinkOption, on_link: LinkOptions, how: UploadOptions
+    changes: ChangesMade, file: FileArgument, link: LinkOption, on_link: LinkOptions, options: UploadOptions
 ) -> None:
     """Put a mission, its fence and rally points on a vehicle, read them back and compare every item.
 
@@ -116,10 +116,10 @@ def upload(
     from ipoa_mission.mission.mission_io import read_mission_file
     from ipoa_mission.rules import expect_ignorable
 
-    flown_by = FlownByOptions(autopilot=how.autopilot, unmeasured_version=how.unmeasured_version)
-    is_for_firmware = states_firmware(file, how.autopilot)
-    ignored = expect_ignorable(how.ignore or ())
-    read_mission_file(file, how.autopilot)
+    flown_by = FlownByOptions(autopilot=options.autopilot, unmeasured_version=options.unmeasured_version)
+    is_for_firmware = states_firmware(file, options.autopilot)
+    ignored = expect_ignorable(options.ignore or ())
+    read_mission_file(file, options.autopilot)
     default_log = file.with_name(f"{file.stem}-upload.tlog")
     with connect_to(link, on_link, default_log) as vehicle:
         requested = read_requested(file, flown_by, None if is_for_firmware else vehicle.autopilot)
@@ -130,8 +130,8 @@ def upload(
         remarks = (*requested.remarks, *sent)
     counts = {"items": len(mission.items), "fence": len(mission.fence), "rally": len(mission.rally)}
     words = [f"{_counted(counts)} on {_name(vehicle)}, read back and equal", *notes(remarks)]
-    about = counts | {"remarks": list(remarks), "written": on_link.written(default_log)}
-    _report(how.as_json, vehicle, about, words)
+    result = counts | {"remarks": list(remarks), "written": on_link.written(default_log)}
+    _report(options.as_json, vehicle, result, words)
 
 
 @dataclass
@@ -183,8 +183,8 @@ def clear(changes: ChangesMade, link: LinkOption, on_link: LinkOptions, as_json:
     after = "the vehicle's lists are deleted"
     with connect_to(link, on_link, None) as vehicle, changes.reporting(words, "repeat the command", after):
         vehicle.clear(MissionType.ALL)
-    about = {"cleared": ["mission", "fence", "rally"], "written": on_link.written(None)}
-    _report(as_json, vehicle, about, [f"{_name(vehicle)} has no mission, fence or rally points now"])
+    result = {"cleared": ["mission", "fence", "rally"], "written": on_link.written(None)}
+    _report(as_json, vehicle, result, [f"{_name(vehicle)} has no mission, fence or rally points now"])
 
 
 @interruptible
@@ -206,9 +206,9 @@ def set_current(
         vehicle.set_current(item - 1)
     state = vehicle.state
     goes_on = bool(state.armed) and vehicle.mode == vehicle.autopilot.modes.name(vehicle.autopilot.modes.mission)
-    about = {"current": item, "goes_on": goes_on, "mode": vehicle.mode, "armed": state.armed}
+    result = {"current": item, "goes_on": goes_on, "mode": vehicle.mode, "armed": state.armed}
     words = f"{_name(vehicle)} continues with item {item}" if goes_on else f"item {item} is the next one; {state}"
-    _report(as_json, vehicle, about | {"written": on_link.written(None)}, [words])
+    _report(as_json, vehicle, result | {"written": on_link.written(None)}, [words])
 
 
 @interruptible
@@ -285,8 +285,8 @@ def _order(changes: ChangesMade, link: str, on_link: LinkOptions, as_json: bool,
         }[does]
         with changes.reporting("the vehicle may have received the order", after=f"the vehicle {done}"):
             order()
-    about = {"does": does, "mode": vehicle.mode, "written": on_link.written(None)}
-    _report(as_json, vehicle, about, [f"{_name(vehicle)} {done}, in {vehicle.mode}"])
+    result = {"does": does, "mode": vehicle.mode, "written": on_link.written(None)}
+    _report(as_json, vehicle, result, [f"{_name(vehicle)} {done}, in {vehicle.mode}"])
 
 
 def _counted(counts: dict[str, int]) -> str:
@@ -301,15 +301,15 @@ def _name(vehicle: "Vehicle") -> str:
 
 
 def _report(
-    as_json: bool, vehicle: "Vehicle", about: dict[str, Any], words: list[str], log: list[str] | None = None
+    as_json: bool, vehicle: "Vehicle", result: dict[str, Any], words: list[str], log: list[str] | None = None
 ) -> None:
     """Print the result as JSON, or in words with the written files (`log`: some)."""
     if as_json:
         version = vehicle.version_heard
         who = {"system": vehicle.system, "autopilot": str(vehicle.autopilot)}
-        print_json(who | {"firmware_version": str(version) if version else None} | about)
+        print_json(who | {"firmware_version": str(version) if version else None} | result)
     else:
-        print_lines(*words, *(f"written: {path}" for path in (about["written"] if log is None else log)))
+        print_lines(*words, *(f"written: {path}" for path in (result["written"] if log is None else log)))
 
 
 def _in_words(row: Mapping[str, object]) -> str:

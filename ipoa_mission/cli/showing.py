@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from ipoa_mission.report.table import Row
 
 
-def show(file: FileArgument, how: WorldOptions, as_json: JsonOption = False) -> None:
+def show(file: FileArgument, options: WorldOptions, as_json: JsonOption = False) -> None:
     """Print a mission as a table: leg length, heading, climb, height, and the time of each item.
 
     Example: `ipoa-mission show campus.plan --scenario missions/campus.toml`
@@ -32,7 +32,7 @@ def show(file: FileArgument, how: WorldOptions, as_json: JsonOption = False) -> 
     from ipoa_mission.report.table import rows_of
     from ipoa_mission.unread import unread_as_json
 
-    requested, forecast, world = read_forecast(file, how)
+    requested, forecast, world = read_forecast(file, options)
     mission = forecast.mission
     rows = rows_of(forecast)
     errors = refusals(mission)
@@ -109,7 +109,7 @@ def export(
         Path,
         typer.Argument(metavar="TARGET", help="File in the format of its suffix, like .kml; - is standard output."),
     ],
-    how: ExportOptions,
+    options: ExportOptions,
 ) -> None:
     """Write a mission for other programs, like KML, or as the other mission format.
 
@@ -122,27 +122,27 @@ def export(
     from ipoa_mission.terminal import expect_free
 
     to_output = target == Path("-")
-    if to_output != (how.form is not None) or (to_output and how.as_json):
+    if to_output != (options.form is not None) or (to_output and options.as_json):
         raise OptionConflict("belongs to TARGET -, and excludes --json", hint="like - --format kml", place="--format")
-    suffix = target.suffix.lower() if how.form is None else f".{how.form.lower()}"
+    suffix = target.suffix.lower() if options.form is None else f".{options.form.lower()}"
     suffixes = (*EXPORTS, *MISSIONS)
     if suffix not in suffixes:
         raise WrongSuffix(f'expected a name that ends in {", ".join(suffixes)}, not in "{suffix}"', place=target)
-    read = read_by_items(file, read_mission_file(file, how.autopilot))
-    world = read_world(how.scenario)
+    read = read_by_items(file, read_mission_file(file, options.autopilot))
+    world = read_world(options.scenario)
     if to_output:
         if suffix in MISSIONS:
             sys.stdout.write(mission_text(read.mission, suffix, read))
         else:
             sys.stdout.write(forecast_text(Forecast(read.mission, world), suffix, file.stem))
         return
-    expect_free([target], how.force, ask=not how.as_json)
+    expect_free([target], options.force, ask=not options.as_json)
     remarks = taken_for(read)
     if suffix in MISSIONS:
         remarks += write_mission(read.mission, target, read)
     else:
         write_export(read.mission, target, world)
-    if how.as_json:
+    if options.as_json:
         print_json({"written": str(target), "remarks": list(remarks)})
     else:
         print_lines(f"written: {target}", *notes(remarks))
