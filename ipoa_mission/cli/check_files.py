@@ -40,7 +40,7 @@ def missions_in(paths: Iterable[Path]) -> list[Path]:
 
 @dataclass(frozen=True)
 class CheckedFile:
-    """The findings; without a forecast the file could not be read, without a `guarantee` its flight is unknown."""
+    """The findings; without a forecast the file could not be read."""
 
     file: Path
     findings: tuple[Finding, ...]
@@ -107,7 +107,7 @@ class CheckedFile:
 
 
 def check_file(file: Path, options: ContingencyOptions, world: "Scenario | None", anyway: bool) -> CheckedFile:
-    """Check a mission file; `anyway` accepts any class of vehicle. Raises BadInput."""
+    """`anyway` accepts any class of vehicle."""
     requested = read_requested(file, options.flown_by, world=world)
     forecast = Forecast(requested.mission, world)
     world = forecast.scenario

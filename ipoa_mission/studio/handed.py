@@ -54,7 +54,6 @@ def mission_over(name: str, forecast: Forecast, warnings: Sequence[Finding]) -> 
 
 
 def _digest(mission: Mission, proof: object) -> str:
-    """Return ten digits of mission and `proof` (JSON values)."""
     content = repr((mission.home, mission.items, mission.fence, mission.rally, sorted(mission.parameters.items())))
     text = f"{mission.autopilot} {content} {json.dumps(proof, sort_keys=True)}"
     return hashlib.sha256(text.encode()).hexdigest()[:10]

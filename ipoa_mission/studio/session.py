@@ -32,8 +32,6 @@ Work: TypeAlias = Callable[[], Coroutine[Any, Any, object]]
 
 @dataclass(eq=False)
 class Session:
-    """`world` and `log`: scenario and log of a mission."""
-
     path: Path
     seed: int = 0
     open_file: OpenFile | None = None

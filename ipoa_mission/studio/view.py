@@ -47,7 +47,6 @@ def world_of(scenario: Scenario) -> World:
 
 
 def corners_of(frame: LocalFrame, lower: Sequence[float], upper: Sequence[float]) -> tuple[LngLat, ...]:
-    """Return the corners of a local box [m] from the south-west one on."""
     (west, south), (east, north) = lower, upper
     return on_map(frame, np.array([(west, south), (east, south), (east, north), (west, north)]))
 
@@ -61,7 +60,6 @@ def on_map(frame: LocalFrame, points: NDArray[np.float64]) -> tuple[LngLat, ...]
 
 
 def rings_of(frame: LocalFrame, polygon: Any) -> tuple[tuple[LngLat, ...], ...]:
-    """Return the rings of a local polygon, the outer one first."""
     return tuple(on_map(frame, shapely.get_coordinates(ring)) for ring in (polygon.exterior, *polygon.interiors))
 
 
