@@ -2,6 +2,7 @@
 
 import io
 import json
+import math
 import os
 import re
 import sys
@@ -48,7 +49,11 @@ def print_json(result: Any, indent: int | None = 2) -> None:
 def picked(thing: object, *names: str, digits: int = 3) -> dict[str, Any]:
     """Return some attributes by name, floats rounded."""
     values = {name: getattr(thing, name) for name in names}
-    return {name: round(value, digits) if isinstance(value, float) else value for name, value in values.items()}
+    return {name: round_finite(value, digits) if isinstance(value, float) else value for name, value in values.items()}
+
+
+def round_finite(value: float, digits: int) -> float | None:
+    return round(value, digits) if math.isfinite(value) else None  # JSON has no NaN
 
 
 def print_table(title: str, columns: Sequence[str], rows: Sequence[tuple[str, ...]]) -> None:

@@ -11,7 +11,7 @@ from ipoa_mission.centimeters import floor_cm
 from ipoa_mission.cli.groups import FlownByOptions
 from ipoa_mission.errors import BadInput, LogUseless, MissionError, OptionConflict
 from ipoa_mission.options import ForceOption, JsonOption, LogSystemOption, ScenarioOption, expect_mission
-from ipoa_mission.terminal import notes, picked, print_json, print_lines, print_table
+from ipoa_mission.terminal import notes, picked, print_json, print_lines, print_table, round_finite
 
 if TYPE_CHECKING:
     from ipoa_mission.flight.post_flight import FlownClearance
@@ -197,7 +197,9 @@ def _draw(compared: "ComparedFlight", picture: Path, title: str) -> None:
 
 def _as_json(row: _Row) -> dict[str, Any]:
     result: dict[str, Any] = {"flight": row.number, **picked(row.flight, "armed_s", "in_mission")}
-    result |= {"flown_s": _known(row.record.total_s)} if row.compared is None else _compared_as_json(row.compared)
+    result |= (
+        {"flown_s": round_finite(row.record.total_s, 4)} if row.compared is None else _compared_as_json(row.compared)
+    )
     if row.clearance is not None:
         result["clearance"] = _clearance_as_json(row.clearance)
     return result
@@ -221,9 +223,9 @@ def _compared_as_json(compared: "ComparedFlight") -> dict[str, Any]:
     return {
         **picked(compared.record, "completed", "why_not"),
         "estimated_s": round(times.estimated_total_s, 3),
-        "flown_s": _known(times.flown_total_s),
-        "route_error": _known(times.route_error),
-        "total_error": _known(times.total_error),
+        "flown_s": round_finite(times.flown_total_s, 4),
+        "route_error": round_finite(times.route_error, 4),
+        "total_error": round_finite(times.total_error, 4),
         "legs": [
             picked(leg, "seq", "estimated_s", "flown_s") | {"done_s": round(leg.flown_done_s, 3)} for leg in times.legs
         ],
@@ -280,7 +282,3 @@ def _cells(row: _Row) -> tuple[str, ...]:
 
 def _seconds(value: float) -> str:
     return f"{value:.1f}" if math.isfinite(value) else ""
-
-
-def _known(value: float) -> float | None:
-    return round(value, 4) if math.isfinite(value) else None

@@ -13,7 +13,7 @@ from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.link.messages import Message, Position
 from ipoa_mission.link.vehicle import Vehicle
 from ipoa_mission.progress import Progress
-from ipoa_mission.terminal import picked, print_lines, print_table
+from ipoa_mission.terminal import picked, print_lines, print_table, round_finite
 
 CELL = {Grade.CLEAR: "yes", Grade.POSSIBLY_UNCLEAR: "perhaps", Grade.UNCLEAR: "NO", Grade.UNKNOWN: "?"}
 
@@ -28,16 +28,14 @@ def contingencies_as_json(forecast: Forecast, is_known: bool) -> dict[str, Any]:
 
 
 def _row(row: ContingencyRow) -> dict[str, Any]:
-    lands = None if row.lands is None else {"east": _rounded(row.lands[0]), "north": _rounded(row.lands[1])}
+    lands = None
+    if row.lands is not None:
+        lands = {"east": round_finite(row.lands[0], 2), "north": round_finite(row.lands[1], 2)}
     return {
         "contingency": str(row.contingency),
-        "from_s": _rounded(row.from_s),
-        "to_s": _rounded(row.to_s),
-        "clear": row.clear,
+        **picked(row, "from_s", "to_s", "clear", digits=2),
         "grade": str(row.grade),
-        "least_m": _rounded(row.least_m),
-        "required_m": _rounded(row.required_m),
-        **picked(row, "to", "goal"),
+        **picked(row, "least_m", "required_m", "to", "goal", digits=2),
         "touches_s": _between(row.touches_s),
         "duration_s": _between(row.duration_s),
         "why_untimed": row.why_untimed or None,
@@ -96,11 +94,7 @@ def _cells(row: ContingencyRow) -> tuple[str, ...]:
 
 
 def _between(both: tuple[float, float] | None) -> list[float | None] | None:
-    return None if both is None else [*map(_rounded, both)]
-
-
-def _rounded(value: float) -> float | None:
-    return round(value, 2) if math.isfinite(value) else None
+    return None if both is None else [round_finite(value, 2) for value in both]
 
 
 @dataclass
