@@ -53,7 +53,7 @@ def picked(thing: object, *names: str, digits: int = 3) -> dict[str, Any]:
 
 
 def round_finite(value: float, digits: int) -> float | None:
-    return round(value, digits) if math.isfinite(value) else None  # JSON has no NaN
+    return round(value, digits) if math.isfinite(value) else None
 
 
 def print_table(title: str, columns: Sequence[str], rows: Sequence[tuple[str, ...]]) -> None:

@@ -1,6 +1,5 @@
 """An open mission on the page, and its findings."""
 
-import math
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
@@ -24,7 +23,7 @@ from ipoa_mission.studio.dropped import fences_of
 from ipoa_mission.studio.flight_answers import Checked, ItemField, ItemKind, MissionItem, OpenMission
 from ipoa_mission.studio.plan_answers import UNKNOWN_EXTENT
 from ipoa_mission.studio.view import corners_of, degree_of, fence_of, without_folders, world_of
-from ipoa_mission.studio.vocabulary import Number
+from ipoa_mission.terminal import round_finite
 
 #: Label and unit by command and param; others are shown if not zero.
 FIELDS: Mapping[int, Mapping[int, tuple[str, str]]] = {
@@ -110,15 +109,11 @@ def _item(seq: int, item: Item, mission: Mission, part: range | None) -> Mission
         command=item.command,
         words=item_words(item),
         frame=item.frame,
-        values=tuple(map(_known, values_of(item))),
+        values=tuple(round_finite(value, 9) for value in values_of(item)),
         place=(round(item.longitude_deg, 7), round(item.latitude_deg, 7)) if on_it else None,
-        up=_known(mission.altitude_above_home(item)) if placed else None,
+        up=round_finite(mission.altitude_above_home(item), 9) if placed else None,
         part_of=None if part is None else (part.start, part.stop - 1),
     )
-
-
-def _known(value: float) -> Number:
-    return round(value, 9) if math.isfinite(value) else None
 
 
 def mission_world(forecast: Forecast) -> answers.World:

@@ -1,7 +1,6 @@
 """The planner process: each function is a job."""
 
 import copy
-import math
 import time
 from collections.abc import Mapping
 from functools import lru_cache
@@ -40,6 +39,7 @@ from ipoa_mission.studio.survey_view import area_of, coarse_survey, planned_surv
 from ipoa_mission.studio.view import line_of, world_of
 from ipoa_mission.survey.survey_flight import Survey, plan_survey
 from ipoa_mission.survey.survey_task import sketch_survey
+from ipoa_mission.terminal import round_finite
 
 CHANGES: TypeAdapter[tuple[Change, ...]] = TypeAdapter(tuple[Change, ...])
 
@@ -239,7 +239,7 @@ def replayed(log: Path, forecast: Forecast) -> Replay:
         times=tuple(track.times[shown].round(2).tolist()),
         items=compared.legs,
         estimated_s=round(compared.estimated_total_s, 1),
-        flown_s=round(compared.flown_total_s, 1) if math.isfinite(compared.flown_total_s) else None,
+        flown_s=round_finite(compared.flown_total_s, 1),
         remarks=(*flown.remarks, *several),
     )
 
