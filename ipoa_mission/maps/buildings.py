@@ -45,7 +45,7 @@ HEIGHTENING = (Means.TOP, Means.LEVELS, Means.MAX_LEVEL, Means.HUB, Means.ROOF, 
 def name_for_pilot(feature: Feature, shape: Any) -> str:
     """Name a feature for a pilot: by name or address, else by kind, position and number; `shape` is east, north [m].
 
-    >>> called(Feature("town.geojson: features[3]", None, {"natural": "tree"}), shapely.Point(30.0, 30.0))
+    >>> name_for_pilot(Feature("town.geojson: features[3]", None, {"natural": "tree"}), shapely.Point(30.0, 30.0))
     'tree 42 m NE of home (features[3])'
     """
     tags = feature.tags
