@@ -70,9 +70,8 @@ def messages_from(
     messages = []
     until = line.now() + seconds
     while line.now() < until:
-        for heard in line.overhear(until):
-            if heard.system == system:
-                messages.append(as_pymavlink(heard.raw))
-                if heard.message is not None and line.is_for_us(heard):
-                    note(heard.message)
+        for heard in [frame for frame in line.overhear(until) if frame.system == system]:
+            messages.append(as_pymavlink(heard.raw))
+            if heard.message is not None and line.is_for_us(heard):
+                note(heard.message)
     return [message for message in messages if not names or message.get_type() in names]
