@@ -21,8 +21,7 @@ from ipoa_mission.geometry import GRAVITY, Points, Vector
 from ipoa_mission.wind import CALM, Wind
 
 
-@dataclass(frozen=True)
-class PowerCurve:
+class PowerCurve(NamedTuple):
     """Power [W] = hover + square v^2 + cube v^3 + climb w, or + descent w in a descent, by airspeed v."""
 
     hover_w: float

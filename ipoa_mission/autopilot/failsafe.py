@@ -4,6 +4,7 @@ import math
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from enum import StrEnum
+from typing import NamedTuple
 
 from ipoa_mission.autopilot.parameters import Parameters
 from ipoa_mission.autopilot.returning import Contingency, FlightStage
@@ -102,8 +103,7 @@ class Failsafe:
         return self.differs.get(stage, self.action)
 
 
-@dataclass(frozen=True)
-class StationLoss:
+class StationLoss(NamedTuple):
     """Parameters of a lost ground station; a tuple lists names of one parameter."""
 
     timeout: str  # of its silence [s]
@@ -132,8 +132,7 @@ def order_rules(*contingencies: Contingency) -> tuple[FailsafeRule, ...]:
     return tuple(FailsafeRule(Cause.BY_HAND, other=FailsafeAction(contingency)) for contingency in contingencies)
 
 
-@dataclass(frozen=True)
-class FailsafeProfile:
+class FailsafeProfile(NamedTuple):
     """A vehicle's rules, and the function that resolves them by parameters of older names; `station_loss`: if known."""
 
     rules: tuple[FailsafeRule, ...] = ()
@@ -147,16 +146,14 @@ class FailsafeProfile:
         return frozenset((*of_rules, *self.further_parameters))
 
 
-@dataclass(frozen=True)
-class FenceLimit:
+class FenceLimit(NamedTuple):
     """A limit [m] and its parameter; infinite: none."""
 
     name: str
     value: float
 
 
-@dataclass(frozen=True)
-class OwnFence:
+class OwnFence(NamedTuple):
     """Distance from home, and heights between take-off and landing [m]."""
 
     radius: FenceLimit

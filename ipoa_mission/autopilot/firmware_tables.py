@@ -16,7 +16,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Any, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 from ipoa_mission.autopilot.commands import Command, Frame
 from ipoa_mission.autopilot.guidance_profile import JumpProfile
@@ -154,8 +154,7 @@ POLYGON = frozenset({Command.NAV_FENCE_POLYGON_VERTEX_INCLUSION, Command.NAV_FEN
 PARAM_NAMES = ("param1", "param2", "param3", "param4", "latitude", "longitude", "altitude")
 
 
-@dataclass(frozen=True)
-class Refused:
+class Refused(NamedTuple):
     """MAV_MISSION_RESULT, number of the wrong value or 0, reason."""
 
     result: str
@@ -166,8 +165,7 @@ class Refused:
 Refusal: TypeAlias = Callable[[Firmware, int, int, Sequence[float]], Refused | None]
 
 
-@dataclass(frozen=True)
-class Refusals:
+class Refusals(NamedTuple):
     """Checks of each list; `mission` takes the number of items on the wire."""
 
     mission: Callable[[Firmware, int, int, Sequence[float], int], Refused | None]

@@ -8,8 +8,7 @@ from typing import NamedTuple
 from ipoa_mission.autopilot.commands import JUMPS, Command
 
 
-@dataclass(frozen=True)
-class ArmingWords:
+class ArmingWords(NamedTuple):
     """Patterns of an autopilot's arming texts."""
 
     begin: re.Pattern[str]  # prefix of each reason
@@ -30,8 +29,7 @@ class WaypointDefaults(NamedTuple):
     radius: float = 0.0
 
 
-@dataclass(frozen=True)
-class GuidanceProfile:
+class GuidanceProfile(NamedTuple):
     """Properties of one autopilot's mission mode."""
 
     flown_on_into: Set[int]  # it enters these without a stop after a waypoint, unlike other navigation commands
@@ -76,8 +74,7 @@ class JumpProfile:
     queues_actions: bool = False
 
 
-@dataclass(frozen=True)
-class ProtocolProfile:
+class ProtocolProfile(NamedTuple):
     #: A transfer deletes the old mission or rally points first; a fence is replaced at its end.
     forgets_at_count: bool = False
     judges_later: bool = False  # may report the stored mission unflyable after its Ack
@@ -98,8 +95,7 @@ def mode_number(main: int, sub: int = 0) -> int:
     return main << 16 | sub << 24
 
 
-@dataclass(frozen=True)
-class Modes:
+class Modes(NamedTuple):
     """Custom modes of one autopilot."""
 
     mission: int

@@ -6,9 +6,8 @@ would take precedence.
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 from enum import StrEnum
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from ipoa_mission.autopilot.parameters import Parameters, ParameterTable
 from ipoa_mission.autopilot.version import Version
@@ -57,16 +56,14 @@ class ReturnBy(StrEnum):
     LAND_IN_PLACE = "here"
 
 
-@dataclass(frozen=True)
-class ReturnRoute:
+class ReturnRoute(NamedTuple):
     """A route and its rally point; None: home, or as `by` says."""
 
     by: ReturnBy
     rally: int | None = None
 
 
-@dataclass(frozen=True)
-class MissionLanding:
+class MissionLanding(NamedTuple):
     """Place of the LAND item, and the items on the way to it."""
 
     place: "Place"
@@ -74,8 +71,7 @@ class MissionLanding:
     behind: int  # from the first item to the current one
 
 
-@dataclass(frozen=True)
-class ReturnOrder:
+class ReturnOrder(NamedTuple):
     """An order to return from `here`, with the rally points aboard and the mission's landing."""
 
     here: "Place"
@@ -84,8 +80,7 @@ class ReturnOrder:
     version: Version | None = None
 
 
-@dataclass(frozen=True)
-class OverTerrain:
+class OverTerrain(NamedTuple):
     margin: float  # of the height [m]
     always_over_terrain: bool  # it never falls back to heights above home
 
@@ -94,8 +89,7 @@ SLOWEST = 0.05  # [m/s]
 HEIGHT_UNCERTAINTY = 2.0  # of heights and terrain maps; least slow stretch [m]
 
 
-@dataclass(frozen=True)
-class SlowedBy:
+class SlowedBy(NamedTuple):
     """Parameters of LAND's slow stretch."""
 
     names: tuple[str, ...]
@@ -110,8 +104,7 @@ class SlowedBy:
         return {name: round(min(p[name] * self.unit + higher, self.most) / self.unit, 6) for name in self.names}
 
 
-@dataclass(frozen=True)
-class SlowStretch:
+class SlowStretch(NamedTuple):
     """LAND's slowing from `descent` to `landing` speed."""
 
     landing: float  # [m/s]

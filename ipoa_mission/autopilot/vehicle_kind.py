@@ -1,6 +1,6 @@
 """Firmware and class of a vehicle, by MAV_AUTOPILOT and MAV_TYPE."""
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from ipoa_mission.autopilot.autopilot import Autopilot, autopilot_of, default_autopilot, registered
 
@@ -35,8 +35,7 @@ def with_article(name: str) -> str:
     return f"{'an' if name[0] in 'AEIOaeio' else 'a'} {name}"
 
 
-@dataclass(frozen=True)
-class VehicleKind:
+class VehicleKind(NamedTuple):
     """Firmware (MAV_AUTOPILOT) and class (MAV_TYPE).
 
     >>> from ipoa_mission.autopilot.vehicle_kind import QUADROTOR
