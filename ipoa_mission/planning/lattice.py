@@ -7,7 +7,7 @@ passages. For narrow gaps, a node moves within its cell.
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from itertools import pairwise
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import shapely
@@ -73,8 +73,7 @@ def _outlines(airspace: Airspace, distance: float) -> tuple[NDArray[np.object_],
     return np.array(shapes), radii, required, np.column_stack([base, top])
 
 
-@dataclass(frozen=True)
-class LatticeStrategy:
+class LatticeStrategy(NamedTuple):
     nodes: int = 100_000
     max_nodes_per_side: int = 200
     max_levels: int = 60  # without limited climbs
@@ -88,8 +87,7 @@ class LatticeStrategy:
     max_control_points: int = 80
 
 
-@dataclass(frozen=True)
-class LatticeDetails:
+class LatticeDetails(NamedTuple):
     """Fixed numbers of the lattice; `LatticeStrategy` has those that vary."""
 
     max_control_points: int = 500

@@ -4,8 +4,8 @@ In plan view, obstacles as high as the airspace, grown by their required distanc
 not. The gap that opens first is the widest.
 """
 
-from dataclasses import dataclass
 from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 import shapely
@@ -25,8 +25,7 @@ SHARE_TOLERANCE = 1e-5  # of the required distance
 DISTANCE_TOLERANCE = 1e-2  # [m]
 
 
-@dataclass(frozen=True)
-class Closure:
+class Closure(NamedTuple):
     """A closure at `place` (east, north): two `names` that leave `width` of `needed` [m].
 
     Without any gap, `names` are all around.

@@ -1,6 +1,6 @@
 """A quick, unsearched path for interactive editing."""
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from threadpoolctl import threadpool_limits
 
@@ -18,8 +18,7 @@ MAX_PROVED = 2  # before one is chosen
 CONTROL_POINTS = 24
 
 
-@dataclass(frozen=True)
-class Sketch:
+class Sketch(NamedTuple):
     """A path, its proof, and other candidate routes."""
 
     curve: Spline

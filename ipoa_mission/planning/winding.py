@@ -3,8 +3,8 @@
 A steep piece is replaced by turns of a sheared helix on an ellipse.
 """
 
-from dataclasses import dataclass
 from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,8 +13,7 @@ from ipoa_mission.geometry import Points, Vector, leg_lengths
 from ipoa_mission.planning.problem import PreparedProblem, via_indices
 
 
-@dataclass(frozen=True)
-class LoopShape:
+class LoopShape(NamedTuple):
     """Loops that are tried, and their slopes."""
 
     turns: tuple[int, ...] = (1, 2, 3, 4, 5, 6, 8, 10, 13, 17, 22, 30, 40, 55)

@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
 from heapq import heapify, heappop, heappush
 from typing import NamedTuple
 
@@ -202,8 +201,7 @@ def _least_squares(system: Points, wanted: Vector, room: float) -> Vector:
 NEAREST = 0.1  # between two waypoints [m]
 
 
-@dataclass(frozen=True)
-class RouteGrid:
+class RouteGrid(NamedTuple):
     """Waypoint choices within `tolerance`."""
 
     straight_shares: tuple[float, ...] = (1.0, 0.6, 0.3, 0.1)  # of the tolerance
@@ -257,8 +255,7 @@ def _splines(curve: Spline, scenario: Scenario) -> Iterator[Route]:
                     yield Route(points, spline=True, brakes_on_curve=on_curve)
 
 
-@dataclass(frozen=True)
-class RouteSearch:
+class RouteSearch(NamedTuple):
     starts: int = 2  # routes to improve
     most_behind: float = 1.06  # of the second start's time to the first's
     trials: int = 36

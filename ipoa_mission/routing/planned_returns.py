@@ -5,7 +5,8 @@ Values named in the scenario stay.
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -155,8 +156,7 @@ def _lands_on(forecast: Forecast) -> Iterator[str]:
         )
 
 
-@dataclass(frozen=True)
-class RallyEffort:
+class RallyEffort(NamedTuple):
     """Candidate places of rally points."""
 
     max_points: int = 4

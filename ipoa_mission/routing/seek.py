@@ -4,7 +4,7 @@ The way home is planned as a leg if the straight RTL is not clear.
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import islice
 from typing import NamedTuple
 
@@ -34,8 +34,7 @@ class Margin(NamedTuple):
 MARGINS = (Margin(0.5, False, 0.9), Margin(0.5, False, 9.0), Margin(4.0, False, 9.0), Margin(0.5, True, 0.9))
 
 
-@dataclass(frozen=True)
-class SeekEffort:
+class SeekEffort(NamedTuple):
     hopeless_slack: float = -0.15  # [m]
     max_moves: int = 4  # of a path
     max_vain_moves: int = 2  # in a row with little gain
@@ -129,8 +128,7 @@ def seek(scenario: Scenario, seed: int, progress: Progress, plans: int = EFFORT.
     return nearest
 
 
-@dataclass(frozen=True)
-class _Margins:
+class _Margins(NamedTuple):
     """`world` has enlarged obstacles; `growth` is added where an attempt is too near."""
 
     world: PathTask
