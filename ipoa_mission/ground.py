@@ -1,7 +1,7 @@
 """Heights of the ground over a terrain."""
 
 from dataclasses import dataclass
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -49,8 +49,7 @@ class Ground:
 LEVEL = Ground()
 
 
-@dataclass(frozen=True)
-class HighPlace:
+class HighPlace(NamedTuple):
     """Ground at `level` [m] nearer to a place (east, north) than to home."""
 
     place: tuple[float, float]

@@ -2,10 +2,9 @@
 
 import json
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from ipoa_mission.checks.check import check as check_forecast
 from ipoa_mission.checks.check import guarantee_if_flown
@@ -38,8 +37,7 @@ def missions_in(paths: Iterable[Path]) -> list[Path]:
     return list(missions)
 
 
-@dataclass(frozen=True)
-class CheckedFile:
+class CheckedFile(NamedTuple):
     """The findings; without a forecast the file could not be read."""
 
     file: Path

@@ -2,7 +2,7 @@ import logging
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.autopilot.known_parameters import expect_own
@@ -49,8 +49,7 @@ class Job:
         return (self.begun or self.forecast).estimate
 
 
-@dataclass(frozen=True)
-class FlownJob:
+class FlownJob(NamedTuple):
     job: Job
     remarks: tuple[str, ...]
     record: FlightRecord

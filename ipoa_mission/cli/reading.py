@@ -1,7 +1,7 @@
 from collections.abc import Iterable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.cli.groups import FlownByOptions, WorldOptions
@@ -19,8 +19,7 @@ if TYPE_CHECKING:
     from ipoa_mission.wind import Wind
 
 
-@dataclass(frozen=True)
-class RequestedMission:
+class RequestedMission(NamedTuple):
     """The mission on the requested vehicle; `planned`: the NAME.json written with it, and its time [s]."""
 
     mission: Mission

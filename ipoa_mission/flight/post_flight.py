@@ -1,7 +1,7 @@
 """Compare a flight with its plan: clearance, and landing place."""
 
 import math
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -49,8 +49,7 @@ def landed_elsewhere(forecast: Forecast, record: FlightRecord) -> tuple[str, ...
     )
 
 
-@dataclass(frozen=True)
-class FlownClearance:
+class FlownClearance(NamedTuple):
     """The smallest clearance of a flight, and the planned one [m].
 
     `least` has the smallest slack, east, north, up of home.

@@ -1,7 +1,6 @@
 """Compare samples of a flight with its forecast: outside its corridor, past an item, or late."""
 
 import math
-from dataclasses import dataclass
 from functools import cache
 from typing import NamedTuple
 
@@ -18,8 +17,7 @@ from ipoa_mission.geometry import Points, Vector, arc_lengths
 from ipoa_mission.mission.flight_record import Deviation, DeviationKind
 
 
-@dataclass(frozen=True)
-class ConformanceLimits:
+class ConformanceLimits(NamedTuple):
     """The limits of a deviation, beyond the deviation bound, and how long it lasts."""
 
     margin_factor: float = 2.0  # of the bound, added to it

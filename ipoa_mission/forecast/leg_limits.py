@@ -1,8 +1,7 @@
 """Compare legs with a scenario's limits, and landings with the ground at home."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -31,8 +30,7 @@ def broken_limits(leg: Leg, scenario: "Scenario") -> "list[Check]":
     return [c for c in checks if c.limit in limits and c.slack < -ROUNDING[c.unit]]
 
 
-@dataclass(frozen=True)
-class Landing:
+class Landing(NamedTuple):
     """`assumed_height`: the ground's height [m] over the level that LAND slows down above, without a range finder."""
 
     seq: int

@@ -2,9 +2,8 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Literal, TypeAlias
+from typing import Any, Literal, NamedTuple, TypeAlias
 
 import shapely
 
@@ -26,8 +25,7 @@ RESTRICTIONS: tuple[Restriction, ...] = ("PROHIBITED", "REQ_AUTHORISATION", "CON
 INACTIVE = Reason("not active in the hour of the flight", False)
 
 
-@dataclass(frozen=True)
-class MapArea:
+class MapArea(NamedTuple):
     """A valid polygon in east, north [m]."""
 
     name: str
@@ -36,8 +34,7 @@ class MapArea:
     upper: VerticalLimit | None = None
 
 
-@dataclass(frozen=True)
-class Zones:
+class Zones(NamedTuple):
     zones: tuple[MapArea, ...]
     passed_over: tuple[PassedOver, ...]
     remarks: tuple[str, ...]

@@ -3,9 +3,9 @@
 import math
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import shapely
 
@@ -82,8 +82,7 @@ def _kind(tags: Mapping[str, str]) -> str:
     return "building"
 
 
-@dataclass(frozen=True)
-class Buildings:
+class Buildings(NamedTuple):
     """Obstacles and passed-over features of a map; `features` were examined, `elsewhere` not."""
 
     obstacles: tuple[MapObstacle, ...]

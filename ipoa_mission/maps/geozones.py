@@ -113,8 +113,7 @@ def _time_tags(times: Any) -> Iterator[tuple[str, str]]:
         yield "limitedApplicability", json.dumps(times)
 
 
-@dataclass(frozen=True)
-class VerticalLimit:
+class VerticalLimit(NamedTuple):
     """A limit [m] above ground (`AGL`), mean sea level (`AMSL`) or ellipsoid (`WGS84`)."""
 
     height: float
@@ -181,8 +180,7 @@ def _is_number(text: str) -> bool:
         return False
 
 
-@dataclass(frozen=True)
-class Slot:
+class Slot(NamedTuple):
     """Seconds from midnight UTC on weekdays (0: Monday), maybe into the next day."""
 
     days: frozenset[int]
@@ -190,8 +188,7 @@ class Slot:
     end: float
 
 
-@dataclass(frozen=True)
-class Period:
+class Period(NamedTuple):
     begin: float = -math.inf
     end: float = math.inf
     slots: tuple[Slot, ...] = ()

@@ -3,9 +3,8 @@
 import math
 import re
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 from pathlib import Path
-from typing import TypeAlias
+from typing import NamedTuple, TypeAlias
 
 from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.autopilot.known_parameters import firmware_of, known_names
@@ -21,14 +20,12 @@ UNUSUAL_RATIO = 25.0  # ratio to the default that suggests another unit
 _Owner: TypeAlias = tuple[str, str]  # vehicle, component
 
 
-@dataclass(frozen=True)
-class ParameterFile:
+class ParameterFile(NamedTuple):
     parameters: Parameters
     unread: tuple[Unread, ...] = ()
 
 
-@dataclass(frozen=True)
-class _Row:
+class _Row(NamedTuple):
     line: int
     name: str
     value: float

@@ -4,7 +4,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Protocol, TypeAlias
+from typing import Any, NamedTuple, Protocol, TypeAlias
 
 import numpy as np
 import shapely
@@ -110,8 +110,7 @@ class Surroundings:
     remarks: tuple[str, ...]
 
 
-@dataclass(frozen=True)
-class _Zones:
+class _Zones(NamedTuple):
     no_fly: tuple[tuple[NoFlyMap, MapArea], ...]
     area: Any | None
     area_fenced: bool

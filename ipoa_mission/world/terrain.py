@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import ClassVar, Protocol, TypeAlias
+from typing import ClassVar, NamedTuple, Protocol, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -71,8 +71,7 @@ class Flat:
         return np.asarray(np.minimum(starts[:, 2], ends[:, 2]) - self.level)
 
 
-@dataclass(frozen=True)
-class SeaLevel:
+class SeaLevel(NamedTuple):
     """Constant height AMSL, which falls below home's plane.
 
     Height: `level` - `east_bend` east^2 - `north_bend` north^2 [1/m], within `reach` [m].
@@ -219,8 +218,7 @@ class Grid:
         return leg, np.clip((line - start[leg]) / (end - start)[leg], 0.0, 1.0)
 
 
-@dataclass(frozen=True)
-class Peak:
+class Peak(NamedTuple):
     """Gaussian mountain of eq. (2), wide `a` east and `b` north [m]."""
 
     height: float

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -20,8 +20,7 @@ HEIGHT_STEP, MAX_HEIGHT = 5, 500  # [m above home]
 SAG = 0.3  # below the set height of a return [m]
 
 
-@dataclass(frozen=True)
-class Shortfall:
+class Shortfall(NamedTuple):
     """A contingency too near to a body, ordered at a time [s], with its greatest missing distance [m].
 
     `number`: index of the obstacle, whose name another may have. `overhead`: above the climbing vehicle.

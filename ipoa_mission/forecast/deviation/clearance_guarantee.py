@@ -3,6 +3,7 @@
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,8 +23,7 @@ from ipoa_mission.world.airspace import Airspace, Clearance
 TAKEOFF_PART, LANDING_PART = "the take-off", "the ending"
 
 
-@dataclass(frozen=True)
-class KeptLimit:
+class KeptLimit(NamedTuple):
     """One limit in one part of the flight: predicted (`nominal`) and `guaranteed` distances [m], of a ceiling heights.
 
     `to` is the nearest thing. `part` is empty on the way, else "the take-off", "the ending", or a tight place, as

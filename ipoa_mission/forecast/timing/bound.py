@@ -6,6 +6,7 @@ Time-optimal path parametrisation in two passes (Bobrow et al.). Jerk counts onl
 
 import math
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -13,8 +14,7 @@ from ipoa_mission.errors import BadInput
 from ipoa_mission.geometry import Points, Vector, arc_lengths, leg_lengths
 
 
-@dataclass(frozen=True)
-class Kinematics:
+class Kinematics(NamedTuple):
     """Speeds level, up and down [m/s], acceleration along and across the path (an ellipse) and jerk."""
 
     speed: float

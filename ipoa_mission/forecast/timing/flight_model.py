@@ -3,7 +3,7 @@
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import ClassVar, Protocol
+from typing import ClassVar, NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,8 +19,7 @@ from ipoa_mission.mission.items import Mission
 from ipoa_mission.wind import CALM, Wind
 
 
-@dataclass(frozen=True)
-class Missed:
+class Missed(NamedTuple):
     """A waypoint that PX4 misses by height in this `share` of flights; turning back takes `cost_s`."""
 
     share: float
@@ -55,8 +54,7 @@ def corner_deg(before: Place, at: Place, after: Place) -> float:
     return turn_deg(before, at, after)
 
 
-@dataclass(frozen=True)
-class LegSpeeds:
+class LegSpeeds(NamedTuple):
     """Speeds of a leg [m/s], which say why it is slow."""
 
     planned: float | None  # peak; None where `curved`

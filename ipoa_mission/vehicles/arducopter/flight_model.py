@@ -2,8 +2,7 @@
 
 import math
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
-from typing import ClassVar
+from typing import ClassVar, NamedTuple
 
 import numpy as np
 
@@ -35,8 +34,7 @@ from ipoa_mission.vehicles.arducopter.vehicle import ARDUCOPTER
 from ipoa_mission.wind import Wind
 
 
-@dataclass(frozen=True)
-class TimeUncertainty:
+class TimeUncertainty(NamedTuple):
     """Half widths of the 90 % interval of times, as flown."""
 
     flight_s: float = 0.12

@@ -7,7 +7,7 @@ the mean and spread.
 import math
 from bisect import bisect_right
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
@@ -48,8 +48,7 @@ from ipoa_mission.vehicles.px4_multicopter.limits import LEAST_HOLD, px4_limits
 from ipoa_mission.wind import CALM, Wind
 
 
-@dataclass(frozen=True)
-class NoisyRuns:
+class NoisyRuns(NamedTuple):
     """Runs with sensor noise, and the uncertainty of their mean and of the model (docs/lab/flight-time.md)."""
 
     least: int = 3
