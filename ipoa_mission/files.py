@@ -14,7 +14,7 @@ from ipoa_mission.errors import Unreadable, Unwritable, WrongFormat
 
 MISSIONS = (".plan", ".waypoints")
 _records: list[list[Path]] = []  # of `recorded_writes`
-_entry_points = cache(entry_points)  # it reads the metadata of all installed packages
+_entry_points = cache(entry_points)  # slow
 
 
 def write_atomically(path: Path, content: str | bytes) -> None:
@@ -136,7 +136,6 @@ def packed(mission: str) -> Path:
 
 
 def plug_ins(group: str) -> EntryPoints:
-    """Return the entry points of the group `ipoa_mission.GROUP`."""
     return _entry_points().select(group=f"ipoa_mission.{group}")
 
 
