@@ -26,7 +26,7 @@ nothing-left nothing-there option-conflict other-autopilot other-item-current ot
 outside-own-fence package-missing page-not-built parameter-kept picture place-blocked read-back-differs replaced
 replaced-since ring-misplaced several-vehicles signs-otherwise silence speaks-mavlink1 stale start-not-reached
 streams-missing survey-too-long survey-too-low survey-too-near time-missing time-not-covered time-up too-large
-too-many-flights unfinished unflyable unknown-dialect unknown-name unknown-parameter unknown-version
+too-many-flights too-narrow unfinished unflyable unknown-dialect unknown-name unknown-parameter unknown-version
 unplaced unreachable unreadable unsafe unwritable upload-again walled-off way-home-blocked winds-absurd wrong-format
 wrong-suffix
 """

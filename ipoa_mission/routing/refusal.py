@@ -13,6 +13,7 @@ import numpy as np
 from ipoa_mission.centimeters import ceil_cm, floor_cm
 from ipoa_mission.errors import MissionError, Remedy
 from ipoa_mission.forecast.deviation.clearance_guarantee import KeptLimit
+from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.planning.obstruction import NoPath
 from ipoa_mission.planning.path_problem import place_names
 from ipoa_mission.routing.attempt import Attempt
@@ -20,6 +21,8 @@ from ipoa_mission.routing.build import items_of_waypoints
 from ipoa_mission.routing.planned_returns import other_options_hint, why_not_planned
 from ipoa_mission.routing.resample import Route
 from ipoa_mission.scenario import Scenario
+from ipoa_mission.world.airspace import Airspace
+from ipoa_mission.world.obstacles import Obstacle
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,18 +71,21 @@ def refusal(nearest: Attempt, trials: ChangeTrials) -> NoPath:
     east, north, height = tightest.place
     where = f"at east {east:.1f}, north {north:.1f}, up {height:.1f} m{_leg(nearest, tightest)}"
     if tightest.limit == "obstacles":
-        needed = tightest.required + tightest.nominal - tightest.guaranteed
-        words = f"{floor_cm(tightest.nominal):.2f} m from {tightest.to}, where it needs {ceil_cm(needed):.2f} m"
+        words = _gap(tightest, nearest.scenario.airspace)
     else:
         words = f"{tightest.to}, where {tightest.words(guarantee.confidence)}"
+    return too_few_flights(f"{words}, {where}", ", or add a via point that leads round", trials)
+
+
+def too_few_flights(words: str, otherwise: str, trials: ChangeTrials) -> NoPath:
     who = f"on {trials.scenario.vehicle.autopilot}"
     chance = trials.scenario.safety.chance
     if chance is None:
         why = f"a path exists, but flights {who} would leave its limits"
     else:
         why = f"a path exists, but fewer than {100 * (1 - chance):g} % of flights {who} would keep its limits"
-    helps, hint, remedies = _try_changes(", or add a via point that leads round", trials)
-    return NoPath(f"{why}: {words}, {where}; {helps}", hint=hint, remedies=remedies)
+    helps, hint, remedies = _try_changes(otherwise, trials)
+    return NoPath(f"{why}: {words}; {helps}", hint=hint, remedies=remedies)
 
 
 def _leg(nearest: Attempt, tightest: KeptLimit) -> str:
@@ -91,6 +97,45 @@ def _leg(nearest: Attempt, tightest: KeptLimit) -> str:
     names = place_names(nearest.scenario.places)
     leg = int(np.searchsorted(via_at, parameters[np.argmin(away)]))
     return f", on the leg from {names[leg]} to {names[leg + 1]}"
+
+
+def _gap(tightest: KeptLimit, airspace: Airspace) -> str:
+    place = np.array(tightest.place)
+    needed = tightest.required + tightest.nominal - tightest.guaranteed
+    width, opposite = _opposite(place, tightest.to, needed, airspace)
+    if opposite is not None and width < 2 * needed:
+        names = f"{tightest.to} and {opposite}"
+        return f"the gap between {names} is {floor_cm(width):.2f} m wide, and it needs {ceil_cm(2 * needed):.2f} m"
+    return f"{floor_cm(tightest.nominal):.2f} m from {tightest.to}, where it needs {ceil_cm(needed):.2f} m"
+
+
+def _opposite(place: Points, name: str, needed: float, airspace: Airspace) -> tuple[float, str | None]:
+    """Return the level distance [m] of an obstacle to the one on its other side, and the name of that, or None."""
+    import shapely
+
+    point = shapely.Point(place[:2])
+    bodies = [body for body, _, _ in airspace.near(place[None], 4 * needed)]
+    same_name = [body for body in bodies if body.name == name]
+    if not same_name:
+        return np.inf, None
+    tight = min(same_name, key=lambda body: float(body.distance(place[None])[0]))
+
+    def direction_to(body: Obstacle) -> Vector:
+        line = shapely.shortest_line(point, body.horizontal_shape)
+        return np.asarray(np.diff(shapely.get_coordinates(line), axis=0)[0])
+
+    ahead = direction_to(tight)
+    least_width = np.inf
+    opposite = None
+    max_cosine = -0.5  # between the directions to both sides of a gap
+    for body in bodies:
+        direction = direction_to(body)
+        lengths = float(np.linalg.norm(direction) * np.linalg.norm(ahead))
+        cosine = float(direction @ ahead) / max(lengths, 1e-9)
+        width = float(shapely.distance(body.horizontal_shape, tight.horizontal_shape))
+        if body is not tight and cosine <= max_cosine and width < least_width:
+            least_width, opposite = width, body.name
+    return least_width, opposite
 
 
 def _try_changes(otherwise: str, trials: ChangeTrials) -> tuple[str, str, tuple[Remedy, ...]]:

@@ -5,23 +5,65 @@ The way home is planned as a leg if the straight RTL is not clear.
 
 from collections.abc import Iterator
 from dataclasses import replace
-from itertools import islice
+from itertools import islice, pairwise
 from typing import NamedTuple
 
+from ipoa_mission.centimeters import ceil_cm, floor_cm
 from ipoa_mission.errors import MissionError
 from ipoa_mission.forecast.contingency.shortfalls import clear_in
-from ipoa_mission.forecast.deviation.kept_limits import clearance_task, with_margins
+from ipoa_mission.forecast.deviation.kept_limits import clearance_task, tight_places, with_margins
+from ipoa_mission.forecast.deviation.law import DeviationLaw, law_of
+from ipoa_mission.forecast.deviation.proximity import TYPICAL_CHANCE
 from ipoa_mission.forecast.leg_limits import broken_limits
-from ipoa_mission.planning.obstruction import NoPath, NotFound
-from ipoa_mission.planning.path_problem import PathTask
+from ipoa_mission.forecast.timing.track import THINNING_TOLERANCE
+from ipoa_mission.planning.obstruction import DISTANCE_TOLERANCE, NoPath, NotFound, find_closure
+from ipoa_mission.planning.path_problem import PathTask, place_names
 from ipoa_mission.planning.planner import Plan, move_aside, plan_path
+from ipoa_mission.planning.problem import prepare
 from ipoa_mission.progress import Progress, silent
 from ipoa_mission.routing.assemble import best_route, expect_mode, narrowed_route
 from ipoa_mission.routing.attempt import Attempt
 from ipoa_mission.routing.obstacle_growth import ObstacleGrowth, approximation_growth, initial_growth
-from ipoa_mission.routing.refusal import ChangeTrials, refusal, slowed_where_needed
+from ipoa_mission.routing.refusal import ChangeTrials, refusal, slowed_where_needed, too_few_flights
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.world.obstacles import Obstacle
+
+
+class TooNarrow(MissionError):
+    """Geometry alone shows that too few flights would keep the limits."""
+
+
+def expect_wide(scenario: Scenario) -> None:
+    """Raise TooNarrow if every way between given places leads through a gap below the least deviation bound."""
+    chance = scenario.safety.chance
+    law = law_of(scenario.vehicle.autopilot, scenario.wind.strongest)
+    if chance is None or not scenario.airspace.obstacles:
+        return
+    if tight_places(scenario, 2 * THINNING_TOLERANCE + law.lateral(chance)):
+        return  # less clearance is required there
+    more = least_reach(law, chance)
+    wider = scenario.model_copy(update={"safety_distance": scenario.safety_distance + more})
+    names = place_names(scenario.places)
+    problem = prepare(wider)
+    for places, (a, b) in zip(pairwise(names), pairwise(scenario.places), strict=True):
+        gap = find_closure(problem, a, b)
+        if gap is not None and gap.needed - 2 * more < gap.width < gap.needed - DISTANCE_TOLERANCE:
+            between = " and ".join(gap.names)
+            east, north = gap.place
+            sizes = f"{floor_cm(gap.width):.2f} m wide, and it needs {ceil_cm(gap.needed):.2f} m at least"
+            leg = f", on the leg from {places[0]} to {places[1]}" if len(names) > 2 else ""
+            raise TooNarrow(f"the gap between {between} is {sizes}, at east {east:.1f}, north {north:.1f} m{leg}")
+
+
+def least_reach(law: DeviationLaw, chance: float) -> float:
+    """Return the least extra distance next to an obstacle [m]; less above and below it."""
+    vertical = [spread.distance(TYPICAL_CHANCE) for spread in (law.down, law.up)]
+    facing = min(1.0, min(vertical) / law.level.distance(TYPICAL_CHANCE))
+    reach = [spread.distance(chance) for spread in (law.down, law.up, law.lowest, law.highest)]
+    reach.append(facing * law.level.distance(chance))
+    if law.farthest is not None:
+        reach.append(facing * law.farthest.distance(chance / 2))
+    return max(min(reach), 0.0)
 
 
 class Margin(NamedTuple):
@@ -64,10 +106,13 @@ def plan_with_margins(scenario: Scenario, seed: int, progress: Progress) -> Atte
 
 
 def _plan(scenario: Scenario, seed: int, progress: Progress) -> Attempt:
-    attempt = seek(scenario, seed, progress)
+    trials = ChangeTrials(scenario, lambda changed: _plan_once(changed, seed))
+    try:
+        attempt = seek(scenario, seed, progress)
+    except TooNarrow as error:
+        raise too_few_flights(str(error), ", or move the places of this leg", trials) from None
     if attempt.is_acceptable:
         return attempt
-    trials = ChangeTrials(scenario, lambda changed: _plan_once(changed, seed))
     slowed = slowed_where_needed(attempt, trials)
     if slowed is None:
         raise refusal(attempt, trials)
@@ -88,8 +133,10 @@ def seek(scenario: Scenario, seed: int, progress: Progress, plans: int = EFFORT.
     The next path is planned if the first lost time to its contingencies.
 
     Raises:
+        TooNarrow: no attempt can hold.
         NoPath, NoRoute, Unsafe, BadInput: as `plan_with_margins`.
     """
+    expect_wide(scenario)
     nearest: Attempt | None = None
     slow: Attempt | None = None
     planned = set[bytes]()
