@@ -102,7 +102,7 @@ def survey_bound(scenario: Scenario) -> DeviationBound:
     chance = scenario.safety.chance
     if chance is None:
         return NO_DEVIATION
-    law = law_of(scenario.vehicle.autopilot, scenario.wind.speed)
+    law = law_of(scenario.vehicle.autopilot, scenario.wind.strongest)
     bound = deviation_bound_of(law, chance)
     return DeviationBound(law.level.distance(chance / TIGHT_PLACES), bound.down, bound.up)
 

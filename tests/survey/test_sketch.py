@@ -1,3 +1,4 @@
+from collections.abc import Mapping
 from itertools import pairwise
 
 import numpy as np
@@ -10,7 +11,7 @@ from ipoa_mission.ground import Ground
 from ipoa_mission.planning.obstruction import NoPath
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.survey.flown_coverage import Overlaps, lines_of_tour, photo_places, smallest_overlaps
-from ipoa_mission.survey.survey_task import SurveySketch, sketch_survey
+from ipoa_mission.survey.survey_task import SurveySketch, sketch_survey, survey_bound
 from ipoa_mission.survey.tour import Tour
 from tests.refused import refuses
 
@@ -18,9 +19,11 @@ FIELD = [[[20.0, 10.0], [220.0, 10.0], [220.0, 160.0], [20.0, 160.0]], [[60, 40]
 HOME = {"latitude_deg": 47.3977, "longitude_deg": 8.5456, "altitude_amsl": 488.0}
 
 
-def scenario(**survey: object) -> Scenario:
-    asked = {"polygon": FIELD, "height_above_ground": 40.0, "direction_deg": 90.0} | survey
-    return Scenario.from_dict({"home": HOME, "survey": asked, "vehicle": {"cruise_speed": 8.0}})
+def scenario(*, wind: Mapping[str, object] | None = None, **survey: object) -> Scenario:
+    section = {"polygon": FIELD, "height_above_ground": 40.0, "direction_deg": 90.0} | survey
+    return Scenario.from_dict(
+        {"home": HOME, "survey": section, "vehicle": {"cruise_speed": 8.0}, "wind": dict(wind or {})}
+    )
 
 
 @pytest.fixture(scope="module")
@@ -35,6 +38,20 @@ def test_a_sketch_has_the_lines_of_the_plan_and_takes_no_longer(photographed: Sc
     ]
     assert sketch.coverage.share == survey.plan.coverage.share > 0.999
     assert 0.65 * survey.total_s < sketch.seconds < survey.total_s  # without take-off and ways from and to home
+
+
+def test_the_bound_is_that_of_the_strongest_wind() -> None:
+    calm, steady, uncertain, profile = (
+        survey_bound(scenario(wind=wind, line_spacing=30.0))
+        for wind in (
+            {},
+            {"speed": 6.0},
+            {"speed": 4.0, "spread": 2.0},
+            {"heights": [0.0, 100.0], "speeds": [2.0, 6.0], "directions": [0.0, 0.0]},
+        )
+    )
+    assert steady.level > calm.level
+    assert uncertain == profile == steady
 
 
 def test_unflyable_sketches_are_refused_as_the_plan_refuses_them() -> None:
