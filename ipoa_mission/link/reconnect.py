@@ -95,7 +95,6 @@ class LinkLoss:
     def _identified(
         self, known: KnownVehicle, patience: Patience, interrupt: Interrupt, report: Callable[[str], None]
     ) -> list[Message] | None:
-        """Return the messages of the identified vehicle, or None."""
         candidate = VehicleState(known.state.autopilot, known.state.kind)
         messages = list[Message]()
 

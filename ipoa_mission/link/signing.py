@@ -107,7 +107,6 @@ class Signer:
         """Last reason for rejecting a frame, by system and component."""
 
     def signature(self, frame: bytes, unix_s: float) -> bytes:
-        """Return the 13 bytes that follow a frame sent at `unix_s`."""
         clock = round((unix_s - EPOCH_2015_S) * TICKS_PER_S)
         if self._last > clock + NEW_STREAM_TICKS and not self._is_warned:
             self._is_warned = True
