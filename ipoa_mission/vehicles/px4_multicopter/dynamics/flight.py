@@ -32,7 +32,7 @@ HOVER_SURE, HOVER_SURE_UP = 10.0, 2.0  # of good hover thrust estimates: HTE_VXY
 def control_velocity(
     state: State, trajectory: px4.Trajectory, order: Order, constants: px4.SimulationConstants
 ) -> tuple[Enu, px4.Control]:
-    """Return the acceleration setpoint: level as lean, upwards as thrust over weight.
+    """Return the acceleration setpoint (level by lean, upwards by thrust over weight), and the controller's next state.
 
     A take-off ramps up the climb limit, without acceleration feed-forward.
     """

@@ -236,14 +236,14 @@ def velocity_setpoint(
     else:
         climb = climb_limits(guidance.rising, is_low_take_off(state, order, limits), limits)
         rise = vertical_speed(place, to, climb, limits)
-        velocity = apart(aim, fast, rise) if limits.splits_axes else within(aim, fast, rise)
+        velocity = split_velocity(aim, fast, rise) if limits.splits_axes else within(aim, fast, rise)
     if limits.turns_first and order.may_turn_first and abs(heading_error(state, order)) > limits.yaw_error:
         velocity = ZERO
     return velocity, px4.Guidance(guidance.side, guidance.anchor, held, velocity.up > 0.0)
 
 
 def ahead_on_leg(place: Enu, to: Triplet, aim: Enu, radius: float) -> Enu:
-    """Return the way from `at` to a point of the leg, `radius` or LEAST_AHEAD away [m]."""
+    """Return the way from `place` to a point of the leg, `radius` or LEAST_AHEAD away [m]."""
     leg = minus(to.goal, to.start)
     length = norm(leg)
     if length <= 1e-6:
@@ -256,7 +256,7 @@ def ahead_on_leg(place: Enu, to: Triplet, aim: Enu, radius: float) -> Enu:
     return plus(aside, scaled(direction, math.sqrt(max(squared, 0.0))))
 
 
-def apart(aim: Enu, fast: float, rise: float) -> Enu:
+def split_velocity(aim: Enu, fast: float, rise: float) -> Enu:
     """Return a velocity along `aim`, of a level and a vertical speed [m/s]."""
     far = horizontal_norm(aim)
     share = fast / far if far > 0.0 else 0.0

@@ -86,6 +86,7 @@ def return_orders(here: Enu, limits: Px4Limits, home: Enu, up: float = 0.0) -> l
     top = here._replace(up=height) if height > here.up + limits.height_radius else here
     climb = [leg(top, top, None, limits, cruise)._replace(radius=ANY_RADIUS)] if top != here else []
     *legs, down = landing_orders(top, home, limits, cruise, limits.disarm_delay)
+    # PX4's return has no previous waypoint: from wherever it turns home it flies straight, and keeps to no line.
     legs = [order._replace(start=order.goal) for order in legs]
     over = down.goal._replace(up=top.up)
     low = over._replace(up=max(min(top.up, up + limits.land_delay_height), home.up))
@@ -142,7 +143,7 @@ def orders_of_itinerary(itinerary: Itinerary, limits: Px4Limits, landing_delay: 
 
 
 def with_patience(orders: Sequence[Order], start: Enu, limits: Px4Limits, landing_delay: float) -> Iterator[Order]:
-    """Yield orders flown from `at`, with the time after which each has failed."""
+    """Yield orders flown from `start`, with the time after which each has failed."""
     slowest = min(limits.climb, limits.descent, limits.takeoff_speed, limits.land_speed, limits.crawl_speed)
     for order in orders:
         level = math.dist(start[:2], order.goal[:2])
