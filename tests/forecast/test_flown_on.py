@@ -48,17 +48,19 @@ def expect_equal(one: FlownOnce, other: FlownOnce) -> None:
 def test_a_flight_flown_on_is_the_same_as_one_without_a_stop(
     flights: Flights, seed: int, stops: list[float], noisy: bool
 ) -> None:
-    once = flights.flown(flights.mission_orders.orders, noisy, True, sampled=True)
+    fly_on = flights.simulation(flights.mission_orders.orders, noisy=noisy, fast=True, sampled=True)
     stopped = flights.at_start(seed)
     for time in sorted(stops):
-        stopped = once(stopped, until=time)
-    expect_equal(stopped, once(seed, until=max(stops)))
+        stopped = fly_on(stopped, until=time)
+    expect_equal(stopped, fly_on(flights.at_start(seed), until=max(stops)))
 
 
 @pytest.mark.parametrize("until", [0.3, 20.0, 45.0, LASTS_S])
 def test_a_flight_is_the_same_compiled_and_not(flights: Flights, until: float) -> None:
-    plain, compiled = (flights.flown(flights.mission_orders.orders, True, fast, sampled=True) for fast in (False, True))
-    expect_equal(plain(7, until=until), compiled(7, until=until))
+    orders = flights.mission_orders.orders
+    plain, compiled = (flights.simulation(orders, noisy=True, fast=fast, sampled=True) for fast in (False, True))
+    start = flights.at_start(7)
+    expect_equal(plain(start, until=until), compiled(start, until=until))
 
 
 @pytest.fixture

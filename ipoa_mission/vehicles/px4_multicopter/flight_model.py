@@ -8,7 +8,7 @@ import math
 from bisect import bisect_right
 from collections.abc import Callable, Mapping
 from dataclasses import replace
-from typing import Any, ClassVar, NamedTuple
+from typing import Any, ClassVar, NamedTuple, Protocol
 
 import numpy as np
 
@@ -87,13 +87,18 @@ class Px4Model(FlightModel):
         ends = list(flights.mission_orders.done)
         remarks = list(flights.mission_orders.remarks)
 
-        exact_run = flights.flown(orders, False, fast)(0)
+        exact_run = flights.simulation(orders, noisy=False, fast=fast)(flights.at_start(0))
         exact_times = exact_run.done[ends]
         samples = exact_run.samples
         times = exact_times[None, :]
         if itinerary.visits and not noise_free:
-            noisy_run = flights.flown(orders, True, fast, RUNS.most * samples[-1, 0] / RUNS.step_s)
-            times = _noisy_times(lambda seed: noisy_run(seed).done[ends], RUNS.known_share, remarks)
+            steps = RUNS.most * samples[-1, 0] / RUNS.step_s
+            fly_noisy = flights.simulation(orders, noisy=True, fast=fast, steps=steps)
+
+            def noisy_times(seed: int) -> Vector:
+                return fly_noisy(flights.at_start(seed)).done[ends]
+
+            times = _noisy_times(noisy_times, RUNS.known_share, remarks)
         done = times.mean(axis=0)
         low, high = _interval(itinerary, times)
 
@@ -113,7 +118,7 @@ class Px4Model(FlightModel):
             if (by := itinerary.returns_by) is not ReturnBy.DIRECT:
                 raise NotModeled(f"the duration of returns {by} is not modeled well enough")
         orders = flights.mission_orders.orders
-        exact_times = flights.flown(orders, False, None)(0).done
+        exact_times = flights.simulation(orders, noisy=False)(flights.at_start(0)).done
         exact_steps = np.diff(exact_times)
         remarks = list[str]()
 
@@ -155,12 +160,12 @@ class Px4Model(FlightModel):
             return None
         orders = flights.mission_orders.orders
         ends = [0, *flights.mission_orders.done]
-        once = flights.flown(orders, True, None, math.inf, True)
+        fly_on = flights.simulation(orders, noisy=True, steps=math.inf, sampled=True)
         done = [0.0, *predicted.done]
         runs = list[Points]()
         for seed in range(1, RUNS.of_median + 1):
             try:
-                run = once(seed)
+                run = fly_on(flights.at_start(seed))
             except MissionError:  # it circles a waypoint; one of many is a remark of the duration
                 if seed > len(runs) + 1:
                     raise
@@ -180,9 +185,10 @@ class Px4Model(FlightModel):
         flights = Flights(itinerary, mission)
         orders = flights.mission_orders.orders
         steps = RUNS.of_median * sum(order.patience for order in orders) / RUNS.step_s
-        once = flights.flown(orders, True, True, steps)
+        fly_on = flights.simulation(orders, noisy=True, fast=True, steps=steps)
         ends = list(flights.mission_orders.done)
-        return np.asarray(np.median([once(seed).done[ends] for seed in range(1, RUNS.of_median + 1)], axis=0))
+        starts = map(flights.at_start, range(1, RUNS.of_median + 1))
+        return np.asarray(np.median([fly_on(start).done[ends] for start in starts], axis=0))
 
 
 def _noisy_times(once: Callable[[int], Vector], share: float, remarks: list[str]) -> Points:
@@ -268,6 +274,11 @@ class FlownOnce(NamedTuple):
     progress: FlightProgress
 
 
+class FlyOn(Protocol):
+    def __call__(self, flight: FlownOnce, until: float = math.inf) -> FlownOnce:
+        """Continue a flight to its last order, or until a time [s]."""
+
+
 class Flights:
     def __init__(
         self, itinerary: Itinerary, mission: Mission, wind: Wind = CALM, senses: SensorModel = SIH_SENSES
@@ -284,16 +295,23 @@ class Flights:
         """Return a flight at an order and at its end, with a seed's noise or none."""
         noisy = seed is not None
         steps = RUNS.most * ordered.time / RUNS.step_s
-        until = self.flown(self.mission_orders.orders, noisy, None, steps, True)(seed or 0, until=ordered.time)
+        fly_mission = self.simulation(self.mission_orders.orders, noisy=noisy, steps=steps, sampled=True)
+        until = fly_mission(self.at_start(seed or 0), ordered.time)
         onward = navigator.contingency_orders(ordered.contingency, until.samples[-1], self.itinerary, self.limits)
         orders = tuple(navigator.with_patience(onward, onward[0].start, self.limits, self.airframe.landing_delay))
         begins = until._replace(done=until.done[-1:], progress=until.progress._replace(steps=NOT_BEGUN))
-        return until, self.flown(orders, noisy, None, steps)(begins)
+        return until, self.simulation(orders, noisy=noisy, steps=steps)(begins)
 
-    def flown(
-        self, orders: tuple[Order, ...], noisy: bool, fast: bool | None, steps: float = 0.0, sampled: bool = False
-    ) -> Callable[..., FlownOnce]:
-        """Return a function of a seed, or of a flight, that flies `orders`; `sampled` or noise-free it records samples.
+    def simulation(
+        self,
+        orders: tuple[Order, ...],
+        *,
+        noisy: bool,
+        fast: bool | None = None,
+        steps: float = 0.0,
+        sampled: bool = False,
+    ) -> FlyOn:
+        """Return a function that flies `orders` on; `sampled` or noise-free it records samples.
 
         `steps`: expected number. It raises MissionError without progress.
         """
@@ -306,8 +324,7 @@ class Flights:
 
         every = RUNS.sample_steps if sampled or not noisy else 0
 
-        def once(begun: int | FlownOnce, until: float = math.inf) -> FlownOnce:
-            flight = self.at_start(begun) if isinstance(begun, int) else begun
+        def fly_on(flight: FlownOnce, until: float = math.inf) -> FlownOnce:
             left = inputs[len(flight.done) - 1 :]
             times, places, (state, of_order, touched) = machine(left, constants, flight.progress, until, every)
             done = np.append(flight.done, times)
@@ -321,7 +338,7 @@ class Flights:
                 code="unreachable",
             )
 
-        return once
+        return fly_on
 
     def _goal_words(self, orders: tuple[Order, ...], n: int) -> str:
         goal = orders[n].goal
