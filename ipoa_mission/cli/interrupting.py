@@ -8,7 +8,7 @@ import inspect
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass, field
-from enum import Enum
+from enum import Enum, auto
 from functools import wraps
 from pathlib import Path
 from typing import TYPE_CHECKING, Concatenate, ParamSpec
@@ -22,7 +22,17 @@ if TYPE_CHECKING:
     from ipoa_mission.progress import Progress
 
 P = ParamSpec("P")
-Change = Enum("Change", "VERB PARAMETERS MISSION START FLIGHT FLOWN")
+
+
+class Change(Enum):
+    """The change that a state describes, in the order of `fly`; a later state replaces that of the same change."""
+
+    VERB = auto()  # of a verb other than `fly`, or a file
+    PARAMETERS = auto()  # parameters written on the vehicle
+    MISSION = auto()  # the list on the vehicle
+    START = auto()  # armed or started
+    FLIGHT = auto()  # in the air
+    FLOWN = auto()  # a flight that ended, by name
 
 
 class Interrupted(MissionError):
@@ -56,17 +66,17 @@ class ChangesMade:
 
     @contextmanager
     def reporting(
-        self, words: str, hint: str | None = None, after: str = "", change: Change = Change.VERB
+        self, if_interrupted: str, hint: str | None = None, after: str = "", change: Change = Change.VERB
     ) -> Iterator[None]:
-        """On Ctrl-C raise `words`, or a more exact message of the link; note `after` at the end."""
+        """On Ctrl-C raise `if_interrupted`, or a more exact message of the link; note the state `after` at the end."""
         before = self.states.get((change, ""), "")
-        self.note(change, words)
+        self.note(change, if_interrupted)
         try:
             yield
         except KeyboardInterrupt:
-            raise self.report(hint, words) from None
+            raise self.report(hint, if_interrupted) from None
         except MissionError as error:
-            if (ended := self.as_interrupted(error, hint, words)) is not error:
+            if (ended := self.as_interrupted(error, hint, if_interrupted)) is not error:
                 raise ended from None
             raise
         self.note(change, after or before)
@@ -83,7 +93,7 @@ class ChangesMade:
         from ipoa_mission.progress import silent
 
         stored = str(Stage.STORED)
-        change, left, after = {
+        change, if_interrupted, after = {
             Stage.UPLOAD: (Change.MISSION, "the mission on the vehicle may be the old or the new one", stored),
             Stage.STORED: (Change.MISSION, stored, stored),
             Stage.READY: (Change.START, "the vehicle was not armed", ""),  # START replaces it
@@ -95,10 +105,10 @@ class ChangesMade:
             hint = f"to command it: `ipoa-mission pause --link {link}`, or `rtl`"
         waits = stage in (Stage.POSITION, Stage.READY, Stage.START)
         is_long = stage not in (Stage.CHECK, Stage.STORED)
-        words = "starting" if stage is Stage.START else stage
+        title = "starting" if stage is Stage.START else stage
         with (
-            self.reporting(left, hint, after, change),
-            progress_bar(words, is_waiting=waits) if is_long else nullcontext(silent) as show,
+            self.reporting(if_interrupted, hint, after, change),
+            progress_bar(title, is_waiting=waits) if is_long else nullcontext(silent) as show,
         ):
 
             def show_parameters(share: float, names: str) -> None:
@@ -108,22 +118,22 @@ class ChangesMade:
 
             yield show_parameters if stage is Stage.PARAMETERS else show
 
-    def report(self, hint: str | None = None, words: str = "", exact: str = "") -> Interrupted:
-        states = [state for state in self.states.values() if state != words]
+    def report(self, hint: str | None = None, if_interrupted: str = "", exact: str = "") -> Interrupted:
+        states = [state for state in self.states.values() if state != if_interrupted]
         if exact and not states:
             return Interrupted(exact, hint)
-        if last := exact or words:
+        if last := exact or if_interrupted:
             states.append(last)
         if not states and (count := len(self.files)):
             return Interrupted(f"stopped; files written: {count}", hint)
         return Interrupted(f"stopped: {'; '.join(states) or 'nothing was done'}", hint)
 
-    def as_interrupted(self, error: MissionError, hint: str | None = None, words: str = "") -> MissionError:
+    def as_interrupted(self, error: MissionError, hint: str | None = None, if_interrupted: str = "") -> MissionError:
         from ipoa_mission.link.dialogue import Cancelled
 
         if isinstance(error, Cancelled):
             exact = "" if error.list_on_vehicle is None else str(error)
-            ended = self.report(error.hint or hint, words, exact)
+            ended = self.report(error.hint or hint, if_interrupted, exact)
             ended.known = error.known
             error = ended
         if isinstance(error, Interrupted) and (files := self.files):
