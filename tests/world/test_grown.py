@@ -5,7 +5,7 @@ import pytest
 import shapely
 
 from ipoa_mission.geodesy import Geodetic, apart
-from ipoa_mission.world.obstacles import Cylinder, Prism, Sphere
+from ipoa_mission.world.obstacles import Cylinder, Obstacle, Prism, Sphere
 from tests.world.test_new_kind import CABLE
 
 SQUARE = ((0.0, 0.0), (40.0, 0.0), (40.0, 40.0), (0.0, 40.0))
@@ -42,11 +42,21 @@ def test_horizontal_shapes_have_their_areas() -> None:
     assert HOUSE.horizontal_shape.area == pytest.approx(1600.0 - 400.0)
 
 
-def test_a_kind_without_a_column_is_passed_at_its_parts_and_does_not_grow() -> None:
+@pytest.mark.parametrize("body", [HOUSE, BALL, MAST, CABLE])
+def test_a_grown_body_has_its_room_on_each_side(body: Obstacle) -> None:
+    lower, upper = body.bounds
+    points = lower + (upper - lower) * np.random.default_rng(3).random((4000, 3))
+    inside = points[body.distance(points) <= 0.0]
+    grown = body.grown(1.0, 2.0, 3.0)
+    assert len(inside) > 5
+    for step in ((0.9, 0.0, 0.0), (0.0, -0.9, 0.0), (0.0, 0.0, -2.0), (0.0, 0.0, 3.0)):
+        assert grown.distance(inside + step).max() <= 1e-9
+
+
+def test_a_kind_without_a_column_is_passed_at_its_parts() -> None:
     (west, south, _), (east, north, high) = CABLE.bounds
     assert CABLE.horizontal_shape.equals(shapely.box(west, south, east, north))
     assert CABLE.column is None
-    assert CABLE.grown(1.0, 1.0, 1.0) is CABLE
     over = np.array([[-20.0, 60.0, high + 5.0]]), np.array([[200.0, 60.0, high + 5.0]])
     assert 4.5 < CABLE.leg_distances(*over)[0] <= CABLE.leg_clearance(over[0][0], over[1][0])[0]
 

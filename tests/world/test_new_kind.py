@@ -52,6 +52,9 @@ class Cable(Obstacle):
             low, high = (low, high - third) if near < far else (low + third, high)
         return float(self.distance((a + low * (b - a))[None])[0]), low
 
+    def grown(self, aside: float, below: float, above: float) -> "Cable":
+        return replace(self, radius=self.radius + max(aside, below, above))
+
 
 CABLE = Cable("cable", (0.0, 60.0, 25.0), (160.0, 60.0, 35.0), 2.0)
 

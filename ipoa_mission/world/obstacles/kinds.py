@@ -103,7 +103,7 @@ class Sphere(Part):
         return shapely.Point(self.center[:2]).buffer(self.radius)
 
     def grown(self, aside: float, below: float, above: float) -> "Sphere":
-        return Sphere(self.name, self.center, self.radius + aside)
+        return Sphere(self.name, self.center, self.radius + max(aside, below, above))
 
     def passing(self, a: Points, b: Points) -> Passing:
         """Return distances to the tangent plane nearest to each leg."""

@@ -78,9 +78,9 @@ class Obstacle(ABC):
             return column.shape.buffer(column.radius) if column.radius else column.shape
         return shapely.box(*self.bounds[:, :2].ravel())
 
+    @abstractmethod
     def grown(self, aside: float, below: float, above: float) -> "Obstacle":
-        """Return a larger body, here itself: a kind that does not grow gets no room for the deviation bound."""
-        return self
+        """Return a body with at least this room [m] around, below and above this one."""
 
     def passings(self, a: Points, b: Points) -> "tuple[Passing, ...]":
         """Bound the distances to each body that covers it."""
