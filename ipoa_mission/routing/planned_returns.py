@@ -236,7 +236,7 @@ def _margins(paths: ContingencyPaths, stopped: Points, height: NDArray[np.float6
     """Return the margins [m] of level legs from places (n, 3) to goals (m, 3), (n, m)."""
     starts = np.repeat(np.column_stack([stopped[:, :2], height]), len(goals), axis=0)
     ends = np.column_stack([np.tile(goals[:, :2], (len(stopped), 1)), starts[:, 2]])
-    near, _ = paths.enlarged.airspace.legs_clearance(starts, ends, paths.required + SAMPLING.max_slack)
+    near, _ = paths.enlarged.whole.legs_clearance(starts, ends, paths.required + SAMPLING.max_slack)
     return np.asarray(near - paths.required).reshape(len(stopped), len(goals))
 
 
@@ -261,7 +261,7 @@ def _places(paths: ContingencyPaths) -> Points:
 def _with_room(paths: ContingencyPaths, places: Points) -> Points:
     if not len(places):
         return places
-    air = paths.enlarged.airspace
+    air = paths.enlarged.whole
     top = np.column_stack([places[:, :2], np.full(len(places), air.bounds.upper[2])])
     near, _ = air.legs_clearance(top, places, paths.required + EFFORT.landing_clearance)
     middle = (air.bounds.lower[2] + air.bounds.upper[2]) / 2

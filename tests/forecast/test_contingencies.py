@@ -276,7 +276,7 @@ def test_back_along_the_mission_it_keeps_what_the_way_out_kept(share: float) -> 
     samples = back.paths.at(Contingency.RTL, np.array([time]))
     path = samples.paths[0][samples.possible[0]][0]
     dense = np.vstack([np.linspace(a, b, 400) for a, b in pairwise(path)])
-    nearest = back.paths.enlarged.airspace.obstacle_distance(dense).min()
+    nearest = back.paths.enlarged.whole.obstacle_distance(dense).min()
     noted = samples.near[0][samples.possible[0]].min()
     assert noted <= nearest + 1e-6 or nearest > back.paths.required + SAMPLING.max_slack
     assert np.linalg.norm(path[-1] - path[-2]) > 1.0

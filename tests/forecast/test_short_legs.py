@@ -87,6 +87,6 @@ def test_contingencies_keep_less_where_flights_spread() -> None:
     at = int(np.argmax(pieces.spread.max(axis=1)))
     times = (pieces.times[at : at + 1] + pieces.times[at + 1 : at + 2]) / 2
     samples = paths.at(Contingency.HOLD, times)
-    clearance = paths.enlarged.airspace.obstacle_clearance(samples.paths[0, 0]).distance
+    clearance = paths.enlarged.obstacle_clearance(samples.paths[0, 0]).distance
     assert samples.slack[0] == pytest.approx(clearance - paths.required - pieces.spread.max(), abs=0.01)
     assert paths.as_flown.at(Contingency.HOLD, times).spread[0] == 0.0

@@ -57,9 +57,9 @@ class ContingenciesNow:
         stop = place.copy()
         stop[:2] += autopilot.flies_on(contingency) * velocity
         stop[:2] += autopilot.stopping_offset(parameters, velocity[None, :], np.zeros((1, 2)), contingency)[0]
-        ground = np.array([stop[0], stop[1], float(paths.enlarged.airspace.ground(stop[None, :])[0])])
+        ground = np.array([stop[0], stop[1], float(paths.enlarged.whole.ground(stop[None, :])[0])])
         path = np.array([place, stop] if contingency is Contingency.HOLD else [place, stop, ground])
-        near = paths.enlarged.airspace.obstacle_clearance(path, within=paths.required + 8.0)  # [m]
+        near = paths.enlarged.obstacle_clearance(path, within=paths.required + 8.0)  # [m]
         grade = Grade.CLEAR if near.distance >= paths.required else Grade.UNCLEAR
         return ContingencyRow(contingency, 0.0, 0.0, grade, near.distance, paths.required, near.what, "here")
 

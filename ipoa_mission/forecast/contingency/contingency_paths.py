@@ -23,13 +23,12 @@ from ipoa_mission.forecast.contingency.contingency_samples import (
     ReturnLeg,
     StoppingPoints,
 )
+from ipoa_mission.forecast.contingency.enlarged_airspace import EnlargedAirspace
 from ipoa_mission.forecast.contingency.return_routes import WHERE, ReturnRoutes
 from ipoa_mission.forecast.deviation.clearance_guarantee import PredictedFlight
-from ipoa_mission.forecast.deviation.kept_limits import clearance_task, with_margins
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.itinerary.itinerary import rally_places
 from ipoa_mission.geometry import Points, Vector
-from ipoa_mission.planning.path_problem import PathTask
 from ipoa_mission.planning.proof import Check, prove_ground
 from ipoa_mission.world.airspace import NOTHING_NEAR, ROUNDING, Clearance
 
@@ -38,7 +37,7 @@ class ContingencyPaths:
     """Compute contingency paths: `forecast.cached(ContingencyPaths)`. Times are of a flight with exact position."""
 
     def __init__(
-        self, forecast: Forecast, enlarged: PathTask | None = None, shared: "ContingencyPaths | None" = None
+        self, forecast: Forecast, enlarged: EnlargedAirspace | None = None, shared: "ContingencyPaths | None" = None
     ) -> None:
         """Share flight and stopping points of `shared`, of another RTL or world."""
         self.forecast = forecast
@@ -55,7 +54,7 @@ class ContingencyPaths:
             self._stops = shared._stops
             if shared.forecast is forecast:
                 self.routes = shared.routes
-            else:
+            else:  # hold and LAND do not depend on the parameters of a return
                 self._samples = {by: samples for by, samples in shared._samples.items() if by is not Contingency.RTL}
 
     def returning(self, forecast: Forecast) -> "ContingencyPaths":
@@ -65,13 +64,14 @@ class ContingencyPaths:
         return forecast.cached(ContingencyPaths, lambda other: ContingencyPaths(other, self.enlarged, shared))
 
     @cached_property
-    def enlarged(self) -> PathTask:
-        return self._enlarged or with_margins(clearance_task(self.forecast.world), sharing=4.0)
+    def enlarged(self) -> EnlargedAirspace:
+        return self._enlarged or EnlargedAirspace.of(self.forecast.world)
 
     @cached_property
     def as_flown(self) -> "ContingencyPaths":
         """Paths without room for the deviation bound."""
-        return ContingencyPaths(self.forecast, self.forecast.world, self)
+        airspace = self.forecast.world.airspace
+        return ContingencyPaths(self.forecast, EnlargedAirspace(airspace, airspace), self)
 
     @property
     def flight(self) -> PredictedFlight:
@@ -165,11 +165,11 @@ class ContingencyPaths:
             leg = int(np.argmin(samples.near[n, 0]))
             number = int(samples.which[n, 0, leg])
             east, north, up = samples.paths[n, 0, leg].tolist()
-            name = self.enlarged.airspace.obstacles[number].name if number >= 0 else "nothing"
+            name = self.enlarged.whole.obstacles[number].name if number >= 0 else "nothing"
             return Clearance(float(samples.near[n, 0, leg]), (east, north, up), name, leg)
         least = NOTHING_NEAR
         for path in samples.paths[n][samples.possible[n]]:
-            nearer = self.enlarged.airspace.obstacle_clearance(path, within=least.distance)
+            nearer = self.enlarged.obstacle_clearance(path, within=least.distance)
             least = min(least, nearer, key=lambda clearance: clearance.distance)
         return least.minus(float(samples.spread[n]))
 
@@ -181,7 +181,7 @@ class ContingencyPaths:
 
     def _spread(self, times: Vector) -> Vector:
         """Return how far flights spread within a second of `times` (n,) [m], beyond the enlarged obstacles."""
-        if self.flight.spread is None or self.enlarged is self.forecast.world:
+        if self.flight.spread is None or self.enlarged.whole is self.forecast.world.airspace:
             return np.zeros(len(times))
         pieces = self.flight.pieces
         spread = np.append(pieces.spread.max(axis=1), 0.0)
@@ -203,17 +203,20 @@ class ContingencyPaths:
 
         Slanting legs whose bound is below the required distance get their exact distance to that obstacle.
         """
-        airspace = self.enlarged.airspace
+        airspace = self.enlarged.whole
+        within = self.required + SAMPLING.max_slack
         shape = (*paths.shape[:2], paths.shape[2] - 1)
         starts = paths[:, :, :-1].reshape(-1, 3)
         ends = paths[:, :, 1:].reshape(-1, 3)
-        near, which = airspace.legs_clearance(starts, ends, self.required + SAMPLING.max_slack)
+        near, which = airspace.legs_clearance(starts, ends, within)
 
         slanting = (starts[:, 2] != ends[:, 2]) & (starts[:, :2] != ends[:, :2]).any(axis=1)
         is_braking = np.arange(len(starts)) % shape[2] == ReturnLeg.BRAKES
         slanting &= is_braking | (np.abs(ends[:, 2] - starts[:, 2]) > 0.5)  # [m]
         for leg in np.flatnonzero(slanting & (near < self.required)):
             near[leg], _ = airspace.obstacles[which[leg]].leg_clearance(starts[leg], ends[leg])
+        for leg in np.flatnonzero((near < self.required) & self.enlarged.at_tight_place(starts, ends)):
+            near[leg], which[leg] = self.enlarged.leg_clearance(starts[leg], ends[leg], within)
         return near.reshape(shape), which.reshape(shape)
 
     def _flown_so_far(self, times: Vector, ahead: bool = False) -> tuple[Vector, NDArray[np.intp]]:
@@ -316,7 +319,7 @@ class ContingencyPaths:
         return possible
 
     def _ground_below(self, points: Points) -> Points:
-        ground = self.enlarged.airspace.ground(points)
+        ground = self.enlarged.whole.ground(points)
         return np.column_stack([points[:, :2], np.minimum(ground, points[:, 2])])
 
 

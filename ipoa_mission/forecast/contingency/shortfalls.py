@@ -9,6 +9,7 @@ import numpy as np
 from ipoa_mission.autopilot.returning import Contingency
 from ipoa_mission.forecast.contingency.contingency_paths import ContingencyPaths
 from ipoa_mission.forecast.contingency.contingency_samples import GROUND, SAMPLING, ContingencySamples, ReturnLeg
+from ipoa_mission.forecast.contingency.enlarged_airspace import SHARING, EnlargedAirspace
 from ipoa_mission.forecast.deviation.kept_limits import clearance_task, with_margins
 from ipoa_mission.forecast.deviation.law import law_of
 from ipoa_mission.forecast.forecast import Forecast
@@ -79,14 +80,15 @@ def heights_above(above: float) -> Iterator[float]:
 
 def clear_in(scenario: Scenario) -> Callable[[Iterable[Leg]], bool]:
     """Return a test of paths for the required clearance, with room for the deviation bound."""
-    enlarged = with_margins(clearance_task(scenario), sharing=4.0)
+    airspace = EnlargedAirspace.of(scenario)
+    higher = with_margins(clearance_task(scenario), SHARING)
     required = scenario.limits.obstacle_distance
     spare = 0.0 if scenario.safety.chance is None else SAG
 
     def is_clear(legs: Iterable[Leg]) -> bool:
         return all(
-            enlarged.airspace.obstacle_clearance(leg.points).distance >= required + spare
-            and all(check.slack >= spare for check in prove_ground(leg.points, enlarged))
+            airspace.obstacle_clearance(leg.points).distance >= required + spare
+            and all(check.slack >= spare for check in prove_ground(leg.points, higher))
             for leg in legs
         )
 
@@ -131,7 +133,7 @@ def _heights(paths: ContingencyPaths, short: list[Shortfall], now: float) -> Ite
     over = [now + each.missing for each in short if each.body == "" and each.part >= ReturnLeg.CLIMBS]
     for each in short:
         if each.body and each.part >= ReturnLeg.CLIMBS:
-            base, top = paths.enlarged.airspace.obstacles[each.number].bounds[:, 2]
+            base, top = paths.enlarged.whole.obstacles[each.number].bounds[:, 2]
             over += [float(top) + required] if each.part >= ReturnLeg.RETURNS else []
             yield float(HEIGHT_STEP * math.floor((base - required) / HEIGHT_STEP))
     if over:
@@ -147,7 +149,7 @@ def find_shortfalls(
     short = np.where(samples.possible[..., None] & ~samples.clear[:, None, None], samples.near - paths.required, 0.0)
     where = np.argwhere(short < 0.0)
     reported = set[tuple[int, int]]()
-    bodies = paths.enlarged.airspace.obstacles
+    bodies = paths.enlarged.whole.obstacles
     for n, k, leg in where[np.argsort(short[tuple(where.T)], kind="stable")].tolist():
         number = int(samples.which[n, k, leg])
         if (number, leg) in reported:
@@ -168,5 +170,5 @@ def nearest_of_legs(paths: ContingencyPaths, samples: ContingencySamples, n: int
     if GROUND in samples.which[n, :, legs.start : legs.stop]:
         checks = (check for part in parts for check in prove_ground(part[:2], paths.forecast.world))
         return min(checks, key=lambda check: check.slack)
-    clearances = (paths.enlarged.airspace.obstacle_clearance(part) for part in parts)
+    clearances = (paths.enlarged.obstacle_clearance(part) for part in parts)
     return Check("obstacles", min(clearances, key=lambda clearance: clearance.distance), paths.required)

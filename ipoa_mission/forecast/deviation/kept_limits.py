@@ -153,8 +153,10 @@ def _inside(points: Points, task: PathTask, bound: DeviationBound) -> Points:
 MIN_GROWTH = 0.01  # [m]
 
 
-def with_margins(task: ClearanceTask, sharing: float, keep_gaps: bool = False, height_factor: float = 9.0) -> PathTask:
-    """Return the path task with room for the deviation bound.
+def with_margins(
+    task: ClearanceTask, sharing: float, keep_gaps: bool = False, height_factor: float = 9.0, spares_places: bool = True
+) -> PathTask:
+    """Return the path task with room for the deviation bound, or `spares_places` for what room given places leave.
 
     `sharing`: how many places share the chance of exceeding it; less gives smaller margins. Over steep ground
     the path is higher, by at most `height_factor` times the spare height of the lowest given place.
@@ -165,8 +167,11 @@ def with_margins(task: ClearanceTask, sharing: float, keep_gaps: bool = False, h
     bound = deviation_bound_of(law, chance)
     level = law.level.distance(chance / sharing)
     airspace = path.airspace
-    growth = np.full(len(airspace.obstacles), level)
-    bodies = grown(path, path, growth, DeviationBound(level, bound.down, bound.up), keep_gaps)
+    if spares_places:
+        growth = np.full(len(airspace.obstacles), level)
+        bodies = grown(path, path, growth, DeviationBound(level, bound.down, bound.up), keep_gaps)
+    else:
+        bodies = tuple(body.grown(level, bound.up, bound.down) for body in airspace.obstacles)
     slope = _usual_slope(airspace) * bound.level
     heights = path.places[:, 2] - path.airspace.ground(path.places)
     spare = float(heights.min()) - path.limits.height_above_ground
@@ -178,13 +183,17 @@ def with_margins(task: ClearanceTask, sharing: float, keep_gaps: bool = False, h
 def grown(
     enlarged: PathTask, task: PathTask, growth: Vector, shape: DeviationBound, keep_gaps: bool
 ) -> tuple[Obstacle, ...]:
-    """Return obstacles grown by `growth` (n,) [m], or as in `enlarged`."""
+    """Return obstacles grown by at most `growth` (n,) [m], so that given places stay clear; or as in `enlarged`.
+
+    For planning only: an obstacle near to one place grows less everywhere.
+    """
     bodies, distance = task.airspace.obstacles, task.limits.obstacle_distance
     spare = np.array([body.distance(task.places).min() for body in bodies])
     growth = np.clip(spare - distance - MIN_GROWTH, 0.0, growth)
     if keep_gaps and len(growth) > 1:
         _keep_gaps_open(growth, bodies, distance)
     return tuple(
+        # flights are too high under a body, too low over it
         body.grown(by, by / shape.level * shape.up, by / shape.level * shape.down) if by >= MIN_GROWTH else wide
         for body, wide, by in zip(bodies, enlarged.airspace.obstacles, growth.tolist(), strict=True)
     )
