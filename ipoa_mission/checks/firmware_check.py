@@ -147,16 +147,16 @@ def _takeoff(mission: Mission) -> Iterator[Finding]:
         return
     first = moving[0]
     guidance = mission.autopilot.guidance
+    parameters = mission.complete_parameters
     if not first.item.is_takeoff:
         later = any(at.item.is_takeoff for at in moving)
         if guidance.needs_takeoff or later:
-            words = f"expected the take-off first, not {first.item.name}"
-            yield first.error("takeoff-not-first", words)
+            yield first.error("takeoff-not-first", f"expected the take-off first, not {first.item.name}")
         else:
             words = "the mission has no take-off: it is for a vehicle that already flies"
             yield first.warning("takeoff-missing", words)
     if name := guidance.waits_armed:
-        disarm_time = {**mission.autopilot.parameter_table.moving, **mission.parameters}[name]
+        disarm_time = parameters[name]
         for at in numbered_items(mission)[: first.seq - 1]:
             if at.item.command == Command.NAV_DELAY and 0.0 < disarm_time <= at.item.params[0]:
                 words = f"on the ground {mission.autopilot.model} disarms after {disarm_time:g} s ({name}; 0: never)"
@@ -164,7 +164,7 @@ def _takeoff(mission: Mission) -> Iterator[Finding]:
     least = 0.0
     if guidance.least_takeoff is not None:
         name, more = guidance.least_takeoff
-        least = mission.autopilot.parameter_table.moving[name] + more
+        least = parameters[name] + more
     for at in moving:
         height = mission.altitude_above_home(at.item)
         if at.item.is_takeoff and height <= least:
