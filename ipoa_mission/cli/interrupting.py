@@ -92,10 +92,10 @@ class ChangesMade:
         from ipoa_mission.flight.procedure import Stage
         from ipoa_mission.progress import silent
 
-        stored = str(Stage.STORED)
+        stored = "the new mission is on the vehicle"
         change, if_interrupted, after = {
             Stage.UPLOAD: (Change.MISSION, "the mission on the vehicle may be the old or the new one", stored),
-            Stage.STORED: (Change.MISSION, stored, stored),
+            Stage.RECHECK: (Change.MISSION, stored, stored),
             Stage.READY: (Change.START, "the vehicle was not armed", ""),  # START replaces it
             Stage.START: (Change.START, "the start may have been completed", "the vehicle was started"),
             Stage.FLIGHT: (Change.FLIGHT, "the vehicle flies on, unwatched", ""),
@@ -104,7 +104,7 @@ class ChangesMade:
         if stage is Stage.FLIGHT:
             hint = f"to command it: `ipoa-mission pause --link {link}`, or `rtl`"
         waits = stage in (Stage.POSITION, Stage.READY, Stage.START)
-        is_long = stage not in (Stage.CHECK, Stage.STORED)
+        is_long = stage not in (Stage.CHECK, Stage.RECHECK)
         title = "starting" if stage is Stage.START else stage
         with (
             self.reporting(if_interrupted, hint, after, change),

@@ -38,7 +38,7 @@ class Stage(StrEnum):
     PARAMETERS = "setting parameters"
     CHECK = "checking the mission against the vehicle"
     UPLOAD = "upload"
-    STORED = "the new mission is on the vehicle"
+    RECHECK = "checking the uploaded mission against the vehicle"
     READY = "waiting until it is ready"
     START = "armed and started"
     FLIGHT = "flying"
@@ -108,7 +108,7 @@ def _upload(
 ) -> tuple[tuple[OtherValue, ...], tuple[str, ...]]:
     with stages(Stage.UPLOAD) as show:
         vehicle.upload(replace(mission, autopilot=vehicle.autopilot) if anyway else mission, show, checked=False)
-    with stages(Stage.STORED):
+    with stages(Stage.RECHECK):
         idle = idle_fence(vehicle, mission)
         differing, missing = other_values(vehicle, mission.parameters)
     lacking = (f"the vehicle has no parameter {name}" for name in missing)
@@ -211,7 +211,7 @@ def load_mission(vehicle: Vehicle, forecast: Forecast, options: ProcedureOptions
         wind = None if forecast.scenario else forecast.wind
         aboard = Forecast(aboard.mission_as_read.with_parameters(values), forecast.scenario, wind)
     if aboard is not forecast and aboard.scenario is not None and not anyway:
-        with stages(Stage.STORED):
+        with stages(Stage.RECHECK):
             known = {finding.message for finding in check(forecast, options.ignore)}
             findings = refuse_errors(check(aboard, options.ignore))
         for finding in findings:

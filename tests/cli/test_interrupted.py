@@ -51,7 +51,7 @@ STAGES = {
     Stage.UPLOAD: Pressed(
         Vehicle, "upload", f"{WRITTEN}; the mission on the vehicle may be the old or the new one", (6.0, 41.0), 0, False
     ),
-    Stage.STORED: Pressed(procedure, "idle_fence", STORED, (6.0, 41.0), 3, False),
+    Stage.RECHECK: Pressed(procedure, "idle_fence", STORED, (6.0, 41.0), 3, False),
     Stage.READY: Pressed(Vehicle, "prepare", f"{STORED}; the vehicle was not armed", (6.0, 41.0), 3, False),
     Stage.START: Pressed(Vehicle, "start after", f"{STORED}; the start may have been completed", (6.0, 41.0), 3, True),
     Stage.FLIGHT: Pressed(

@@ -112,7 +112,7 @@ def test_mission_is_checked_with_the_parameters_aboard(missions: Path, wider: st
         assert (planned, loaded.mission.parameters["RTL_RETURN_ALT"]) == (70.0, 12.0)
         new = [words for words in remarks if words.startswith("with the parameters and version aboard: ")]
         assert any("RTL" in words for words in new)
-        assert entered[-2:] == [Stage.STORED] * 2  # Ctrl-C in this check says that the mission is aboard
+        assert entered[-2:] == [Stage.RECHECK] * 2  # Ctrl-C in this check says that the mission is aboard
 
 
 @pytest.mark.parametrize("autopilot", registered())
