@@ -23,7 +23,7 @@ from ipoa_mission.scenario import Scenario
 
 @dataclass(frozen=True, eq=False)
 class Attempt:
-    """States: the `draft`, the `whole` mission, and the `forecast` with chosen returns."""
+    """States: the `draft`, the `furthest` built mission, and the `forecast` with chosen returns."""
 
     plan: Plan
     route: Route
@@ -38,7 +38,7 @@ class Attempt:
         return Forecast(draft_mission(self.route, self.scenario), self.scenario)
 
     @cached_property
-    def whole(self) -> Forecast:
+    def furthest(self) -> Forecast:
         """Forecast the whole mission if the draft keeps its limits, else return the draft.
 
         Raises:
@@ -52,8 +52,8 @@ class Attempt:
     @cached_property
     def _with_returns(self) -> tuple[Forecast, tuple[Shortfall, ...]]:
         if self.scenario.safety.returns != "planned" or not self.is_guaranteed:
-            return self.whole, ()
-        return choose_returns(self.whole)
+            return self.furthest, ()
+        return choose_returns(self.furthest)
 
     @property
     def forecast(self) -> Forecast:
@@ -69,7 +69,7 @@ class Attempt:
 
     @property
     def is_guaranteed(self) -> bool:
-        return not self.whole.guarantee.forbidding
+        return not self.furthest.guarantee.forbidding
 
     @property
     def is_acceptable(self) -> bool:

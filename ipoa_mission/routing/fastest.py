@@ -60,7 +60,7 @@ def composed_route(plan: Plan, scenario: Scenario) -> Attempt:
         radius = radii if scenario.vehicle.autopilot.guidance.takes_radius else 0.0
         attempt = Attempt(plan, Route(points, radius=radius), scenario)
         fit += [attempt] if attempt.is_fit else []
-        forbidding = attempt.whole.guarantee.forbidding if attempt.is_fit else None
+        forbidding = attempt.furthest.guarantee.forbidding if attempt.is_fit else None
         if forbidding == ():
             return attempt
         before = chosen.copy()
