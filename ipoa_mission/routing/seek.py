@@ -73,7 +73,12 @@ class Margin(NamedTuple):
 
 
 # As `with_margins` takes them; small ones plan quicker and mostly suffice.
-MARGINS = (Margin(0.5, False, 0.9), Margin(0.5, False, 9.0), Margin(4.0, False, 9.0), Margin(0.5, True, 0.9))
+MARGINS = (
+    Margin(sharing=0.5, keep_gaps=False, height_factor=0.9),
+    Margin(sharing=0.5, keep_gaps=False, height_factor=9.0),
+    Margin(sharing=4.0, keep_gaps=False, height_factor=9.0),
+    Margin(sharing=0.5, keep_gaps=True, height_factor=0.9),
+)
 
 
 class SeekEffort(NamedTuple):
@@ -139,6 +144,7 @@ def seek(scenario: Scenario, seed: int, progress: Progress, plans: int = EFFORT.
     expect_wide(scenario)
     nearest: Attempt | None = None
     slow: Attempt | None = None
+    no_path: NoPath | None = None
     planned = set[bytes]()
     closed = set[int]()
     for number, margins in islice(_margins_in_turn(scenario, seed, closed), plans):
@@ -171,6 +177,7 @@ def seek(scenario: Scenario, seed: int, progress: Progress, plans: int = EFFORT.
     if slow is not None:
         return slow
     if nearest is None:
+        assert no_path is not None
         raise no_path
     return nearest
 
