@@ -59,7 +59,10 @@ class KeptLimit(NamedTuple):
         return _breaks(self.guaranteed, self.required, self.limit == "ceiling")
 
     def words(self, confidence: float | None) -> str:
-        least, most, bound = (ceil_cm, floor_cm, "at most ") if self.limit == "ceiling" else (floor_cm, ceil_cm, "")
+        if self.limit == "ceiling":
+            least, most, bound = ceil_cm, floor_cm, "at most "
+        else:
+            least, most, bound = floor_cm, ceil_cm, ""
         nominal = least(self.nominal)
         required = f"{bound}{most(self.required):.2f} m required"
         predicted = f"{abs(nominal):.2f} m{' inside' if nominal < 0 else ''}"
