@@ -89,8 +89,10 @@ def _needed(missing: float) -> float:
 
 def _wider(rooms: Vector, short: Iterable[Shortfall]) -> Vector:
     wider = rooms.copy()
-    for n, missing in {shortfall.number: shortfall.missing for shortfall in short}.items():
-        wider[n] = 0.0 if rooms[n] < 0.0 else rooms[n] + missing * GROWTH_FACTOR + GROWTH_MARGIN
+    for shortfall in short:
+        n = shortfall.number
+        room = 0.0 if rooms[n] < 0.0 else rooms[n] + shortfall.missing * GROWTH_FACTOR + GROWTH_MARGIN
+        wider[n] = max(wider[n], room)
     return wider
 
 
