@@ -32,7 +32,10 @@ def check_world(forecast: Forecast, is_flown: bool, before: Iterable[Finding]) -
     if guarantee is not None:
         judged = {finding.seq: finding.severity for finding in findings if finding.code == "leg-too-near"}
         clearances = check_clearance(forecast.mission, forecast.world, guarantee)
-        findings += [each for each in clearances if judged.get(each.seq) not in (each.severity, Severity.ERROR)]
+        for finding in clearances:
+            as_leg = judged.get(finding.seq)
+            if as_leg != Severity.ERROR and as_leg != finding.severity:  # else the leg's finding says it
+                findings.append(finding)
     findings += check_unread(forecast.world.unread)
     findings += check_passed_over(forecast)
     findings += check_ground(forecast)
