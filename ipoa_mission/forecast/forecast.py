@@ -161,7 +161,8 @@ class Forecast:
         """
         from ipoa_mission.forecast.timing.flight_model import FlightModel
 
-        for unknown in past_jumps(self.mission_as_read):
+        unknown = next(past_jumps(self.mission_as_read), None)
+        if unknown is not None:
             raise _refusal(unknown, "time")
         if self.mission.other_vehicle:
             other = self.mission.other_vehicle
