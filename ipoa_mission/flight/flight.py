@@ -119,8 +119,7 @@ class Flight:
             BadInput: the folder cannot be written.
         """
         make_folder(folder := Path(folder))
-        files, _ = write_files(self.mission, folder, self.name, self.summary())
-        return files
+        return write_files(self.mission, folder, self.name, self.summary())
 
     def summary(self) -> dict[str, object]:
         """Return NAME.json in meters, seconds and degrees."""
@@ -241,20 +240,19 @@ def plan_for_batteries(
 def write_parts(
     whole: Flight, parts: Sequence[Forecast], summary: dict[str, Any], folder: Path, report: bool = False
 ) -> tuple[Path, ...]:
-    """Write the parts, `summary` as NAME.json, and for `report` NAME.html."""
+    """Write the parts, `summary` as NAME.json, and for `report` NAME.html: all or none."""
     make_folder(folder)
     plans = names_of(whole, parts, folder)
     missions = ((plan.stem, part.mission, None) for plan, part in zip(plans, parts, strict=True))
-    *written, about = write_several(missions, folder, whole.name, summary)
+    pages = dict[Path, str]()
     if report:
         from ipoa_mission.report.page import PageNotes, report_html
         from ipoa_mission.report.panels.tables import parts_panel
 
         panel = parts_panel(parts, [path.name for path in plans])
-        page = report_html(whole.forecast, PageNotes(whole.findings, whole.remarks, panel), whole.plan)
-        written.append(folder / f"{whole.name}.html")
-        write_atomically(written[-1], page)
-    return (*written, about)
+        notes = PageNotes(whole.findings, whole.remarks, panel)
+        pages[folder / f"{whole.name}.html"] = report_html(whole.forecast, notes, whole.plan)
+    return write_several(missions, folder, whole.name, summary, pages)
 
 
 def names_of(whole: Flight, parts: Sequence[Forecast], folder: Path) -> list[Path]:

@@ -5,11 +5,11 @@ import math
 from collections.abc import Iterable, Mapping
 from hashlib import sha256
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeAlias
 
 from ipoa_mission.autopilot.parameters import REAL32, Parameters
 from ipoa_mission.errors import BadInput
-from ipoa_mission.files import MISSIONS, read_text, write_atomically, write_together
+from ipoa_mission.files import MISSIONS, read_text, write_together
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.mission.parameter_file import parameter_path, read_parameter_file
 from ipoa_mission.mission.plan_file import plan_text
@@ -17,40 +17,71 @@ from ipoa_mission.mission.waypoints_file import waypoints_text
 
 PARAMETERS_HEADER = "# Parameters of the vehicle that {} was made for"
 LANDING_GROUND_KEY = "landing_ground_m"
+Contents: TypeAlias = dict[Path, str | None]  # None: to remove
 
 
 def digest(text: str) -> str:
     return sha256(text.encode()).hexdigest()
 
 
-def write_files(
-    mission: Mission, folder: Path, name: str, about: Mapping[str, Any] | None = None
-) -> tuple[tuple[Path, ...], dict[str, str]]:
-    """Write all files or none, NAME.json of `about`; return them, and digests of the first two."""
-    plan = folder / f"{name}.plan"
-    contents = {plan: plan_text(mission), folder / f"{name}.waypoints": waypoints_text(mission)}
-    digests = {path.name: digest(text) for path, text in contents.items()}
-    if about is not None:
-        contents[folder / f"{name}.json"] = _as_text({**about, "sha256": digests})
-    write_with_parameters(mission, contents)
-    return (*contents, *([parameter_path(plan)] if mission.parameters else [])), digests
+def write_files(mission: Mission, folder: Path, name: str, about: Mapping[str, Any]) -> tuple[Path, ...]:
+    """Write all files or none, NAME.json of `about`; return them."""
+    contents, _ = _mission_contents(mission, folder, name, about)
+    return _write(contents)
 
 
 def write_with_parameters(mission: Mission, contents: Mapping[Path, str]) -> None:
     """Write all or none, parameters named as the first; remove an old file of ours, replace no other."""
-    path = next(iter(contents))
+    _write({**contents, **_parameter_contents(mission, next(iter(contents)))})
+
+
+def write_several(
+    missions: Iterable[tuple[str, Mission, Mapping[str, Any] | None]],
+    folder: Path,
+    name: str,
+    about: Mapping[str, Any],
+    pages: Mapping[Path, str] | None = None,
+) -> tuple[Path, ...]:
+    """Write the files of all missions, the pages and NAME.json of `about`, all or none."""
+    contents, digests = Contents(), dict[str, str]()
+    for part, mission, about_part in missions:
+        part_contents, part_digests = _mission_contents(mission, folder, part, about_part)
+        contents |= part_contents
+        digests |= part_digests
+    whole = folder / f"{name}.json"
+    return _write({**contents, **(pages or {}), whole: _as_text({**about, "sha256": digests})})
+
+
+def _write(contents: Contents) -> tuple[Path, ...]:
+    texts = {path: text for path, text in contents.items() if text is not None}
+    write_together(texts)
+    for path in contents.keys() - texts.keys():
+        path.unlink()
+    return tuple(texts)
+
+
+def _mission_contents(
+    mission: Mission, folder: Path, name: str, about: Mapping[str, Any] | None
+) -> tuple[Contents, dict[str, str]]:
+    """Return the contents, and digests of the first two."""
+    plan = folder / f"{name}.plan"
+    contents: Contents = {plan: plan_text(mission), folder / f"{name}.waypoints": waypoints_text(mission)}
+    digests = {path.name: digest(text) for path, text in contents.items() if text is not None}
+    if about is not None:
+        contents[folder / f"{name}.json"] = _as_text({**about, "sha256": digests})
+    return contents | _parameter_contents(mission, plan), digests
+
+
+def _parameter_contents(mission: Mission, path: Path) -> Contents:
     target = parameter_path(path)
     is_ours = target.exists() and read_text(target).startswith(PARAMETERS_HEADER.partition("{}")[0])
     if not mission.parameters:
-        write_together(contents)
-        if is_ours:
-            target.unlink()
-        return
+        return {target: None} if is_ours else {}
     if target.exists() and not is_ours:
         words = "expected a free name for the mission's parameters, not a file of another origin"
         hint = "move it, or write the mission under another name"
         raise BadInput(words, hint=hint, code="already-there", place=target)
-    write_together({**contents, target: _parameters_text(mission, path.stem)})
+    return {target: _parameters_text(mission, path.stem)}
 
 
 def _parameters_text(mission: Mission, name: str) -> str:
@@ -61,19 +92,6 @@ def _parameters_text(mission: Mission, name: str) -> str:
         number = f"{value:.0f}" if value == int(value) else repr(float(value))
         lines.append(f"1\t1\t{parameter}\t{number}\t{kind}")  # QGroundControl requires the vehicle's own type
     return "\n".join(lines) + "\n"
-
-
-def write_several(
-    missions: Iterable[tuple[str, Mission, Mapping[str, Any] | None]], folder: Path, name: str, about: Mapping[str, Any]
-) -> tuple[Path, ...]:
-    written, digests = list[Path](), dict[str, str]()
-    for part, mission, about_part in missions:
-        files, part_digests = write_files(mission, folder, part, about_part)
-        written += files
-        digests |= part_digests
-    whole = folder / f"{name}.json"
-    write_atomically(whole, _as_text({**about, "sha256": digests}))
-    return (*written, whole)
 
 
 def _as_text(contents: Mapping[str, Any]) -> str:

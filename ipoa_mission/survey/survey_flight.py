@@ -14,7 +14,7 @@ from threadpoolctl import threadpool_limits
 
 from ipoa_mission.checks.unsafe import expect_plannable
 from ipoa_mission.errors import BadInput, NothingThere
-from ipoa_mission.files import make_folder, write_atomically
+from ipoa_mission.files import make_folder, write_together
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.geometry import Points
@@ -100,7 +100,7 @@ class Survey:
 
         make_folder(folder := Path(folder))
         if len(self.flights) == 1:
-            return write_files(self.flights[0].mission, folder, self.name, self.summary())[0]
+            return write_files(self.flights[0].mission, folder, self.name, self.summary())
         parts = []
         for name, forecast in zip(self.names, self.flights, strict=True):
             about = {"name": name, "version": version("ipoa-mission"), **forecast_as_json(forecast)}
@@ -126,7 +126,7 @@ class Survey:
         }
 
     def report(self, folder: str | Path = ".") -> tuple[Path, ...]:
-        """Write a page for each flight, and one for several.
+        """Write a page for each flight, and one for several: all or none.
 
         Raises:
             BadInput: a file cannot be written.
@@ -135,16 +135,15 @@ class Survey:
         from ipoa_mission.survey.survey_report import survey_html, survey_panel
 
         panel = survey_panel(self.plan, self.names)
-        pages = list[Path]()
+        pages = dict[Path, str]()
         if len(self.flights) > 1:
-            pages.append(Path(folder) / f"{self.name}.html")
-            write_atomically(pages[-1], survey_html(self.plan, self.names, self.remarks))
+            pages[Path(folder) / f"{self.name}.html"] = survey_html(self.plan, self.names, self.remarks)
         of_flights = {*_messages_of_flights(self.plan, _repairs)}
         of_all = [words for words in self.notes if words not in of_flights]
         for name, flight in zip(self.names, self.plan.flights, strict=True):
-            pages.append(Path(folder) / f"{name}.html")
             notes = PageNotes(flight.findings, (*_repairs(flight), *of_all), panel)
-            write_atomically(pages[-1], report_html(flight.forecast, notes))
+            pages[Path(folder) / f"{name}.html"] = report_html(flight.forecast, notes)
+        write_together(pages)
         return tuple(pages)
 
 
