@@ -12,6 +12,7 @@ from ipoa_mission.forecast.contingency.energy_budget import ReserveNow, budget_o
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.timing.estimate import Estimate
 from ipoa_mission.mission.flight_record import FlightRecord
+from ipoa_mission.mission.item_words import count_words
 from ipoa_mission.mission.waypoints_file import TAKEOFF_LOST
 from ipoa_mission.report.summary import passed_over_as_json
 from ipoa_mission.terminal import notes, print_json, print_lines, print_table
@@ -109,7 +110,7 @@ def describe(flight: Flight) -> list[str]:
     mission = flight.mission
     firmware = mission.autopilot.checked_for(mission.firmware_version)
     lines = [
-        f"{flight.name}: {flight.plan.cost.length:.1f} m, {len(mission.items)} items, for {firmware}",
+        f"{flight.name}: {flight.plan.cost.length:.1f} m, {count_words(len(mission.items))}, for {firmware}",
         *clearance_words(flight.guarantee),
         f"estimated {flight.estimate.total_s:.1f} s",
         *wind_words(flight.forecast.wind),

@@ -13,6 +13,7 @@ from ipoa_mission.cli.groups import FlownByOptions, LinkOptions
 from ipoa_mission.cli.interrupting import ChangesMade, interruptible
 from ipoa_mission.errors import BadInput, MissionError, WrongSuffix
 from ipoa_mission.files import MISSIONS, recorded_writes
+from ipoa_mission.mission.item_words import count_words
 from ipoa_mission.options import (
     AutopilotOption,
     Backend,
@@ -167,7 +168,7 @@ def download(
     remarks = write_mission(mission, file)
     log = on_link.written(default_log)
     counts = {"items": len(mission.items), "fence": len(mission.fence), "rally": len(mission.rally)}
-    words = [f"{len(mission.items)} items written to {file}", *notes(remarks)]
+    words = [f"{count_words(len(mission.items))} written to {file}", *notes(remarks)]
     _report(to.as_json, vehicle, counts | {"written": [str(file), *log], "remarks": list(remarks)}, words, log)
 
 
@@ -290,9 +291,9 @@ def _order(changes: ChangesMade, link: str, on_link: LinkOptions, as_json: bool,
 
 
 def _counted(counts: dict[str, int]) -> str:
-    names = {"fence": "fence area", "rally": "rally point"}
-    lists = [f"{counts[key]} {name}{'s' * (counts[key] != 1)}" for key, name in names.items() if counts[key]]
-    return " and ".join([f"{counts['items']} items", *lists]) + " are"
+    nouns = {"items": "item", "fence": "fence area", "rally": "rally point"}
+    lists = [count_words(counts[key], noun) for key, noun in nouns.items() if counts[key] or key == "items"]
+    return " and ".join(lists) + (" is" if lists == ["1 item"] else " are")
 
 
 def _name(vehicle: "Vehicle") -> str:

@@ -17,6 +17,7 @@ from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.timing.estimate import Estimate
 from ipoa_mission.logs.vehicle_file import read_vehicle
 from ipoa_mission.mission.flight_record import FlightRecord
+from ipoa_mission.mission.item_words import count_words
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.mission.positions import refuse_unsound
 from ipoa_mission.scenario import Scenario
@@ -69,7 +70,7 @@ def read_job(
     warnings = refuse_errors(check(forecast, ignore, requested.findings))
     refuse_unsound(mission)
     estimate = forecast.estimate
-    items = f"{len(mission.items)} items for {mission.autopilot}"
+    items = f"{count_words(len(mission.items))} for {mission.autopilot}"
     log.info("%s: %s, estimated %.1f s%s", source, items, estimate.total_s, estimate.besides)
     return Job(source.stem, forecast, (*requested.remarks, *(finding.message for finding in warnings)), ignore=ignore)
 

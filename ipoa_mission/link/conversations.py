@@ -13,6 +13,7 @@ from ipoa_mission.link.dialogue import Ask, Cancelled, Dialogue, NoAnswer, Pause
 from ipoa_mission.link.item_run import ItemsRead, ItemsSent
 from ipoa_mission.link.mavftp import list_checksum
 from ipoa_mission.link.wire import item_of
+from ipoa_mission.mission.item_words import count_words
 from ipoa_mission.mission.items import Item
 from ipoa_mission.progress import Progress, count, silent
 
@@ -37,7 +38,11 @@ class MissionRefused(MissionError):
 
 
 def list_name(kind: int) -> str:
-    return {0: "mission", 1: "fence", 2: "rally points"}.get(kind, "lists")
+    return {0: "mission", 1: "fence", 2: "rally list"}.get(kind, "lists")
+
+
+def share_words(done: int, total: int, kind: int) -> str:
+    return f"{done} of {count_words(total)} of the {list_name(kind)}"
 
 
 def cancelled(kind: int, left: Literal["old", "new", "either"]) -> Cancelled:
@@ -157,7 +162,7 @@ def offer(
                 return run.doubt
             if run.doubt is not None:
                 raise MissionRefused(run.doubt, kind, max(run.at, 0), str(texts)) from None
-            raise NoAnswer(f"{silence} after {max(run.at, 0)} of {len(items)} items of the {list_name(kind)}") from None
+            raise NoAnswer(f"{silence} after {share_words(max(run.at, 0), len(items), kind)}") from None
         step = None
         match heard:
             case m.Request(seq, k) if k == kind and seq <= last and (not in_order or run.at <= seq <= run.at + 1):
@@ -205,7 +210,7 @@ def fetch(run: ItemsRead, style: RequestStyle | None = None) -> Dialogue[int]:
             except NoAnswer as silence:
                 if doubt is not None:
                     raise MissionRefused(doubt, kind, run.at) from None
-                raise NoAnswer(f"{silence} after {run.at} of {run.count} items of the {list_name(kind)}") from None
+                raise NoAnswer(f"{silence} after {share_words(run.at, run.count, kind)}") from None
             step = None
             match heard:
                 case m.ItemAt(s, item, k) if k == kind and s == run.at:
@@ -239,7 +244,7 @@ def read_list(kind: int, progress: Progress = silent) -> Dialogue[list[Item | by
         try:
             yield from fetch(ItemsRead(kind, total, before, take))
         except TimeUp as late:
-            raise TimeUp(f"{late}: {len(stored)} of {total} items of the {list_name(kind)} had come") from None
+            raise TimeUp(f"{late}: {share_words(len(stored), total, kind)} had come") from None
         except NoAnswer as silence:
             idle = idle + 1 if len(stored) == before else 0
             if idle > 2:

@@ -12,6 +12,7 @@ from ipoa_mission.link.conversations import READ_ATTEMPTS, KeepsChanging, cancel
 from ipoa_mission.link.dialogue import Cancelled, Dialogue, NoAnswer, TimeUp
 from ipoa_mission.link.messages import MissionType
 from ipoa_mission.link.upload import ReadBackDiffers, Upload
+from ipoa_mission.mission.item_words import count_words
 from ipoa_mission.mission.items import Item
 from ipoa_mission.progress import Progress, count, silent
 
@@ -32,7 +33,7 @@ def unpack_mission(data: bytes) -> tuple[Item, ...]:
     count = HEADER.unpack_from(data)[4]
     size = wire.ITEM.layout.size
     if len(data) != HEADER.size + count * size:
-        message = f"expected {count} items, but it has {len(data)} bytes"
+        message = f"expected {count_words(count)}, but it has {len(data)} bytes"
         raise MissionError(message, code="wrong-format", place="mission file")
     return tuple(wire.item_of(data[at : at + size]) for at in range(HEADER.size, len(data), size))
 
@@ -52,7 +53,7 @@ def upload_by_file(job: Upload, progress: Progress = silent) -> Dialogue[int]:
     except (Cancelled, TimeUp) as aborted:  # an unclosed file is not taken
         raise type(aborted)(
             f"{aborted}: the vehicle keeps the mission it had",
-            hint=f"{done} of {total} items had been sent",
+            hint=f"{done} of {count_words(total)} had been sent",
             list_on_vehicle="old",
         ) from None
     try:

@@ -12,6 +12,7 @@ from ipoa_mission.link.mavftp import answer_in, checksum_question, list_checksum
 from ipoa_mission.link.messages import NO_MISSION, Current, Message, MissionType
 from ipoa_mission.link.upload import Replaced, Upload
 from ipoa_mission.link.vehicle_state import NotReady, VehicleState
+from ipoa_mission.mission.item_words import count_words
 
 log = logging.getLogger(__name__)
 CHECK_INTERVAL_S = 10.0  # [s] of the vehicle's clock
@@ -68,7 +69,7 @@ class OnboardList:
         sent = len(self.job.items) - self.job.autopilot.counts_home
         if total in unknown and current.mission_state == NO_MISSION:
             return "there is none any more"
-        return f"it has {total} items, and ours has {sent}" if total not in (*unknown, sent) else ""
+        return f"it has {count_words(total)}, and ours has {sent}" if total not in (*unknown, sent) else ""
 
 
 class ReplacedSince(MissionError):

@@ -17,6 +17,7 @@ from ipoa_mission.link.conversations import (
     offer,
     read_consistent,
     read_list,
+    share_words,
 )
 from ipoa_mission.link.dialogue import Cancelled, Dialogue, NoAnswer, Pause, SendOnce, Step, TimeUp, hear, wait
 from ipoa_mission.link.item_run import ItemsSent
@@ -197,7 +198,7 @@ def upload(job: Upload, progress: Progress = silent) -> Dialogue[int]:
             yield from _cancel(job, course, progress)
     except TimeUp as late:
         yield SendOnce(Ack(Result.OPERATION_CANCELLED, job.kind))
-        arrived = f"{max(course.furthest, 0)} of {len(job.items)} items of the {list_name(job.kind)} had arrived"
+        arrived = f"{share_words(max(course.furthest, 0), len(job.items), job.kind)} had arrived"
         raise TimeUp(f"{late}: in attempt {course.attempt} {arrived}", hint=_remaining_list(job)) from None
     if job.is_judged:
         try:

@@ -38,6 +38,10 @@ def details_of(item: Item) -> str:
     return ", ".join(f"param{n} {value:g}" for n, value in enumerate(item.params, 1) if value and math.isfinite(value))
 
 
+def count_words(count: int, noun: str = "item") -> str:
+    return f"{count} {noun}{'s' * (count != 1)}"
+
+
 def name_items(seqs: Iterable[int]) -> str:
     """Return "items 3 to 5, 7" for 3, 4, 5 and 7."""
     numbers, runs = sorted(set(seqs)), list[list[int]]()

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from ipoa_mission.finding import Finding
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.mission.flight_record import FlightRecord
+from ipoa_mission.mission.item_words import count_words
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.planning.planner import Plan
 from ipoa_mission.report import drawn_flight
@@ -59,7 +60,7 @@ def report_html(
     dangers = drawn_flight.find_dangers(predicted, scenario)
     returns = return_paths(forecast)
     waypoints = sum(leg.item.is_waypoint for leg in legs)
-    vehicle = f"Mission for {mission.autopilot.firmware().name}, {len(mission.items)} items"
+    vehicle = f"Mission for {mission.autopilot.firmware().name}, {count_words(len(mission.items))}"
     parts = {
         "title": escape(scenario.name),
         "subtitle": escape(f"{vehicle}, cruise {scenario.vehicle.cruise_speed:g} m/s"),

@@ -23,6 +23,7 @@ from ipoa_mission.link.channel import serial_ports
 from ipoa_mission.link.connect import connect, open_line
 from ipoa_mission.link.discovery import scan
 from ipoa_mission.link.messages import Gps, Message, Position, Text, WindEstimate, WindVelocity
+from ipoa_mission.mission.item_words import count_words
 from ipoa_mission.progress import Progress
 from ipoa_mission.simulator.fly import board, conditions_for
 from ipoa_mission.studio.flight_answers import Heard, HeardLink, Landed, Loaded, OrderThen, Reserve, Seen, State
@@ -81,7 +82,7 @@ class FlightWorker:
                 remarks=tuple(dict.fromkeys(remarks)),
             )
             answer(loaded)
-            answer(State(phase="loaded", words=f"{items} items are on {name}, read back and equal"))
+            answer(State(phase="loaded", words=f"{count_words(items)} on {name}, read back and equal"))
             self._await_start(loaded)
             watch = Watch(forecast, vehicle, answer, order["speedup"] if link is None else None, self.inbox)
             vehicle.conformance.ends_held = False

@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 from ipoa_mission.autopilot.autopilot import Autopilot, registered
+from ipoa_mission.cli import linking
 from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.link import upload
 from ipoa_mission.link.vehicle import Vehicle
@@ -236,3 +237,16 @@ def test_a_link_that_is_none_is_told(run: Run, words: str, expected: str) -> Non
     ended = run(words)
     assert ended.code in (1, 2)
     assert expected in ended.err
+
+
+@pytest.mark.parametrize(
+    ("items", "fence", "rally", "words"),
+    [
+        (1, 0, 0, "1 item is"),
+        (2, 0, 0, "2 items are"),
+        (1, 0, 1, "1 item and 1 rally point are"),
+        (0, 2, 1, "0 items and 2 fence areas and 1 rally point are"),
+    ],
+)
+def test_counted_lists_agree_in_number(items: int, fence: int, rally: int, words: str) -> None:
+    assert linking._counted({"items": items, "fence": fence, "rally": rally}) == words

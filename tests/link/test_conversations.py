@@ -10,6 +10,7 @@ from ipoa_mission.link.conversations import (
     MissionRefused,
     RequestStyle,
     VehicleTexts,
+    cancelled,
     clear,
     download,
     fetch,
@@ -31,6 +32,8 @@ from ipoa_mission.link.messages import (
     Result,
     Text,
 )
+from ipoa_mission.link.upload import ReadBackDiffers
+from ipoa_mission.mission.stored_mission import Difference
 from tests.link_pair import CLIENT, Air, Fate, Vehicle, items_of
 from tests.refused import refuses
 
@@ -252,7 +255,7 @@ def test_a_doubtful_refusal_counts_only_when_silence_follows() -> None:
 
 
 def test_fetching_in_silence_says_how_far_it_came() -> None:
-    with refuses("no-answer", "", "1 of 3", "rally points"):
+    with refuses("no-answer", "", "1 of 3", "rally list"):
         Talk(fetch(items_to_read(3, MissionType.RALLY))).hear(item(0, 2)).wait(FAR)
 
 
@@ -333,7 +336,14 @@ def test_lists_offered_by_one_end_arrive_at_the_other(autopilot: Autopilot, kind
 
 
 def test_lists_are_called_what_humans_call_them() -> None:
-    assert [list_name(kind) for kind in (0, 1, 2, 255, 9)] == ["mission", "fence", "rally points", "lists", "lists"]
+    assert [list_name(kind) for kind in (0, 1, 2, 255, 9)] == ["mission", "fence", "rally list", "lists", "lists"]
+
+
+@pytest.mark.parametrize(("kind", "name"), [(0, "mission"), (1, "fence"), (2, "rally list")])
+def test_words_on_a_list_agree_in_number(kind: int, name: str) -> None:
+    differs = ReadBackDiffers(kind, Difference(1, "param1", "1", "2"))
+    assert f"{differs}".startswith(f"the {name} on the vehicle is not what was sent: ")
+    assert f"{cancelled(kind, 'either')}".startswith(f"cancelled: the vehicle holds a whole {name}, the old or the new")
 
 
 def test_only_the_last_words_are_kept() -> None:

@@ -122,7 +122,7 @@ def test_a_fence_is_proved_too_and_what_was_downloaded_is_ours(family: Autopilot
     vehicle.upload(suited(vehicle, replace(MISSION, rally=(THERE,))))
     vehicle.prepare()
     mock_of(vehicle).transfers.stores[MissionType.RALLY].put(())
-    with refuses("replaced", "", "rally points"):
+    with refuses("replaced", "", "rally list"):
         vehicle.start()
     vehicle.download()
     vehicle.prepare()
