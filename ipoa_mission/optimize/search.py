@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
+from ipoa_mission.errors import BadInput
 from ipoa_mission.progress import Progress, silent
 
 Candidates: TypeAlias = NDArray[np.float64]  # (n, D)
@@ -127,6 +128,9 @@ def minimize(
     Returns:
         The best candidate (D,) and the history of the best cost.
 
+    Raises:
+        BadInput: the budget is below the first batch.
+
     Example:
         >>> from ipoa_mission import IPOA, Box, minimize
         >>> box = Box(np.full(4, -5.0), np.full(4, 5.0))
@@ -137,6 +141,9 @@ def minimize(
     counted = CountedCost(cost, box)
     search = optimizer.search(box, rng)
     candidates = next(search)
+    if budget is not None and budget < len(candidates):
+        words = f"expected a budget of at least {len(candidates)} evaluations, as the first batch has, not {budget}"
+        raise BadInput(words, hint="raise the budget, or give the optimizer `short_settings` with a smaller batch")
     while budget is None or counted.spent + len(candidates) <= budget:
         costs = counted(candidates)
         spent = counted.spent

@@ -5,11 +5,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from ipoa_mission.errors import BadInput
 from ipoa_mission.optimize import registry
 from ipoa_mission.optimize.ipoa import IPOA
 from ipoa_mission.optimize.poa import POA
 from ipoa_mission.optimize.registry import build_optimizer, optimizer_class, optimizer_names
-from ipoa_mission.optimize.search import SHORT_EVALUATIONS, Box, Search
+from ipoa_mission.optimize.search import SHORT_EVALUATIONS, Box, Search, minimize
 from ipoa_mission.planning.planner import plan_path
 from ipoa_mission.scenario.scenario_file import parse_scenario
 from tests.refused import refuses
@@ -96,9 +97,16 @@ OTHERS = {
 
 @dataclasses.dataclass(frozen=True)
 class Endless:
+    batch: int = 100
+
     def search(self, box: Box, rng: np.random.Generator) -> Search:
         while True:
-            yield box.sample(100, rng)
+            yield box.sample(self.batch, rng)
+
+
+@dataclasses.dataclass(frozen=True)
+class LargeBatches(Endless):
+    batch: int = SHORT_EVALUATIONS + 1
 
 
 def test_a_short_search_of_any_optimizer_ends(monkeypatch: pytest.MonkeyPatch, missions: Path) -> None:
@@ -107,3 +115,18 @@ def test_a_short_search_of_any_optimizer_ends(monkeypatch: pytest.MonkeyPatch, m
     plan = plan_path(parse_scenario(text, missions / "sitl.toml"), seed=1)
     assert plan.proof.is_proved
     assert plan.evaluations[-1] % SHORT_EVALUATIONS == 0
+
+
+def test_a_budget_below_the_first_batch_is_refused() -> None:
+    box = Box(-np.ones(2), np.ones(2))
+    with refuses("bad-input", "", "at least 100 evaluations", "not 99", kind=BadInput):
+        minimize(lambda x: (x**2).sum(axis=1), box, Endless(), np.random.default_rng(1), budget=99)
+    optimum = minimize(lambda x: (x**2).sum(axis=1), box, Endless(), np.random.default_rng(1), budget=100)
+    assert optimum.evaluations.tolist() == [100]
+
+
+def test_a_short_search_of_too_large_batches_is_refused(monkeypatch: pytest.MonkeyPatch, missions: Path) -> None:
+    monkeypatch.setitem(registry.BUILT_IN, "endless", LargeBatches)
+    text = (missions / "sitl.toml").read_text() + '\n[optimizer]\nname = "endless"\n'
+    with refuses("bad-input", "", f"at least {SHORT_EVALUATIONS + 1} evaluations", kind=BadInput):
+        plan_path(parse_scenario(text, missions / "sitl.toml"), seed=1)
