@@ -190,31 +190,31 @@ def upload(job: Upload, progress: Progress = silent) -> Dialogue[int]:
     Return the list's id (PX4) or checksum (ArduPilot), 0 if unknown. When cancelled, PX4 keeps its old list; otherwise
     the new list is completed first. An error reports what the vehicle holds now.
     """
-    course = UploadState()
+    state = UploadState()
     try:
         try:
-            yield from observed(_store(job, course, progress), course.reports.note)
+            yield from observed(_store(job, state, progress), state.reports.note)
         except Cancelled:
-            yield from _cancel(job, course, progress)
+            yield from _cancel(job, state, progress)
     except TimeUp as late:
         yield SendOnce(Ack(Result.OPERATION_CANCELLED, job.kind))
-        arrived = f"{share_words(max(course.furthest, 0), len(job.items), job.kind)} had arrived"
-        raise TimeUp(f"{late}: in attempt {course.attempt} {arrived}", hint=_remaining_list(job)) from None
+        arrived = f"{share_words(max(state.furthest, 0), len(job.items), job.kind)} had arrived"
+        raise TimeUp(f"{late}: in attempt {state.attempt} {arrived}", hint=_remaining_list(job)) from None
     if job.is_judged:
         try:
-            state = yield from _verdict(course.reports)
+            verdict = yield from _verdict(state.reports)
         except (Cancelled, TimeUp) as aborted:
             raise type(aborted)(
                 f"{aborted}: the vehicle holds the whole new {list_name(job.kind)}, verified",
                 hint="its check of the mission was not awaited",
                 list_on_vehicle="new",
             ) from None
-        if not (state == NO_MISSION and course.reports.agrees(job)):
-            yield from _confirm_stored(job, course.reports)
-        if state == NO_MISSION:
-            raise Unflyable(str(course.reports))
-        return course.reports.stored_as if course.reports.proves(job) else 0
-    return course.checksum
+        if not (verdict == NO_MISSION and state.reports.agrees(job)):
+            yield from _confirm_stored(job, state.reports)
+        if verdict == NO_MISSION:
+            raise Unflyable(str(state.reports))
+        return state.reports.stored_as if state.reports.proves(job) else 0
+    return state.checksum
 
 
 def _confirm_stored(job: Upload, reports: MissionReports) -> Dialogue[None]:
@@ -237,17 +237,17 @@ def _confirm_stored(job: Upload, reports: MissionReports) -> Dialogue[None]:
     raise KeepsChanging(job.kind)
 
 
-def _cancel(job: Upload, course: UploadState, progress: Progress) -> Dialogue[None]:
+def _cancel(job: Upload, state: UploadState, progress: Progress) -> Dialogue[None]:
     """Leave a whole list on the vehicle; Cancelled says which."""
     if job.truncates:
-        course.attempt = 0
-        yield from _store(job, course, progress)
+        state.attempt = 0
+        yield from _store(job, state, progress)
         words = (
             f"cancelled: the vehicle had already dropped its old {list_name(job.kind)}, so the new one was completed"
         )
         raise Cancelled(words, hint="it is whole and verified; clear it if it must not be flown", list_on_vehicle="new")
     yield from _refuse_requests(job.kind)
-    if not course.may_be_whole:
+    if not state.may_be_whole:
         raise cancelled(job.kind, "old")
     try:
         stored = yield from read_list(job.kind)
@@ -256,27 +256,27 @@ def _cancel(job: Upload, course: UploadState, progress: Progress) -> Dialogue[No
     raise cancelled(job.kind, "new" if job.difference(stored) is None else "old")
 
 
-def _store(job: Upload, course: UploadState, progress: Progress) -> Dialogue[None]:
+def _store(job: Upload, state: UploadState, progress: Progress) -> Dialogue[None]:
     refused_before: MissionRefused | None = None
     temporary = {*DOUBTFUL_REFUSALS, Result.DENIED, Result.OPERATION_CANCELLED}  # not because of the items
 
     def note(seq: int) -> None:
-        course.furthest = max(course.furthest, seq)
-        course.may_be_whole |= seq >= len(job.items) - 1
+        state.furthest = max(state.furthest, seq)
+        state.may_be_whole |= seq >= len(job.items) - 1
         count(progress, seq, len(job.items))
 
     while True:
-        course.attempt += 1
-        course.before = course.furthest
-        course.furthest = -1
+        state.attempt += 1
+        state.before = state.furthest
+        state.furthest = -1
         try:
-            course.reports.reset_at_offer()
+            state.reports.reset_at_offer()
             run = ItemsSent(job.kind, len(job.items), -1, job.payloads, note)
             result = yield from offer(job.items, job.kind, run=run)
-            course.reports.reset_at_reading()
-            stored, course.checksum = yield from read_consistent(job.kind, job.numbers)
+            state.reports.reset_at_reading()
+            stored, state.checksum = yield from read_consistent(job.kind, job.numbers)
         except NoAnswer as silence:
-            if course.attempt == ATTEMPTS or max(course.before, course.furthest) < 0:
+            if state.attempt == ATTEMPTS or max(state.before, state.furthest) < 0:
                 silence.hint = _remaining_list(job)
                 raise
         except MissionRefused as refusal:
@@ -284,19 +284,19 @@ def _store(job: Upload, course: UploadState, progress: Progress) -> Dialogue[Non
                 (refusal.result, refusal.seq) == (refused_before.result, refused_before.seq)
             )
             is_final = refusal.result not in temporary and (not job.truncates or again)
-            if course.attempt == ATTEMPTS or is_final or (again and refusal.result == Result.ERROR):
+            if state.attempt == ATTEMPTS or is_final or (again and refusal.result == Result.ERROR):
                 final = MissionRefused(refusal.result, job.kind, refusal.seq, refusal.words, job.first)
                 raise final.at(hint=_remaining_list(job)) from None
             refused_before = refusal
             yield from wait(1.0)
         else:
-            course.reports.is_named = False  # earlier reports prove nothing from here on
+            state.reports.is_named = False  # earlier reports prove nothing from here on
             difference = job.difference(stored)
             if difference is None:
                 return
-            if course.attempt >= 2 and result in DOUBTFUL_REFUSALS:
+            if state.attempt >= 2 and result in DOUBTFUL_REFUSALS:
                 raise MissionRefused(result, job.kind, len(job.items) - 1, first=job.first)
-            if course.attempt >= 2:
+            if state.attempt >= 2:
                 raise ReadBackDiffers(job.kind, difference)
 
 
