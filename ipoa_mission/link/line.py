@@ -160,6 +160,8 @@ class Line(Carrier):
         run.join(self.codec, target)
         begun_at = run.at
         peers = self._routes.to(target)
+        # Invariant: the holder has sent nothing but the run's next items, each answered past the dialogue. Anything
+        # else ends the loop in `got`, and is heard as usual.
         got = list[tuple[bytes, Peer]]()
         while not (got or run.is_at_last_item or is_over() or now >= limit):
             got = self.channel.receive(min(limit, run.sent_s + run.wait_s))
