@@ -199,6 +199,7 @@ class Exchange(Generic[T]):
         self._outbox: list[Message] = []
         self._awaited: Ask | Tell | Pause = Pause(math.inf)
         self._since = self._sent = self.heard_s = now
+        self._wait_s = math.inf  # for an answer, from `_sent`
         self._repeats = 0
         self._acted_on: tuple[Message | None, float] = (None, -math.inf)
         self._result: T | None = None
