@@ -189,12 +189,18 @@ class Program:
     def _jumps(self, index: int, taking: bool) -> bool:
         times = repeats(self.items[index])
         has_counter = index in self.jumped or len(self.jumped) < self.jump_profile.most
-        done = self.jumped.get(index, 0) if has_counter else math.inf
-        jumps = times == math.inf or done < times
-        if has_counter:
-            over = 0 if self.jump_profile.resets else done
-            self.jumped[index] = int((done + 1 if jumps else over) if taking else done)
+        if not has_counter:
+            return times == math.inf
+        jumps = self.jumped.setdefault(index, 0) < times
+        if taking:
+            self._count_jump(index, jumps)
         return jumps
+
+    def _count_jump(self, index: int, jumped: bool) -> None:
+        if jumped:
+            self.jumped[index] += 1
+        elif self.jump_profile.resets:
+            self.jumped[index] = 0
 
     def advance(self, index: int) -> tuple[list[int], int | None]:
         """Return the items done in passing after `index`, and the next that moves the vehicle."""
