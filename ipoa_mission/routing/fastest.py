@@ -35,7 +35,7 @@ from ipoa_mission.routing.resample import (
 from ipoa_mission.scenario import Scenario
 
 
-class _Composing:
+class Composition(NamedTuple):
     """Each level has its width as a share of the tolerance, PX4's acceptance radius [m], and expected tight places."""
 
     levels: tuple[tuple[float, float, float], ...] = (
@@ -47,6 +47,9 @@ class _Composing:
     remaining_risk: float = 0.7  # share of the chance, of passings that stay as they are
 
 
+COMPOSITION = Composition()
+
+
 def composed_route(plan: Plan, scenario: Scenario) -> Attempt:
     """Return the first route that is fit and guaranteed, or the best fit one, or the last.
 
@@ -54,8 +57,8 @@ def composed_route(plan: Plan, scenario: Scenario) -> Attempt:
     """
     fit, levels = list[Attempt](), _approximations(plan, scenario)
     chosen = np.zeros(1 + int(max(level.stations[-1] for level in levels)), int)  # by meter along the curve
-    remaining = _Composing.remaining_risk
-    for _ in range(_Composing.max_rounds):
+    remaining = COMPOSITION.remaining_risk
+    for _ in range(COMPOSITION.max_rounds):
         points, stations, radii = _composed(levels, chosen)
         radius = radii if scenario.vehicle.autopilot.guidance.takes_radius else 0.0
         attempt = Attempt(plan, Route(points, radius=radius), scenario)
@@ -92,11 +95,11 @@ def _approximations(plan: Plan, scenario: Scenario) -> list[_Level]:
     task = clearance_task(scenario)
     lines = [
         (*corridor(curve, width * scenario.route.tolerance, via=via), radius, tight)
-        for width, radius, tight in _Composing.levels
+        for width, radius, tight in COMPOSITION.levels
     ]
-    for spacing in _Composing.spacings:
+    for spacing in COMPOSITION.spacings:
         even = every(curve, spacing, via)
-        lines.append((even, np.linspace(0.0, curve.length, len(even)), 0.0, _Composing.levels[-1][-1]))
+        lines.append((even, np.linspace(0.0, curve.length, len(even)), 0.0, COMPOSITION.levels[-1][-1]))
     levels = []
     for points, stations, radius, tight in lines:
         given = (points[:, None] == scenario.places).all(axis=2).any(axis=1)
@@ -115,7 +118,7 @@ def _composed(levels: list[_Level], chosen: NDArray[np.intp]) -> tuple[Points, V
     ]
     kept = rows[:0]
     for row in sorted(rows):
-        if kept and row[0] - kept[-1][0] < _Composing.least_spacing:
+        if kept and row[0] - kept[-1][0] < COMPOSITION.least_spacing:
             if not row[1]:
                 continue
             if not kept[-1][1]:
