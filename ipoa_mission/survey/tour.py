@@ -223,7 +223,8 @@ class _Trials:
         self._cost = sites.cost
         speed = sites.times.speed
         self._known = dict[tuple[int, int, int], RouteCost]()
-        begins, ends = (np.array([getattr(s, key) for s in tour.swaths]) for key in ("begin", "end"))
+        begins = np.array([swath.begin for swath in tour.swaths])
+        ends = np.array([swath.end for swath in tour.swaths])
         there, back = (np.linalg.norm(each[None] - sites.places[:, None], axis=2) / speed for each in (begins, ends))
         # [start, first, last]
         self._seconds = there[:, :, None] + _seconds_within(tour, sites.times)[None] + back[:, None, :]
