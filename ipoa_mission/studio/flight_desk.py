@@ -68,7 +68,8 @@ class FlightDesk:
     async def order(self, request: Order) -> None:
         if self._phase != "flying":
             name = {"rtl": "return", "land": "landing", "go_on": "going on"}.get(request.what, request.what)
-            raise MissionError(f"no {name}: nothing flies", hint="start a flight first", code="not-in-the-air")
+            words = f"{name} was not ordered: no vehicle is flying"
+            raise MissionError(words, hint="start a flight first", code="not-in-the-air")
         await self._process.send(request.model_dump(mode="json"))
 
     def abandon(self) -> None:

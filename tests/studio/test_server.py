@@ -155,7 +155,7 @@ def test_a_flight_is_ended_from_the_page_by_what_it_was_told(studio: Studio, ord
     with studio.window() as talk:
         talk.wait("plan")  # which may be there already, and is told once
         talk.say(kind="order", what=order)
-        assert "nothing flies" in talk.wait_for_trouble("flight")["message"]
+        assert "no vehicle is flying" in talk.wait_for_trouble("flight")["message"]
         talk.say(kind="upload", link=None, system=None, speedup=10.0)
         loaded = talk.wait("loaded")
         talk.say(kind="start", **{key: loaded[key] for key in ("vehicle", "mission", "proof")})
