@@ -96,7 +96,7 @@ class SlowedBy(NamedTuple):
     unit: float  # [m]
     most: float  # as documented [m]
     decided_by: tuple[str, ...]  # all that affect the touchdown speed
-    spared_by: str = ""  # of the range finder
+    spared_by: str = ""  # range finder's parameter: with it, heights count from the ground
 
     def raised(self, table: ParameterTable, parameters: Parameters, ground: float) -> Parameters:
         p = table.complete(parameters)
