@@ -24,14 +24,17 @@ def moves_along(ways: Matrix, band: int) -> Moves:
     The Hessian H becomes ways^T H ways; each pair of entries counts once, off the diagonal both ways.
     """
     size, free = 3 * ways.shape[0], 3 * ways.shape[1]
+    # the ways by coordinate: each of a point's three has the weights of its row
     point, way = np.nonzero(ways)
     row, column = (np.add.outer(3 * index, np.arange(3)).ravel() for index in (point, way))
     spread = _sparse(row, column, np.repeat(ways[point, way], 3), size)
+    # entries of H's lower band: `cell` k * size + j holds row j + k, column j
     below, column = np.divmod(np.arange((band + 1) * size), size)
-    inside = below + column < size  # row j + k, column j
+    inside = below + column < size
     cell = np.arange(len(below))[inside]
     below = below[inside]
     column = column[inside]
+    # each entry times each pair of a weight of its row and one of its column
     many = np.diff(spread.starts)
     pairs = many[column + below] * many[column]
     number = np.arange(pairs.sum()) - np.repeat(np.cumsum(pairs) - pairs, pairs)
@@ -41,6 +44,7 @@ def moves_along(ways: Matrix, band: int) -> Moves:
     a, b = spread.columns[one], spread.columns[other]
     weight = np.where(a == b, 2.0, 1.0) * np.where(below == 0, 0.5, 1.0)
     weight *= spread.weights[one] * spread.weights[other]
+    # added to the lower band of ways^T H ways, in row first + beside and column first
     beside = np.abs(a - b)
     first = np.minimum(a, b)
     reach = int(beside.max(initial=0))
