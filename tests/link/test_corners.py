@@ -4,6 +4,7 @@ from typing import Any
 
 import pytest
 
+from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.geodesy import Geodetic, swap_hint
 from ipoa_mission.link.codec import numbered
 from ipoa_mission.link.connect import _drop_unanswered, connect
@@ -11,16 +12,10 @@ from ipoa_mission.link.dialogue import NoAnswer, TimeUp
 from ipoa_mission.link.flight_order import Conformance, FlightOrder
 from ipoa_mission.link.messages import Position
 from ipoa_mission.link.reconnect import LinkLoss
+from ipoa_mission.link.vehicle_state import VehicleState
 from ipoa_mission.logs.flight_log import LoggedFlight
 from ipoa_mission.simulator.mock_profile import asks_every
 from ipoa_mission.world.obstacles.kinds import RoundZone
-
-
-def bare(kind: type[Any], **fields: Any) -> Any:
-    made = object.__new__(kind)
-    for name, value in fields.items():
-        object.__setattr__(made, name, value)
-    return made
 
 
 def test_the_sender_and_number_of_a_frame_are_read_in_both_versions() -> None:
@@ -40,12 +35,15 @@ def test_a_log_of_our_own_frames_is_removed_where_nobody_answers(
 
 
 def test_an_order_is_under_way_while_it_has_steps() -> None:
-    assert not bare(FlightOrder, _steps=[]).is_under_way
-    assert bare(FlightOrder, _steps=[SimpleNamespace()]).is_under_way
+    order = FlightOrder(VehicleState(Autopilot.PX4), lambda: 0.0)
+    assert not order.is_under_way
+    order.hold()
+    assert order.is_under_way
 
 
 def test_a_log_without_a_version_has_none() -> None:
-    assert bare(LoggedFlight, version="unknown").firmware_version is None
+    flight = LoggedFlight(Autopilot.PX4, "unknown", 0.0, None, {}, in_mission=True, messages=())
+    assert flight.firmware_version is None
 
 
 def test_exchanged_coordinates_are_named() -> None:
@@ -54,7 +52,7 @@ def test_exchanged_coordinates_are_named() -> None:
 
 
 def test_zone_is_not_solid() -> None:
-    assert not bare(RoundZone).solid
+    assert not RoundZone("zone", 0.0, 0.0, 10.0, 0.0, 50.0).solid
 
 
 def test_the_users_time_ends_the_waiting_for_a_lost_link(monkeypatch: pytest.MonkeyPatch) -> None:
