@@ -1,7 +1,9 @@
+from dataclasses import fields
+
 import numpy as np
 import pytest
 
-from ipoa_mission.optimize.registry import build_optimizer, optimizer_names
+from ipoa_mission.optimize.registry import build_optimizer, optimizer_class, optimizer_names
 from ipoa_mission.optimize.search import Box, Candidates, Costs, Optimizer, minimize
 
 D = 6
@@ -16,8 +18,11 @@ def ellipsoid(x: Candidates) -> Costs:
     return np.asarray(((x - OPTIMUM) @ ROTATION) ** 2 @ np.logspace(0, 2, D))
 
 
-def small(name: str) -> Optimizer:
-    return build_optimizer(name, {"evaluations": 6000} if name == "adaptive-pelican" else {"iterations": 100})
+def small(name: str, evaluations: int = 6000, iterations: int = 100) -> Optimizer:
+    """Build an optimizer with those of these limits that are a setting of its."""
+    limits = {"evaluations": evaluations, "iterations": iterations}
+    settings = {field.name for field in fields(optimizer_class(name))}  # type: ignore[arg-type]
+    return build_optimizer(name, {setting: limit for setting, limit in limits.items() if setting in settings})
 
 
 #: Known median error over eleven runs on the ellipsoid, within a factor of five.
@@ -106,8 +111,8 @@ def test_penalties_that_are_huge_or_infinite_do_no_harm(name: str) -> None:
 @pytest.mark.parametrize("name", optimizer_names())
 def test_one_dimension_and_one_iteration_are_enough(name: str) -> None:
     box = Box(np.array([-1.0]), np.array([2.0]))
-    least: dict[str, object] = {"evaluations": 40} if name == "adaptive-pelican" else {"iterations": 1}
-    optimum = minimize(lambda x: x[:, 0] ** 2, box, build_optimizer(name, least), np.random.default_rng(1))
+    least = small(name, evaluations=40, iterations=1)
+    optimum = minimize(lambda x: x[:, 0] ** 2, box, least, np.random.default_rng(1))
     assert -1 <= optimum.x[0] <= 2
 
 
