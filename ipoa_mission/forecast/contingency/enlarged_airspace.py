@@ -36,12 +36,11 @@ class EnlargedAirspace:
     @classmethod
     def of(cls, scenario: Scenario) -> "EnlargedAirspace":
         task = clearance_task(scenario)
-        left = with_margins(task, SHARING).airspace
+        whole = with_margins(task, SHARING, spares_places=False).airspace
         if task.chance is None:
-            return cls(left, left)
+            return cls(whole, whole)
         tight = tight_places(scenario, task.law.level.distance(task.chance / SHARING) + MIN_GROWTH)
-        whole = with_margins(task, SHARING, spares_places=False).airspace if tight else left
-        return cls(whole, left, tight)
+        return cls(whole, with_margins(task, SHARING).airspace if tight else whole, tight)
 
     def at_tight_place(self, starts: Points, ends: Points) -> NDArray[np.bool_]:
         """Return which legs (n,) come within reach of a tight place."""

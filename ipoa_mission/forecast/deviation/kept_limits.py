@@ -185,18 +185,22 @@ def grown(
 ) -> tuple[Obstacle, ...]:
     """Return obstacles grown by at most `growth` (n,) [m], so that given places stay clear; or as in `enlarged`.
 
-    For planning only: an obstacle near to one place grows less everywhere.
+    For planning only: an obstacle near to one place grows less everywhere, and one without an upright column by the
+    level bound alone.
     """
     bodies, distance = task.airspace.obstacles, task.limits.obstacle_distance
     spare = np.array([body.distance(task.places).min() for body in bodies])
     growth = np.clip(spare - distance - MIN_GROWTH, 0.0, growth)
     if keep_gaps and len(growth) > 1:
         _keep_gaps_open(growth, bodies, distance)
-    return tuple(
-        # flights are too high under a body, too low over it
-        body.grown(by, by / shape.level * shape.up, by / shape.level * shape.down) if by >= MIN_GROWTH else wide
-        for body, wide, by in zip(bodies, enlarged.airspace.obstacles, growth.tolist(), strict=True)
-    )
+    larger = list(enlarged.airspace.obstacles)
+    for n, (body, by) in enumerate(zip(bodies, growth.tolist(), strict=True)):
+        if by >= MIN_GROWTH:  # flights are too high under a body, too low over it
+            below, above = (
+                (by, by) if body.column is None else (by / shape.level * shape.up, by / shape.level * shape.down)
+            )
+            larger[n] = body.grown(by, below, above)
+    return tuple(larger)
 
 
 def _keep_gaps_open(growth: Vector, bodies: tuple[Obstacle, ...], distance: float) -> None:
