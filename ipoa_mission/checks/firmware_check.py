@@ -153,8 +153,9 @@ def _takeoff(mission: Mission) -> Iterator[Finding]:
         if guidance.needs_takeoff or later:
             yield first.error("takeoff-not-first", f"expected the take-off first, not {first.item.name}")
         else:
-            words = "the mission has no take-off: it is for a vehicle that already flies"
-            yield first.warning("takeoff-missing", words)
+            yield first.warning(
+                "takeoff-missing", "the mission has no take-off: it is for a vehicle that already flies"
+            )
     if name := guidance.waits_armed:
         disarm_time = parameters[name]
         for at in numbered_items(mission)[: first.seq - 1]:
@@ -207,7 +208,6 @@ def _waits(mission: Mission) -> Iterator[Finding]:
 
 
 def check_version(autopilot: Autopilot, version: Version | None, unmeasured: bool) -> Iterator[Finding]:
-    """Report a version that was not measured, as an error unless `unmeasured`."""
     if (why := autopilot.not_measured(version)) is not None:
         yield _not_measured(why, unmeasured)
 

@@ -73,8 +73,6 @@ class OnboardList:
 
 
 class ReplacedSince(MissionError):
-    """The list proved before the arming was replaced."""
-
     def __init__(self, onboard: OnboardList) -> None:
         super().__init__(f"the {list_name(onboard.job.kind)} on the vehicle is no longer ours: {onboard.changed}")
 

@@ -40,8 +40,6 @@ class ReadBackDiffers(MissionError):
 
 
 class Replaced(MissionError):
-    """The vehicle now holds another list."""
-
     def __init__(self, kind: int, difference: Difference) -> None:
         self.difference = difference
         super().__init__(
@@ -242,9 +240,7 @@ def _cancel(job: Upload, state: UploadState, progress: Progress) -> Dialogue[Non
     if job.truncates:
         state.attempt = 0
         yield from _store(job, state, progress)
-        words = (
-            f"cancelled: the vehicle had already dropped its old {list_name(job.kind)}, so the new one was completed"
-        )
+        words = f"cancelled: the vehicle had dropped its old {list_name(job.kind)}, so the new one was completed"
         raise Cancelled(words, hint="it is whole and verified; clear it if it must not be flown", list_on_vehicle="new")
     yield from _refuse_requests(job.kind)
     if not state.may_be_whole:

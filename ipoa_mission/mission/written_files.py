@@ -26,8 +26,7 @@ def digest(text: str) -> str:
 
 def write_files(mission: Mission, folder: Path, name: str, about: Mapping[str, Any]) -> tuple[Path, ...]:
     """Write all files or none, NAME.json of `about`; return them."""
-    contents, _ = _mission_contents(mission, folder, name, about)
-    return _write(contents)
+    return _write(_mission_contents(mission, folder, name, about)[0])
 
 
 def write_with_parameters(mission: Mission, contents: Mapping[Path, str]) -> None:
@@ -63,7 +62,6 @@ def _write(contents: Contents) -> tuple[Path, ...]:
 def _mission_contents(
     mission: Mission, folder: Path, name: str, about: Mapping[str, Any] | None
 ) -> tuple[Contents, dict[str, str]]:
-    """Return the contents, and digests of the first two."""
     plan = folder / f"{name}.plan"
     contents: Contents = {plan: plan_text(mission), folder / f"{name}.waypoints": waypoints_text(mission)}
     digests = {path.name: digest(text) for path, text in contents.items() if text is not None}
