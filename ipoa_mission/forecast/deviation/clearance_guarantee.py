@@ -59,16 +59,16 @@ class KeptLimit(NamedTuple):
         return _breaks(self.guaranteed, self.required, self.limit == "ceiling")
 
     def words(self, confidence: float | None) -> str:
-        if self.limit == "ceiling":
-            least, most, bound = ceil_cm, floor_cm, "at most "
-        else:
-            least, most, bound = floor_cm, ceil_cm, ""
-        nominal = least(self.nominal)
-        required = f"{bound}{most(self.required):.2f} m required"
+        is_ceiling = self.limit == "ceiling"
+        round_kept = ceil_cm if is_ceiling else floor_cm
+        round_required = floor_cm if is_ceiling else ceil_cm
+        bound = "at most " if is_ceiling else ""
+        nominal = round_kept(self.nominal)
+        required = f"{bound}{round_required(self.required):.2f} m required"
         predicted = f"{abs(nominal):.2f} m{' inside' if nominal < 0 else ''}"
         if confidence is None:
             return f"predicted {predicted}; {required}"
-        kept = f"{100 * confidence:g} % of flights keep {bound}{least(self.guaranteed):.2f} m"
+        kept = f"{100 * confidence:g} % of flights keep {bound}{round_kept(self.guaranteed):.2f} m"
         if self.guaranteed < 0:
             kept = f"{100 * confidence:g} % of flights cannot be guaranteed any distance"
         return f"{kept} (predicted {predicted}); {required}"
