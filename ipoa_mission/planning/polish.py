@@ -44,7 +44,7 @@ def moves_along(ways: Matrix, band: int) -> Moves:
     a, b = spread.columns[one], spread.columns[other]
     weight = np.where(a == b, 2.0, 1.0) * np.where(below == 0, 0.5, 1.0)
     weight *= spread.weights[one] * spread.weights[other]
-    # added to the lower band of ways^T H ways, in row first + beside and column first
+    # added to the lower band of ways^T H ways, by diagonal and column
     beside = np.abs(a - b)
     first = np.minimum(a, b)
     reach = int(beside.max(initial=0))
