@@ -94,11 +94,7 @@ class Px4Model(FlightModel):
         if itinerary.visits and not noise_free:
             steps = RUNS.most * samples[-1, 0] / RUNS.step_s
             fly_noisy = flights.simulation(orders, noisy=True, fast=fast, steps=steps)
-
-            def noisy_times(seed: int) -> Vector:
-                return fly_noisy(flights.at_start(seed)).done[ends]
-
-            times = _noisy_times(noisy_times, RUNS.known_share, remarks)
+            times = _noisy_times(lambda seed: fly_noisy(flights.at_start(seed)).done[ends], RUNS.known_share, remarks)
         done = times.mean(axis=0)
         low, high = _interval(itinerary, times)
 
