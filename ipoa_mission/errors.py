@@ -188,7 +188,6 @@ def imported(module: str, needed: str, extra: str, wrong: type[MissionError] = M
 
 
 def renamed(old: str, new: str) -> Any:
-    """Return the property `new`, with a warning."""
     words = f"{old} is {new} since 0.5, and goes in 0.6"
 
     def read(own: object) -> Any:

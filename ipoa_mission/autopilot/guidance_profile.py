@@ -9,8 +9,6 @@ from ipoa_mission.autopilot.commands import JUMPS, Command
 
 
 class ArmingWords(NamedTuple):
-    """Patterns of an autopilot's arming texts."""
-
     begin: re.Pattern[str]  # prefix of each reason
     passing: re.Pattern[str]  # reasons that clear by themselves
 
@@ -30,8 +28,6 @@ class WaypointDefaults(NamedTuple):
 
 
 class GuidanceProfile(NamedTuple):
-    """Properties of one autopilot's mission mode."""
-
     flown_on_into: Set[int]  # it enters these without a stop after a waypoint, unlike other navigation commands
     flies_vtol_items: bool = False  # it flies them as take-off and landing of a multicopter
     zero_is_here: bool = False  # latitude and longitude 0 mean the previous place, altitude 0 its height
@@ -96,8 +92,6 @@ def mode_number(main: int, sub: int = 0) -> int:
 
 
 class Modes(NamedTuple):
-    """Custom modes of one autopilot."""
-
     mission: int
     arming: int  # armed in it
     hold: int  # keeps its place without a pilot

@@ -142,7 +142,6 @@ def known_budget(forecast: "Forecast") -> "Budget | None":
 
 
 def remarks_on(requested: "RequestedMission", forecast: "Forecast") -> tuple[str, ...]:
-    """Return the remarks of `estimate` and `show`."""
     from ipoa_mission.checks.firmware_check import check_firmware, check_version
     from ipoa_mission.finding import Severity
 

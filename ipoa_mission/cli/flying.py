@@ -214,7 +214,6 @@ def _expect_no_plan(source: Path, options: dict[str, object]) -> None:
 
 
 def _expect_link(on_vehicle: FlightOptions) -> None:
-    """Refuse a vehicle's options without a link."""
     if on_vehicle.link is None and on_vehicle != (defaults := FlightOptions()):
         changed = (on_vehicle.begin != 1, on_vehicle.set_params, on_vehicle.on_deviation != defaults.on_deviation)
         raise OptionConflict(

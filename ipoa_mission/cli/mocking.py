@@ -102,7 +102,6 @@ def mock(worse: FaultOptions, how: MockOptions, as_json: options.JsonOption = Fa
 
 
 def built_in_autopilot(how: MockOptions, parameters: Mapping[str, float]) -> "BuiltInAutopilot":
-    """Make one with the scenario's values, replaced by options."""
     from ipoa_mission.autopilot.known_parameters import expect_own
     from ipoa_mission.autopilot.version import Version
     from ipoa_mission.geodesy import Geodetic

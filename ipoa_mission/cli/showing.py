@@ -56,7 +56,6 @@ def show(file: FileArgument, options: WorldOptions, as_json: JsonOption = False)
 
 
 def _estimated(forecast: "Forecast") -> "tuple[Estimate | None, str, list[str]]":
-    """Return the estimate, and total and energy in words."""
     timed = None
     try:
         timed = forecast.estimate

@@ -116,7 +116,6 @@ def _upload(
 
 
 def left_lists(vehicle: Vehicle, mission: Mission) -> dict[MissionType, str]:
-    """Report another mission's fence or rally points."""
     left: dict[MissionType, str] = {}
     for kind, uploaded, words in (
         (MissionType.RALLY, mission.rally, "rally points of another mission: RTL flies to one of them"),

@@ -82,8 +82,6 @@ class Codec:
 
 
 class Framer:
-    """Cut the bytes of one peer into whole frames."""
-
     def __init__(self) -> None:
         self.buffer = b""
 
@@ -132,7 +130,6 @@ def unknown_frame(data: bytes, start: int) -> int:
 
 
 def number_of(frame: bytes) -> int:
-    """Return the id of the frame's message."""
     return frame[5] if is_old(frame) else int.from_bytes(frame[7:10], "little")
 
 

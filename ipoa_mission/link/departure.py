@@ -49,8 +49,6 @@ class NotYet(CommandRefused):
 
 @dataclass(frozen=True)
 class Departure:
-    """A flight that is about to begin."""
-
     state: VehicleState
     first: int
     moving: int  # the first item that moves the vehicle: ArduPilot soon reports it

@@ -157,7 +157,6 @@ class Tempo:
         return min(wait * self._backoff, self.SLOWEST_S)
 
     def sample(self, seconds: float) -> None:
-        """Count the round trip of an unrepeated question."""
         self._backoff = 1.0
         self.doubts = 0
         if self._mean is None:

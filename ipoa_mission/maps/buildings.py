@@ -146,7 +146,6 @@ class _Finder:
         return (why is None or why.may_be_obstacle) and self._notes.add_missing(feature)
 
     def _stand(self, feature: Feature, shape: Any) -> list[MapObstacle]:
-        """Return an obstacle for each part."""
         rules = self._rules
         counts = self._counts
         doubts = list[str]()

@@ -54,8 +54,6 @@ def on_earth(corners: Corners, place: str, hint: str = "export the file in WGS 8
 
 
 class Mistakes:
-    """Collects errors."""
-
     def __init__(self) -> None:
         self._first: list[BadInput] = []
         self._more = 0

@@ -108,7 +108,6 @@ def limit_tags(volume: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
 
 
 def _time_tags(times: Any) -> Iterator[tuple[str, str]]:
-    """Return ED-269 times as the ED-318 tag."""
     if isinstance(times, list) and not any(isinstance(each, dict) and each.get("permanent") == "YES" for each in times):
         yield "limitedApplicability", json.dumps(times)
 

@@ -102,7 +102,6 @@ _OF_BUILDINGS = (*_MEASURES, Means.FOOT, Means.MIN_LEVEL, Means.ROOF, Means.ROOF
 
 
 def as_openstreetmap(feature: Feature) -> Feature:
-    """Spell keys of kinds as OpenStreetMap."""
     tags = feature.tags
     renamed = {key: named for key in tags if (named := _named(key)) != key and named not in tags}
     if not renamed and "is_underground" not in tags:

@@ -27,8 +27,6 @@ Reader: TypeAlias = Callable[[Path, MapWindow], Iterator[Sequence[Feature]]]
 
 
 def _whole(read: Callable[[Path], Sequence[Feature]]) -> Reader:
-    """Return a reader of one batch."""
-
     def read_batch(path: Path, around: MapWindow) -> Iterator[Sequence[Feature]]:
         features = read(path)
         yield features if around.window == around.near else _in_window(features, around)
@@ -63,7 +61,6 @@ def read_features(path: Path, around: MapWindow | None = None) -> tuple[Feature,
 
 
 def read_batches(path: Path, around: MapWindow) -> Iterator[Sequence[Feature]]:
-    """Yield the features in a window."""
     suffix = path.suffix.lower()
     if suffix not in _READERS:
         words = f"expected a file that ends in {', '.join(READERS)}, not in {path.suffix or 'nothing'}"

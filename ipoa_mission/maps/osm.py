@@ -136,7 +136,6 @@ def _extract(path: Path) -> Extract:
 
 
 def _as_json(element: ElementTree.Element) -> dict[str, Any]:
-    """Return XML as Overpass's JSON."""
     nodes, bounds = element.findall("nd"), element.find("bounds")
     return {
         **element.attrib,

@@ -54,8 +54,6 @@ class PassedCount:
 
 
 class MapNotes:
-    """The omitted features of a map, and remarks."""
-
     def __init__(self, frame: LocalFrame, path: Path) -> None:
         self.passed_over = list[PassedOver]()
         self.unread = list[Unread]()

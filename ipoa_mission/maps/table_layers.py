@@ -172,7 +172,6 @@ def _tag_columns(schema: Any, arrow: Any, shapes: str) -> Iterator[str]:
 
 
 def _features(batch: Any, shapes: _Shapes, places: Sequence[str], around: MapWindow) -> list[Feature]:
-    """Return the wanted rows of an Arrow batch."""
     wkb = batch.column(shapes.column).to_numpy(zero_copy_only=False)
     drawn = _drawn(wkb, shapes.to_degrees, places)
     chosen = np.flatnonzero(around.wants(shapely.bounds(drawn)))

@@ -69,7 +69,6 @@ def results(
 def mean_results(
     rows: Sequence[TrialRow], cases: Sequence[str], algorithms: Sequence[str], measure: str | None = None
 ) -> NDArray[np.float64]:
-    """Return the means of `results`, (cases, algorithms)."""
     return np.array([[results(rows, case, name, measure).mean() for name in algorithms] for case in cases])
 
 

@@ -254,7 +254,6 @@ def follow(guide: Points, inner: int, task: PathTask, shares: Vector | None = No
 
 
 def pin_to_via(candidate: Candidate, task: PathTask) -> Candidate:
-    """Return the curve exactly through the via points."""
     lift, project, _ = _pins(candidate, task)
     return Candidate(Spline(lift + project @ candidate.curve.control), candidate.via_at)
 
@@ -349,7 +348,6 @@ def _waves(inner: int) -> Matrix:
 
 
 def via_indices(guide: Points, via: Points) -> list[int]:
-    """Return a guide's indices at the via points."""
     indices = list[int]()
     after = 1
     for place in via:

@@ -19,8 +19,6 @@ CONTROL_POINTS = 24
 
 
 class Sketch(NamedTuple):
-    """A path, its proof, and other candidate routes."""
-
     curve: Spline
     proof: Proof
     others: tuple[Spline, ...]

@@ -14,8 +14,6 @@ from ipoa_mission.planning.problem import PreparedProblem, via_indices
 
 
 class LoopShape(NamedTuple):
-    """Loops that are tried, and their slopes."""
-
     turns: tuple[int, ...] = (1, 2, 3, 4, 5, 6, 8, 10, 13, 17, 22, 30, 40, 55)
     axis_ratios: tuple[float, ...] = (1.0, 2.0, 4.0, 8.0, 16.0)  # of the ellipse
     sides: int = 16  # of the ellipse

@@ -209,7 +209,6 @@ def _gpx_point(tag: str, place: LonLatUp, name: str = "") -> Tree.Element:
 
 
 def _node(tag: str, *content: Tree.Element | str, **attributes: str) -> Tree.Element:
-    """Make an element of its text or its children."""
     node = Tree.Element(tag, attributes)
     for part in content:
         if isinstance(part, str):

@@ -54,7 +54,6 @@ def items_as_json(forecast: "Forecast") -> dict[str, Any]:
 
 
 def passed_over_as_json(scenario: "Scenario") -> list[dict[str, Any]]:
-    """Count omitted map objects by file and reason."""
     return [asdict(counted) for counted in scenario.passed_counts]
 
 

@@ -205,8 +205,6 @@ NEAREST = 0.1  # between two waypoints [m]
 
 
 class RouteGrid(NamedTuple):
-    """Waypoint choices within `tolerance`."""
-
     straight_shares: tuple[float, ...] = (1.0, 0.6, 0.3, 0.1)  # of the tolerance
     aside_share: float = 0.6
     turn_radii: tuple[float, ...] = (0.0, 4.0, 7.0, 10.0, 14.0)  # of PX4 [m]; 0: its parameter

@@ -37,7 +37,6 @@ class ObstacleGrowth:
     inside: float = 0.0
 
     def more(self, attempt: Attempt, scenario: Scenario) -> "ObstacleGrowth":
-        """Add what an attempt lacks."""
         broken = [kept for kept in attempt.guarantee.broken if kept.in_cruise]
         curve = attempt.plan.curve
         shortfalls = attempt.short

@@ -157,8 +157,6 @@ def _lands_on(forecast: Forecast) -> Iterator[str]:
 
 
 class RallyEffort(NamedTuple):
-    """Candidate places of rally points."""
-
     max_points: int = 4
     max_proved: int = 6  # sets
     beam: int = 8  # sets of each size that are extended

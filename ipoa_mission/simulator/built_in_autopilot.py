@@ -102,7 +102,6 @@ class BuiltInAutopilot:
                 vehicle.send(message)
 
     def outgoing(self) -> list[tuple[m.Message, Target]]:
-        """Return and forget the messages to send."""
         messages = self.vehicle.outbox
         self.vehicle.outbox = []
         return messages

@@ -51,8 +51,6 @@ REPORTED_WHEN_REACHED = WAYPOINTS | {Command.NAV_LOITER_TIME, Command.NAV_LOITER
 
 
 class MavState(IntEnum):
-    """MAV_STATE."""
-
     UNINIT = 0
     BOOT = 1
     STANDBY = 3
@@ -60,8 +58,6 @@ class MavState(IntEnum):
 
 
 class MissionMode(IntEnum):
-    """MISSION_CURRENT.mission_mode."""
-
     ACTIVE = 1
     SUSPENDED = 2
 

@@ -104,7 +104,6 @@ class SimulatedFlight(Situation):
             self.mission = MissionState.NOT_STARTED if self.on_ground else MissionState.PAUSED
 
     def know_rally(self, items: tuple[Item, ...]) -> None:
-        """Store rally points for later returns."""
         places = [(self.frame.local(Geodetic(i.latitude_deg, i.longitude_deg, self.home.altitude)), i) for i in items]
         self.rally = tuple((float(place[0]), float(place[1]), item.height(self.home)) for place, item in places)
 

@@ -60,7 +60,6 @@ def planned(flight: Flight, proof: str) -> answers.Plan:
 
 
 def expected(forecast: Forecast, name: str) -> answers.Plan:
-    """Show a forecast; its clearance only with a scenario."""
     scenario = forecast.scenario
     estimate = forecast.estimate
     course = course_of(forecast)

@@ -94,7 +94,6 @@ class FlightMaker:
 
 
 def _expect_clear(world: Scenario, n: int) -> Scenario:
-    """Refuse a start place with a blocked climb."""
     up = world.start_point[2]
     for check in prove(np.array([[0.0, 0.0, 0.0], [0.0, 0.0, up]]), world).checks:
         if check.limit in ("obstacles", "bounds") and check.slack < 0.0:

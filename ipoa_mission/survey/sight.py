@@ -62,7 +62,6 @@ class Sight:
 
 
 def sight_of(section: SurveySection, area: Area, scenario: Scenario) -> Sight:
-    """Return the requested flight and view."""
     share = 0.0 if _is_level(area, scenario) else BAND
     least = section.height if section.height_above_ground is not None else section.height / (1.0 + share)
     if section.camera is None:

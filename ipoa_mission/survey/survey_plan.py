@@ -209,7 +209,6 @@ def coverage_lines(plan: SurveyPlan) -> Iterator[str]:
 
 
 def flight_table(plan: SurveyPlan, names: Sequence[str]) -> tuple[list[str], list[tuple[str, ...]]]:
-    """Return the columns, and a row for each flight."""
     rows = list[tuple[str, ...]]()
     columns = ["file", "lines", "photos", "items", "takes\ns", "energy\nWh", "least clearance\nm"]
     for name, flight in zip(names, plan.flights, strict=True):

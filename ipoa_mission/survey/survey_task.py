@@ -74,7 +74,6 @@ class SurveySketch(SurveyTask):
 
 
 def sketch_survey(scenario: Scenario) -> SurveySketch:
-    """Return the lines, for interactive editing."""
     task = task_of(scenario, {})
     with threadpool_limits(1, "blas"):
         tour = lay_lines(task)
@@ -132,7 +131,6 @@ def obstacles_flown_round(scenario: Scenario, sight: Sight, growth: Mapping[str,
 
 
 def _is_passed(body: Obstacle, sight: Sight, scenario: Scenario) -> bool:
-    """Return whether flights clear an obstacle above or below."""
     bound = survey_bound(scenario)
     distance = scenario.limits.obstacle_distance + SPARE
     (west, south, base), (east, north, top) = body.bounds.tolist()

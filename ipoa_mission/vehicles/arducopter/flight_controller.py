@@ -85,7 +85,6 @@ class ArduCopterController:
         self._update_body()
 
     def _begin_after(self, index: int) -> None:
-        """Start the next item with a duration."""
         item = self._now.come_to(index, lambda item: self._copter.change_speed(int(item.params[0]), item.params[1]))
         if item is None:
             self._stay()

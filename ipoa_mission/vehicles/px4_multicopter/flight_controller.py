@@ -143,7 +143,6 @@ class Px4Controller:
         vehicle.on_ground = body.on_ground
 
     def _begin_after(self, index: int) -> None:
-        """Start the next item with a duration."""
         now = self._now
         item = now.come_to(index, self._change_speed)
         if item is None:
