@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 P = ParamSpec("P")
 
 
-class Change(Enum):
+class ChangeKind(Enum):
     """The change that a state describes, in the order of `fly`; a later state replaces that of the same change."""
 
     VERB = auto()  # of a verb other than `fly`, or a file
@@ -45,28 +45,28 @@ class Interrupted(MissionError):
 class ChangesMade:
     """The changes that a verb made, or perhaps made: states by change and name of a flown flight, and files."""
 
-    states: dict[tuple[Change, str], str] = field(default_factory=dict)
+    states: dict[tuple[ChangeKind, str], str] = field(default_factory=dict)
     written: list[Path] = field(default_factory=list)
 
     @property
     def files(self) -> list[str]:
         return [str(path) for path in self.written if path.exists()]
 
-    def note(self, change: Change, state: str, flight: str = "") -> None:
+    def note(self, change: ChangeKind, state: str, flight: str = "") -> None:
         self.states.pop((change, flight), None)
         if state:
             self.states[change, flight] = state
 
     def note_flown(self, flight: str, is_armed: bool) -> None:
         """Replace the state at the start, for Ctrl-C after the flight."""
-        self.note(Change.MISSION, "")
-        self.note(Change.START, "")
+        self.note(ChangeKind.MISSION, "")
+        self.note(ChangeKind.START, "")
         state = "is armed, and no longer watched" if is_armed else "is disarmed"
-        self.note(Change.FLOWN, f"{flight}: the vehicle {state}", flight)
+        self.note(ChangeKind.FLOWN, f"{flight}: the vehicle {state}", flight)
 
     @contextmanager
     def reporting(
-        self, if_interrupted: str, hint: str | None = None, after: str = "", change: Change = Change.VERB
+        self, if_interrupted: str, hint: str | None = None, after: str = "", change: ChangeKind = ChangeKind.VERB
     ) -> Iterator[None]:
         """On Ctrl-C raise `if_interrupted`, or a more exact message of the link; note the state `after` at the end."""
         before = self.states.get((change, ""), "")
@@ -94,12 +94,12 @@ class ChangesMade:
 
         stored = "the new mission is on the vehicle"
         change, if_interrupted, after = {
-            Stage.UPLOAD: (Change.MISSION, "the mission on the vehicle may be the old or the new one", stored),
-            Stage.RECHECK: (Change.MISSION, stored, stored),
-            Stage.READY: (Change.START, "the vehicle was not armed", ""),  # START replaces it
-            Stage.START: (Change.START, "the start may have been completed", "the vehicle was started"),
-            Stage.FLIGHT: (Change.FLIGHT, "the vehicle flies on, unwatched", ""),
-        }.get(stage, (Change.MISSION, "the mission was not sent", ""))  # POSITION, PARAMETERS, CHECK
+            Stage.UPLOAD: (ChangeKind.MISSION, "the mission on the vehicle may be the old or the new one", stored),
+            Stage.RECHECK: (ChangeKind.MISSION, stored, stored),
+            Stage.READY: (ChangeKind.START, "the vehicle was not armed", ""),  # START replaces it
+            Stage.START: (ChangeKind.START, "the start may have been completed", "the vehicle was started"),
+            Stage.FLIGHT: (ChangeKind.FLIGHT, "the vehicle flies on, unwatched", ""),
+        }.get(stage, (ChangeKind.MISSION, "the mission was not sent", ""))  # POSITION, PARAMETERS, CHECK
         hint = "look at the vehicle: it may be flying" if stage is Stage.START else None
         if stage is Stage.FLIGHT:
             hint = f"to command it: `ipoa-mission pause --link {link}`, or `rtl`"
@@ -113,7 +113,7 @@ class ChangesMade:
 
             def show_parameters(share: float, names: str) -> None:
                 done = "parameters were" if share == 1.0 else "some parameters may be"
-                self.note(Change.PARAMETERS, f"{done} written: {names}")
+                self.note(ChangeKind.PARAMETERS, f"{done} written: {names}")
                 show(share, names)
 
             yield show_parameters if stage is Stage.PARAMETERS else show

@@ -10,7 +10,7 @@ import pytest
 import typer
 
 from ipoa_mission.cli import flight_output, linking
-from ipoa_mission.cli.interrupting import Change, ChangesMade, Interrupted
+from ipoa_mission.cli.interrupting import ChangeKind, ChangesMade, Interrupted
 from ipoa_mission.flight import procedure
 from ipoa_mission.flight.flight import Flight
 from ipoa_mission.flight.procedure import Stage
@@ -184,7 +184,7 @@ def test_ctrl_c_at_a_question_is_no_answer(monkeypatch: pytest.MonkeyPatch) -> N
 
 
 def test_the_link_s_more_exact_words_follow_the_earlier_changes() -> None:
-    changes = ChangesMade({(Change.PARAMETERS, ""): "parameters were written: MPC_XY_CRUISE"})
+    changes = ChangesMade({(ChangeKind.PARAMETERS, ""): "parameters were written: MPC_XY_CRUISE"})
     with pytest.raises(Interrupted) as ended, changes.reporting("either mission"):
         raise Cancelled("cancelled: the vehicle keeps the mission it had", list_on_vehicle="old")
     words = "stopped: parameters were written: MPC_XY_CRUISE; cancelled: the vehicle keeps the mission it had"
