@@ -1,7 +1,6 @@
 """Flight times of PX4 in AUTO.MISSION, measured on 1.17 and 1.18.
 
-Noisy height estimates shift home for two minutes: a run without noise gives the path, many with noise
-the mean and spread.
+Noisy height estimates shift home for two minutes: a run without noise gives the path, many noisy ones mean and spread.
 """
 
 import math
@@ -271,8 +270,7 @@ class FlownOnce(NamedTuple):
 
 
 class FlyOn(Protocol):
-    def __call__(self, flight: FlownOnce, until: float = math.inf) -> FlownOnce:
-        """Continue a flight to its last order, or until a time [s]."""
+    def __call__(self, flight: FlownOnce, until: float = math.inf) -> FlownOnce: ...  # to its end, or until then [s]
 
 
 class Flights:
