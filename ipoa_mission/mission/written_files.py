@@ -84,9 +84,10 @@ def _parameter_contents(mission: Mission, path: Path) -> Contents:
 
 def _parameters_text(mission: Mission, name: str) -> str:
     lines = [PARAMETERS_HEADER.format(name), "# Vehicle-Id Component-Id Name Value Type"]
-    rows = mission.autopilot.parameter_table.by_name
+    table = mission.autopilot.parameter_table
+    kinds = {row.name: row.kind for row in (*table.set_up, *table.by_name.values())}
     for parameter, value in mission.parameters.items():
-        kind = rows[parameter].kind if parameter in rows else REAL32
+        kind = kinds.get(parameter, REAL32)
         number = f"{value:.0f}" if value == int(value) else repr(float(value))
         lines.append(f"1\t1\t{parameter}\t{number}\t{kind}")  # QGroundControl requires the vehicle's own type
     return "\n".join(lines) + "\n"

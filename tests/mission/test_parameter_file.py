@@ -156,6 +156,14 @@ def test_parameters_written_beside_a_mission_come_back(
     assert read_mission(path).parameters == values
 
 
+def test_a_failsafe_s_parameter_is_written_as_an_integer(tmp_path: Path) -> None:
+    """As the parameters of PX4 1.18's sources."""
+    parameters = {"COM_LOW_BAT_ACT": 3.0, "NAV_RCL_ACT": 2.0, "COM_POS_LOW_ACT": 3.0, "COM_WIND_MAX": 8.0}
+    write_mission(replace(MISSION, parameters=parameters), tmp_path / "a.plan")
+    kinds = [line.split("\t")[4] for line in (tmp_path / "a.params").read_text().splitlines()[2:]]
+    assert kinds == ["6", "6", "6", "9"]
+
+
 def test_a_mission_without_parameters_deletes_the_file_written_before(tmp_path: Path) -> None:
     path = tmp_path / "a.waypoints"
     write_mission(replace(MISSION, parameters={"MPC_XY_VEL_MAX": 9.5, "MPC_YAW_MODE": 1.0}), path)
