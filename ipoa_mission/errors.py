@@ -1,7 +1,4 @@
-"""Errors that a user can correct, and the register of their codes.
-
-The command line prints a `MissionError` and returns its `exit_code`. Other modules derive errors of their own.
-"""
+"""Errors that a user can correct, and the register of their codes."""
 
 import json
 import re

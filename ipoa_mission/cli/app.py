@@ -95,7 +95,6 @@ HEADINGS: dict[str, tuple[str | Callable[..., None], ...]] = {
 
 
 def _verbs() -> dict[str, tuple[Callable[..., None], ...]]:
-    """Return the verbs by heading; those of other packages are the last."""
     plugged_in = {entry.name: entry for entry in plug_ins("verbs")}
     verbs = {
         heading: tuple(

@@ -156,8 +156,7 @@ def remarks_on(requested: "RequestedMission", forecast: "Forecast") -> tuple[str
 
 
 def _planned_otherwise(requested: "RequestedMission", estimate: "Estimate") -> Iterator[str]:
-    tolerance_s = 0.05
-    if requested.planned is not None and abs(requested.planned[1] - estimate.total_s) > tolerance_s:
+    if requested.planned is not None and abs(requested.planned[1] - estimate.total_s) > 0.05:  # [s]
         file, planned_s = requested.planned
         why = "in its scenario's world and wind (--scenario), with its parameters"
         yield f"{file} has {planned_s:.1f} s for it: {why}"

@@ -114,8 +114,7 @@ class ContingencyDisplay:
         self.progress(share, words)
 
     def hear(self, message: Message) -> None:
-        interval_s = 1.0
-        if not isinstance(message, Position) or message.time_s - self._shown_s < interval_s:
+        if not isinstance(message, Position) or message.time_s - self._shown_s < 1.0:
             return
         path = self.vehicle.record().path
         if path and self.vehicle.state.in_air:

@@ -80,7 +80,7 @@ def fly(
             flight = plan_flight(scenario, wind=flown_by.air, seed=search.seed, progress=show)
         job = Job(flight.name, flight.forecast, flight.remarks, flight)
     else:
-        job = read_job(source, flown_by, ignore=ignore)
+        job = read_job(source, flown_by, None, ignore)
         _print_notes(asked, job.remarks)
     with in_folder(to.folder):
         planned_files = [] if job.flight is None else [*job.flight.write(to.folder)]
@@ -202,9 +202,9 @@ def _fly_stages(
 
 
 def _begun(job: "Job", first: int) -> "Job":
-    from ipoa_mission.flight.procedure import begun_forecast
+    from ipoa_mission.flight import procedure
 
-    return replace(job, begun=begun_forecast(job.forecast, first))
+    return replace(job, begun=procedure.begun_forecast(job.forecast, first))
 
 
 def _expect_no_plan(source: Path, options: dict[str, object]) -> None:

@@ -304,7 +304,6 @@ def _name(vehicle: "Vehicle") -> str:
 def _report(
     as_json: bool, vehicle: "Vehicle", result: dict[str, Any], words: list[str], log: list[str] | None = None
 ) -> None:
-    """Print the result as JSON, or in words with the written files (`log`: some)."""
     if as_json:
         version = vehicle.version_heard
         who = {"system": vehicle.system, "autopilot": str(vehicle.autopilot)}

@@ -27,10 +27,7 @@ log = logging.getLogger(__name__)
 
 @dataclass(frozen=True)
 class Job:
-    """A mission ready to fly; `begun`: the forecast from another item; `reserves`: the battery in flight.
-
-    `system`: of the vehicle on the link; None: that of the options.
-    """
+    """A mission ready to fly; `begun`: the forecast from another item; `reserves`: the battery in flight."""
 
     name: str
     forecast: Forecast
@@ -39,7 +36,7 @@ class Job:
     begun: Forecast | None = None
     ignore: Sequence[str] = ()
     reserves: list[ReserveNow] = field(default_factory=list)
-    system: int | None = None
+    system: int | None = None  # of the vehicle on the link; None: that of the options
 
     @property
     def mission(self) -> Mission:
@@ -61,9 +58,7 @@ def landing_remarks(job: Job, record: FlightRecord) -> tuple[str, ...]:
     return landed_at_rally(job.mission, record) + landed_elsewhere(job.forecast, record)
 
 
-def read_job(
-    source: Path, flown_by: FlownByOptions, autopilot: Autopilot | None = None, ignore: Sequence[str] = ()
-) -> Job:
+def read_job(source: Path, flown_by: FlownByOptions, autopilot: Autopilot | None, ignore: Sequence[str]) -> Job:
     requested = read_requested(source, flown_by, autopilot)
     mission = requested.mission
     forecast = Forecast(mission, wind=flown_by.air)

@@ -65,7 +65,6 @@ def planner_of(scenario: "Scenario", among: Iterable[Planner]) -> Planner | None
 
 
 def grouped(verb: Callable[..., None]) -> Callable[..., None]:
-    """Return the verb with each parameter group expanded into its options."""
     parameters: list[inspect.Parameter] = []
     groups: dict[str, tuple[Any, ...]] = {}
     for parameter in inspect.signature(verb).parameters.values():

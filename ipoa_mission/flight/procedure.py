@@ -9,16 +9,7 @@ from typing import TYPE_CHECKING, TypeAlias
 from ipoa_mission.checks.check import check
 from ipoa_mission.checks.unsafe import NotAtStart, begun_at, check_start, refuse_errors
 from ipoa_mission.errors import MissionError
-from ipoa_mission.flight.preflight import (
-    OtherValue,
-    await_home,
-    expect_charge,
-    expect_fit,
-    expect_slow_landing,
-    idle_fence,
-    other_values,
-    without_station,
-)
+from ipoa_mission.flight import preflight
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.link.dialogue import Cancelled, NoAnswer, TimeUp
@@ -97,7 +88,7 @@ def upload_mission(
         ('RTL_RETURN_ALT is 30 on the vehicle, and the mission was made for 70',)
     """
     with stages(Stage.CHECK):
-        remarks = expect_fit(vehicle, mission, anyway, ignore)
+        remarks = preflight.expect_fit(vehicle, mission, anyway, ignore)
         left = left_lists(vehicle, mission)
     _, notes = _upload(vehicle, mission, anyway, stages)
     return (*remarks, *left.values(), *notes)
@@ -105,12 +96,12 @@ def upload_mission(
 
 def _upload(
     vehicle: Vehicle, mission: Mission, anyway: bool, stages: Stages, remedy: str = ""
-) -> tuple[tuple[OtherValue, ...], tuple[str, ...]]:
+) -> tuple[tuple[preflight.OtherValue, ...], tuple[str, ...]]:
     with stages(Stage.UPLOAD) as show:
         vehicle.upload(replace(mission, autopilot=vehicle.autopilot) if anyway else mission, show, checked=False)
     with stages(Stage.RECHECK):
-        idle = idle_fence(vehicle, mission)
-        differing, missing = other_values(vehicle, mission.parameters)
+        idle = preflight.idle_fence(vehicle, mission)
+        differing, missing = preflight.other_values(vehicle, mission.parameters)
     lacking = (f"the vehicle has no parameter {name}" for name in missing)
     return differing, (*([idle] if idle else []), *(f"{other}{remedy}" for other in differing), *lacking)
 
@@ -185,21 +176,21 @@ def load_mission(vehicle: Vehicle, forecast: Forecast, options: ProcedureOptions
     stages = options.stages
     vehicle.expect_on_ground()
     with stages(Stage.POSITION) as show:
-        await_home(vehicle, show)
+        preflight.await_home(vehicle, show)
     if options.set_params:
         with stages(Stage.PARAMETERS) as show:
             _set_parameters(vehicle, mission, show, options.remark)
     with stages(Stage.CHECK):
         if not anyway:  # a parameter may be missing or lost
-            expect_slow_landing(vehicle, forecast)
-        remarks = expect_fit(vehicle, mission, anyway, options.ignore)
+            preflight.expect_slow_landing(vehicle, forecast)
+        remarks = preflight.expect_fit(vehicle, mission, anyway, options.ignore)
         left = left_lists(vehicle, mission)
         if not anyway and MissionType.RALLY in left:
             hint = "clear its lists (ipoa-mission clear), or fly with --anyway"
             raise MissionError(left[MissionType.RALLY], hint, code="other-rally-points")
     differing, notes = _upload(vehicle, mission, anyway, stages, ": --set-params writes it")
     with suppress(NoAnswer):
-        vehicle.link_loss.meanwhile = without_station(vehicle, vehicle.firmware_version())
+        vehicle.link_loss.meanwhile = preflight.without_station(vehicle, vehicle.firmware_version())
     for words in (*remarks, *left.values(), *notes):
         options.remark(words)
     if mission.autopilot is not vehicle.autopilot:
@@ -222,7 +213,7 @@ def load_mission(vehicle: Vehicle, forecast: Forecast, options: ProcedureOptions
 def begin_mission(vehicle: Vehicle, forecast: Forecast, options: ProcedureOptions) -> FlightRecord:
     def permit(there: Geodetic) -> None:
         if not options.anyway:
-            expect_charge(vehicle, forecast, options.first)
+            preflight.expect_charge(vehicle, forecast, options.first)
         try:
             notes = check_start(forecast.mission_as_read, forecast.scenario, options.first, there)
         except NotAtStart as elsewhere:
@@ -257,7 +248,6 @@ def _monitor(vehicle: Vehicle, forecast: Forecast, first: int, remark: ReportRem
 
 
 def begun_forecast(forecast: Forecast, first: int) -> Forecast:
-    """Return the forecast from the item of index `first` on."""
     if not first:
         return forecast
     wind = None if forecast.scenario else forecast.wind
@@ -265,7 +255,7 @@ def begun_forecast(forecast: Forecast, first: int) -> Forecast:
 
 
 def _set_parameters(vehicle: Vehicle, mission: Mission, show: Progress, remark: ReportRemark) -> None:
-    differing, _ = other_values(vehicle, mission.parameters)
+    differing, _ = preflight.other_values(vehicle, mission.parameters)
     names = ", ".join(other.name for other in differing)
     for n, other in enumerate(differing):
         show(n / len(differing), names)

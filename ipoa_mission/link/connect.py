@@ -130,21 +130,18 @@ def _listen(
     return autopilots, trips_s
 
 
-def _choose(
-    autopilots: Mapping[int, FoundVehicle], system: int | None, rejected: SignsOtherwise | None
-) -> FoundVehicle:
-    """Return the only vehicle, or that with the system id."""
-    if system is not None and system in autopilots:
-        return autopilots[system]
-    if rejected is not None and (system is not None or not autopilots):
+def _choose(vehicles: Mapping[int, FoundVehicle], system: int | None, rejected: SignsOtherwise | None) -> FoundVehicle:
+    if system is not None and system in vehicles:
+        return vehicles[system]
+    if rejected is not None and (system is not None or not vehicles):
         raise rejected
     if system is not None:
-        heard = f"; heard: {', '.join(map(str, sorted(autopilots)))}" if autopilots else ""
+        heard = f"; heard: {', '.join(map(str, sorted(vehicles)))}" if vehicles else ""
         raise NoAnswer(f"no autopilot with system id {system} is heard{heard}", code="not-heard")
-    if not autopilots:
+    if not vehicles:
         raise NoAnswer("no autopilot is heard", code="not-heard")
-    if len(autopilots) > 1:
-        names = ", ".join(f"{number} ({vehicle.kind})" for number, vehicle in sorted(autopilots.items()))
+    if len(vehicles) > 1:
+        names = ", ".join(f"{number} ({vehicle.kind})" for number, vehicle in sorted(vehicles.items()))
         words = f"several vehicles are heard: {names}"
         raise MissionError(words, hint="choose one by its system id", code="several-vehicles")
-    return next(iter(autopilots.values()))
+    return next(iter(vehicles.values()))

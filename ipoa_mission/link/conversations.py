@@ -46,7 +46,6 @@ def share_words(done: int, total: int, kind: int) -> str:
 
 
 def cancelled(kind: int, left: Literal["old", "new", "either"]) -> Cancelled:
-    """Return the error that names the list on the vehicle."""
     name = list_name(kind)
     words = {
         "old": f"cancelled: the vehicle keeps the {name} it had",

@@ -109,7 +109,6 @@ def add_dialect(dialect: str | ModuleType) -> None:
 
 
 def dialect_of(number: int) -> Any:
-    """Return pymavlink's module with this message."""
     for module in _DIALECTS:
         if number in module.mavlink_map:
             return module

@@ -122,8 +122,7 @@ class Line(Carrier):
         return self.channel.now()
 
     def send(self, message: Message, target: Target = EVERYONE) -> None:
-        frame = self.codec.encode(message, target, self.channel.unix_s())
-        self._send(frame, self._routes.to(target))
+        self._send(self.codec.encode(message, target, self.channel.unix_s()), self._routes.to(target))
 
     def send_payload(self, definition: Definition, payload: bytes) -> None:
         """Send a payload whose fields contain the target, if any."""

@@ -5,20 +5,8 @@ from dataclasses import dataclass, field
 
 from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.errors import BadInput, MissionError
-from ipoa_mission.link.conversations import (
-    DOUBTFUL_REFUSALS,
-    READ_ATTEMPTS,
-    KeepsChanging,
-    MissionRefused,
-    VehicleTexts,
-    cancelled,
-    list_name,
-    observed,
-    offer,
-    read_consistent,
-    read_list,
-    share_words,
-)
+from ipoa_mission.link import conversations
+from ipoa_mission.link.conversations import list_name, share_words
 from ipoa_mission.link.dialogue import Cancelled, Dialogue, NoAnswer, Pause, SendOnce, Step, TimeUp, hear, wait
 from ipoa_mission.link.item_run import ItemsSent
 from ipoa_mission.link.messages import NO_MISSION, WARNING, Ack, Current, Message, MissionType, Request, Result
@@ -115,7 +103,7 @@ class Upload:
 
 
 @dataclass
-class MissionReports(VehicleTexts):
+class MissionReports(conversations.VehicleTexts):
     """PX4's reports of its stored mission: ids and number of items prove that no other station replaced it."""
 
     least_severity: int = WARNING
@@ -128,7 +116,6 @@ class MissionReports(VehicleTexts):
     is_named: bool = False  # since the list was read whole
 
     def reset_at_offer(self) -> None:
-        """Forget earlier reports, which concern other missions."""
         self.stored_as = 0
         self.is_disputed = False
         self.is_read = False
@@ -140,7 +127,6 @@ class MissionReports(VehicleTexts):
         self.is_read = True
 
     def reset_ids(self) -> None:
-        """Forget all ids but the last."""
         self.ids = frozenset({self.latest} - {0})
         self.total = None
         self.is_disputed = False
@@ -191,7 +177,7 @@ def upload(job: Upload, progress: Progress = silent) -> Dialogue[int]:
     state = UploadState()
     try:
         try:
-            yield from observed(_store(job, state, progress), state.reports.note)
+            yield from conversations.observed(_store(job, state, progress), state.reports.note)
         except Cancelled:
             yield from _cancel(job, state, progress)
     except TimeUp as late:
@@ -218,10 +204,10 @@ def upload(job: Upload, progress: Progress = silent) -> Dialogue[int]:
 def _confirm_stored(job: Upload, reports: MissionReports) -> Dialogue[None]:
     if reports.proves(job):
         return
-    for _ in range(READ_ATTEMPTS):
+    for _ in range(conversations.READ_ATTEMPTS):
         reports.reset_ids()
         try:
-            stored = yield from observed(read_list(job.kind), reports.note)
+            stored = yield from conversations.observed(conversations.read_list(job.kind), reports.note)
         except (Cancelled, TimeUp, NoAnswer) as aborted:
             raise type(aborted)(
                 f"{aborted}: the vehicle may no longer hold the {list_name(job.kind)} that was sent",
@@ -232,7 +218,7 @@ def _confirm_stored(job: Upload, reports: MissionReports) -> Dialogue[None]:
             raise Replaced(job.kind, difference)
         if reports.agrees(job):
             return
-    raise KeepsChanging(job.kind)
+    raise conversations.KeepsChanging(job.kind)
 
 
 def _cancel(job: Upload, state: UploadState, progress: Progress) -> Dialogue[None]:
@@ -244,17 +230,18 @@ def _cancel(job: Upload, state: UploadState, progress: Progress) -> Dialogue[Non
         raise Cancelled(words, hint="it is whole and verified; clear it if it must not be flown", list_on_vehicle="new")
     yield from _refuse_requests(job.kind)
     if not state.may_be_whole:
-        raise cancelled(job.kind, "old")
+        raise conversations.cancelled(job.kind, "old")
     try:
-        stored = yield from read_list(job.kind)
-    except (MissionRefused, NoAnswer):
-        raise cancelled(job.kind, "either") from None
-    raise cancelled(job.kind, "new" if job.difference(stored) is None else "old")
+        stored = yield from conversations.read_list(job.kind)
+    except (conversations.MissionRefused, NoAnswer):
+        raise conversations.cancelled(job.kind, "either") from None
+    raise conversations.cancelled(job.kind, "new" if job.difference(stored) is None else "old")
 
 
 def _store(job: Upload, state: UploadState, progress: Progress) -> Dialogue[None]:
-    refused_before: MissionRefused | None = None
-    temporary = {*DOUBTFUL_REFUSALS, Result.DENIED, Result.OPERATION_CANCELLED}  # not because of the items
+    refused_before: conversations.MissionRefused | None = None
+    # not because of the items
+    temporary = {*conversations.DOUBTFUL_REFUSALS, Result.DENIED, Result.OPERATION_CANCELLED}
 
     def note(seq: int) -> None:
         state.furthest = max(state.furthest, seq)
@@ -268,20 +255,20 @@ def _store(job: Upload, state: UploadState, progress: Progress) -> Dialogue[None
         try:
             state.reports.reset_at_offer()
             run = ItemsSent(job.kind, len(job.items), -1, job.payloads, note)
-            result = yield from offer(job.items, job.kind, run=run)
+            result = yield from conversations.offer(job.items, job.kind, run=run)
             state.reports.reset_at_reading()
-            stored, state.checksum = yield from read_consistent(job.kind, job.numbers)
+            stored, state.checksum = yield from conversations.read_consistent(job.kind, job.numbers)
         except NoAnswer as silence:
             if state.attempt == ATTEMPTS or max(state.before, state.furthest) < 0:
                 silence.hint = _remaining_list(job)
                 raise
-        except MissionRefused as refusal:
+        except conversations.MissionRefused as refusal:
             again = refused_before is not None and (
                 (refusal.result, refusal.seq) == (refused_before.result, refused_before.seq)
             )
             is_final = refusal.result not in temporary and (not job.truncates or again)
             if state.attempt == ATTEMPTS or is_final or (again and refusal.result == Result.ERROR):
-                final = MissionRefused(refusal.result, job.kind, refusal.seq, refusal.words, job.first)
+                final = conversations.MissionRefused(refusal.result, job.kind, refusal.seq, refusal.words, job.first)
                 raise final.at(hint=_remaining_list(job)) from None
             refused_before = refusal
             yield from wait(1.0)
@@ -290,8 +277,8 @@ def _store(job: Upload, state: UploadState, progress: Progress) -> Dialogue[None
             difference = job.difference(stored)
             if difference is None:
                 return
-            if state.attempt >= 2 and result in DOUBTFUL_REFUSALS:
-                raise MissionRefused(result, job.kind, len(job.items) - 1, first=job.first)
+            if state.attempt >= 2 and result in conversations.DOUBTFUL_REFUSALS:
+                raise conversations.MissionRefused(result, job.kind, len(job.items) - 1, first=job.first)
             if state.attempt >= 2:
                 raise ReadBackDiffers(job.kind, difference)
 

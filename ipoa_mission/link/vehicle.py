@@ -29,16 +29,9 @@ from ipoa_mission.link.reconnect import RETRY_S, SILENT_S, KnownVehicle, LinkLos
 from ipoa_mission.link.remote_vehicle import RemoteVehicle
 from ipoa_mission.link.upload import ReadBackDiffers, Unflyable, Unplaced, Upload, upload
 from ipoa_mission.link.vehicle_state import ModeWatch, NotReady, VehicleState
+from ipoa_mission.mission import stored_mission
 from ipoa_mission.mission.flight_record import FlightRecord
 from ipoa_mission.mission.items import Item, Mission
-from ipoa_mission.mission.stored_mission import (
-    fence_from_wire,
-    fence_to_wire,
-    from_wire,
-    rally_from_wire,
-    rally_to_wire,
-    to_wire,
-)
 from ipoa_mission.progress import Progress, count, silent
 
 log = logging.getLogger(__name__)
@@ -113,16 +106,16 @@ class Vehicle(RemoteVehicle):
                 aboard, unsaid = check_aboard(mission, self.autopilot, self.firmware_version())
                 refuse_errors((*unsaid, *check_mission(aboard)))
             try:
-                self.upload_items(to_wire(mission), MissionType.MISSION, progress)
+                self.upload_items(stored_mission.to_wire(mission), MissionType.MISSION, progress)
             except Unflyable as unflyable:
                 if unflyable.why or self.home() is not None:
                     raise
                 raise Unplaced from None
             try:
                 if mission.fence:
-                    self.upload_items(fence_to_wire(mission.fence), MissionType.FENCE)
+                    self.upload_items(stored_mission.fence_to_wire(mission.fence), MissionType.FENCE)
                 if mission.rally:
-                    self.upload_items(rally_to_wire(mission.rally), MissionType.RALLY)
+                    self.upload_items(stored_mission.rally_to_wire(mission.rally), MissionType.RALLY)
             except Cancelled as cancelled:
                 words = f"{cancelled}; its mission is the new one"
                 raise Cancelled(words, cancelled.hint, list_on_vehicle=cancelled.list_on_vehicle) from None
@@ -152,9 +145,9 @@ class Vehicle(RemoteVehicle):
         """
         with self._in_time():
             lists = {kind: self.download_items(kind, progress if kind == 0 else silent) for kind in LISTS}
-            fence = fence_from_wire(lists[MissionType.FENCE])
-            rally = rally_from_wire(lists[MissionType.RALLY])
-            mission = from_wire(lists[MissionType.MISSION], self.autopilot, self.home())
+            fence = stored_mission.fence_from_wire(lists[MissionType.FENCE])
+            rally = stored_mission.rally_from_wire(lists[MissionType.RALLY])
+            mission = stored_mission.from_wire(lists[MissionType.MISSION], self.autopilot, self.home())
         jobs = {kind: Upload(lists[kind], self.autopilot, kind, self._checksum_numbers()) for kind in LISTS}
         self._onboard_lists = {kind: OnboardList(job) for kind, job in jobs.items()}
         self._set_mission(mission)

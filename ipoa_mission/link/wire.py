@@ -189,7 +189,6 @@ def _value(message: str, ours: str, theirs: tuple[str, ...]) -> _Value:
     return _Value(ours, theirs, scale_up, scale_down)
 
 
-#: By MAVLink's name.
 KINDS: Mapping[str, type[m.Message]] = {
     kind.NAME: kind
     for kind in vars(m).values()

@@ -11,23 +11,10 @@ import shapely
 
 from ipoa_mission.errors import InvalidRing
 from ipoa_mission.geodesy import LocalFrame
+from ipoa_mission.maps import kinds
 from ipoa_mission.maps.building_rules import BuildingRules, area_height, reach_of, thin_height
 from ipoa_mission.maps.feature import Feature, Mistakes, make_printable
 from ipoa_mission.maps.keys import Means, meaning
-from ipoa_mission.maps.kinds import (
-    CABLE,
-    FLAT,
-    NO_BUILDING,
-    TOP_AMSL,
-    WOOD,
-    Extent,
-    Reason,
-    as_openstreetmap,
-    extent_of,
-    has_kind,
-    has_place_for_height,
-    why_passed_over,
-)
 from ipoa_mission.maps.lengths import length_of, meters
 from ipoa_mission.maps.map_obstacles import MapObstacle
 from ipoa_mission.maps.map_reader import read_features
@@ -96,9 +83,9 @@ class Buildings(NamedTuple):
 def search_buildings(path: Path, rules: BuildingRules, frame: LocalFrame, within: Box | None = None) -> Buildings:
     """Return the obstacles of a map, `within` a box [m]."""
     around = MapWindow.of(frame, within)
-    features = [as_openstreetmap(feature) for feature in read_features(path, around)]
-    has_heights = any(has_place_for_height(feature, rules.height_key) for feature in features)
-    all_buildings = rules.take is None and has_heights and not any(has_kind(feature) for feature in features)
+    features = [kinds.as_openstreetmap(feature) for feature in read_features(path, around)]
+    has_heights = any(kinds.has_place_for_height(feature, rules.height_key) for feature in features)
+    all_buildings = rules.take is None and has_heights and not any(kinds.has_kind(feature) for feature in features)
     return _Finder(rules, frame, path, all_buildings).find(features, around)
 
 
@@ -116,7 +103,7 @@ class _Finder:
     def find(self, features: Sequence[Feature], around: MapWindow) -> Buildings:
         shapes, near = to_plane([feature.shape for feature in features], self._frame, around)
         for feature, shape, is_near in zip(features, shapes, near.tolist(), strict=True):
-            extent = extent_of(feature.shape)
+            extent = kinds.extent_of(feature.shape)
             why = _why_passed_over(feature, extent, self._rules, self._all_buildings) if is_near else FAR_FROM_HOME
             if self._misses(feature, extent) and extent == "none":
                 continue
@@ -139,7 +126,7 @@ class _Finder:
         unread = tuple(self._notes.unread)
         return Buildings(tuple(self._obstacles), passed_over, tuple(remarks), len(features), elsewhere, unread)
 
-    def _misses(self, feature: Feature, extent: Extent) -> bool:
+    def _misses(self, feature: Feature, extent: kinds.Extent) -> bool:
         if feature.missing is None and extent != "none":
             return False
         why = _why_passed_over(feature, "area", self._rules, self._all_buildings)
@@ -155,7 +142,7 @@ class _Finder:
             if meaning(key) in HEIGHTENING and length_of(value)[0]:
                 doubts.append(key)
 
-        over_home = TOP_AMSL in feature.tags
+        over_home = kinds.TOP_AMSL in feature.tags
         height = height_of(feature.tags, rules.height_key, rules.storey_height, odd)
         if over_home:
             height = math.inf  # given above sea level
@@ -175,7 +162,7 @@ class _Finder:
             reach = wire.reach if width is None else width / 2
             return [MapObstacle(feature.name, span, reach, 0.0, top, hangs=True) for span in hanging]
         obstacles: list[MapObstacle] = []
-        building = any(feature.tags.get(key, "no") not in NO_BUILDING for key in ("building", "building:part"))
+        building = any(feature.tags.get(key, "no") not in kinds.NO_BUILDING for key in ("building", "building:part"))
         hollow = not building and feature.tags.keys() & {"barrier", "natural"}
         for part in [part if hollow else close_as_polygon(part) for part in simple_parts(shape)]:
             thin = part.geom_type != "Polygon"
@@ -198,7 +185,8 @@ class _Finder:
                 counts[f"outline(s) mended ({wrong})"] += 1
             obstacles += [MapObstacle(feature.name, polygon, 0.0, foot, top) for polygon in polygons]
         if over_home:
-            above = meters(feature.tags[TOP_AMSL], f"{feature.place}.properties.{TOP_AMSL}") - self._frame.home.altitude
+            altitude = meters(feature.tags[kinds.TOP_AMSL], f"{feature.place}.properties.{kinds.TOP_AMSL}")
+            above = altitude - self._frame.home.altitude
             return [part._replace(height=above, over_home=True) for part in obstacles]
         self._doubt(feature, shape, doubts, max((part.height for part in obstacles), default=0.0))
         return obstacles
@@ -208,21 +196,21 @@ class _Finder:
         for key in dict.fromkeys((*keys, *unread_heights(feature.tags, top, self._rules.storey_height))):
             words = f"a height that was not understood ({key} {feature.tags[key][:20]!r}), {top:g} m was taken"
             remedy = "write the height in meters, or name the property that holds it under [[maps]]: height_key"
-            self._notes.pass_over(feature, shape, Reason(words, True, remedy), NOT_READ)
+            self._notes.pass_over(feature, shape, kinds.Reason(words, True, remedy), NOT_READ)
 
 
-def _why_passed_over(feature: Feature, extent: Extent, rules: BuildingRules, every: bool) -> Reason | None:
-    why = why_passed_over(feature, extent, rules.height_key, every)
+def _why_passed_over(feature: Feature, extent: kinds.Extent, rules: BuildingRules, every: bool) -> kinds.Reason | None:
+    why = kinds.why_passed_over(feature, extent, rules.height_key, every)
     if why is None:
         wire = None if rules.height_key in feature.tags else _wire(feature, rules)
-        return Reason(f"{wire.key} = 0 excludes it", False) if wire is not None and not wire.height else None
-    if why is CABLE and rules.line_height is not None:
-        return None if rules.line_height else Reason("line_height = 0 excludes it", False)
-    if why is WOOD and rules.wood_height is not None:
-        return None if rules.wood_height else Reason("wood_height = 0 excludes it", False)
-    if rules.take == "all" and why not in (FLAT, WOOD, CABLE) and extent != "none":
+        return kinds.Reason(f"{wire.key} = 0 excludes it", False) if wire is not None and not wire.height else None
+    if why is kinds.CABLE and rules.line_height is not None:
+        return None if rules.line_height else kinds.Reason("line_height = 0 excludes it", False)
+    if why is kinds.WOOD and rules.wood_height is not None:
+        return None if rules.wood_height else kinds.Reason("wood_height = 0 excludes it", False)
+    if rules.take == "all" and why not in (kinds.FLAT, kinds.WOOD, kinds.CABLE) and extent != "none":
         return None
-    is_decided = rules.take == "tagged" or (rules.take == "all" and why not in (WOOD, CABLE))
+    is_decided = rules.take == "tagged" or (rules.take == "all" and why not in (kinds.WOOD, kinds.CABLE))
     return replace(why, may_be_obstacle=why.may_be_obstacle and not is_decided)
 
 

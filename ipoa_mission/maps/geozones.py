@@ -101,7 +101,6 @@ def zone_tags(properties: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
 
 
 def limit_tags(volume: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
-    """Yield the limits of an ED-269 volume or ED-318 layer."""
     for key, value in volume.items():
         if value is not None and (key in _LIMIT_OF_KEY or _MAY_LIMIT.fullmatch(key.lower())):
             yield _LIMIT_OF_KEY.get(key, key), str(value)

@@ -11,16 +11,8 @@ import numpy as np
 
 from ipoa_mission.errors import BadInput, NotCovered, NothingThere, Unreadable, WrongFormat, imported
 from ipoa_mission.geodesy import Geodetic
-from ipoa_mission.maps.wind_levels import (
-    FARTHEST_DEG,
-    Component,
-    Datum,
-    ForecastWinds,
-    WindSamples,
-    grid_north,
-    to_east_north,
-    unit_factor,
-)
+from ipoa_mission.maps import wind_levels
+from ipoa_mission.maps.wind_levels import Component, Datum, ForecastWinds
 
 SHORT_NAME = re.compile(r"(\d*)(u|v|si|ws|wdir)")  # of eccodes: u, 10u, 100v, 10si, wdir
 SHORT_NAMES = {
@@ -73,7 +65,7 @@ def grib_winds(path: Path, place: Geodetic) -> ForecastWinds:
         if odd := len(east) + len(north) - 2 * len(pairs):
             winds.note("one component of a wind without the other", f"{height:g} m", str(time), True, odd)
         if pairs and moment in axes:
-            pairs = to_east_north(np.array(pairs), axes[moment]).tolist()
+            pairs = wind_levels.to_east_north(np.array(pairs), axes[moment]).tolist()
         if not pairs:  # components take precedence
             polar = [*zip(speeds, np.radians(directions), strict=False)]
             pairs = [(-speed * np.sin(angle), -speed * np.cos(angle)) for speed, angle in polar]
@@ -89,7 +81,7 @@ def grib_winds(path: Path, place: Geodetic) -> ForecastWinds:
         winds.note(subject, f"{height:g} m, {time}", count)
     for (height, datum), rows in levels.items():
         components = np.array([row[1:] for row in rows], float).reshape(-1, 2)
-        winds.samples.append(WindSamples(height, datum, components, np.array([row[0] for row in rows])))
+        winds.samples.append(wind_levels.WindSamples(height, datum, components, np.array([row[0] for row in rows])))
     return winds
 
 
@@ -145,7 +137,7 @@ def _read(eccodes: Any, handle: Any, where: str, winds: ForecastWinds, nearest: 
     target = "deg" if component is Component.FROM else "m/s"
     unit = get("units")
     unit = "deg" if unit == "Degree true" else unit
-    factor = 1.0 if unit in (None, "unknown") else unit_factor(unit, target, f"{winds.path}: {name}.units")
+    factor = 1.0 if unit in (None, "unknown") else wind_levels.unit_factor(unit, target, f"{winds.path}: {name}.units")
     value = eccodes.codes_get_double_element(handle, "values", index)
     missing = bool(get("bitmapPresent", int)) and value == get("missingValue", float)
     height = float(short[1]) if above_ground and short is not None else get("level", float)
@@ -162,10 +154,10 @@ def _axis_deg(eccodes: Any, get: Any, path: Path, latitude_deg: float, longitude
         return None
     if kind == "rotated_ll" and not get("angleOfRotationInDegrees", float):
         south = get("latitudeOfSouthernPoleInDegrees", float), get("longitudeOfSouthernPoleInDegrees", float)
-        return grid_north((-south[0], south[1] + 180.0), latitude_deg, longitude_deg)
+        return wind_levels.grid_north((-south[0], south[1] + 180.0), latitude_deg, longitude_deg)
     with suppress(eccodes.CodesInternalError):
         if projection := get("projTargetString"):
-            return grid_north(str(projection), latitude_deg, longitude_deg)
+            return wind_levels.grid_north(str(projection), latitude_deg, longitude_deg)
     words = f"expected winds towards the east and the north, not along the axes of a {kind} grid"
     raise BadInput(words, hint="turn them first, as `wgrib2 IN -new_grid_winds earth` does", place=path)
 
@@ -194,7 +186,7 @@ def _nearest(eccodes: Any, handle: Any, winds: ForecastWinds, known: dict[str, N
         north = np.abs(latitudes - place.latitude_deg)
         east = np.abs((longitudes - place.longitude_deg + 180.0) % 360.0 - 180.0)
         index = int(np.hypot(north, east * np.cos(np.radians(place.latitude_deg))).argmin())
-        if max(north[index], east[index]) > FARTHEST_DEG:
+        if max(north[index], east[index]) > wind_levels.FARTHEST_DEG:
             raise NotCovered(
                 f"expected a forecast of home's place, {place.latitude_deg:g}, {place.longitude_deg:g}; "
                 f"the nearest point is {latitudes[index]:g}, {(longitudes[index] + 180.0) % 360.0 - 180.0:g}",

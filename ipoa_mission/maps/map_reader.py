@@ -27,6 +27,7 @@ Reader: TypeAlias = Callable[[Path, MapWindow], Iterator[Sequence[Feature]]]
 
 
 def _whole(read: Callable[[Path], Sequence[Feature]]) -> Reader:
+
     def read_batch(path: Path, around: MapWindow) -> Iterator[Sequence[Feature]]:
         features = read(path)
         yield features if around.window == around.near else _in_window(features, around)

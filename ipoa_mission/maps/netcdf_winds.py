@@ -16,16 +16,8 @@ from pyproj.exceptions import CRSError
 
 from ipoa_mission.errors import BadInput, MissionError, NotCovered, WrongFormat, imported
 from ipoa_mission.geodesy import Geodetic
-from ipoa_mission.maps.wind_levels import (
-    FARTHEST_DEG,
-    Component,
-    Datum,
-    ForecastWinds,
-    WindSamples,
-    grid_north,
-    to_east_north,
-    unit_factor,
-)
+from ipoa_mission.maps import wind_levels
+from ipoa_mission.maps.wind_levels import Component, Datum, ForecastWinds
 
 STANDARD_COMPONENTS = {
     **dict.fromkeys(("eastward_wind", "x_wind"), Component.EAST),
@@ -197,7 +189,7 @@ def _heights(path: Path, coordinate: Any) -> _Heights | None:
         is_number = re.fullmatch(r"1|-|level|levels|layer|count|none|", bare, re.IGNORECASE)
         if is_number or _is_pressure(name, bare, standard):
             return _Heights(coordinate)
-        factor = unit_factor(bare, "m", f"{path}: {name}.units")
+        factor = wind_levels.unit_factor(bare, "m", f"{path}: {name}.units")
     if attributes.get("positive") == "down":
         raise BadInput("expected heights that grow upwards, not positive = 'down'", place=f"{path}: {name}")
     if coordinate.ndim > 1:
@@ -237,13 +229,15 @@ def _is_pressure(name: str, unit: Any, standard: str | None) -> bool:
 
 def _samples(
     height: float, datum: Datum, pair: tuple[Any, Any], winds: ForecastWinds, second: Component
-) -> WindSamples:
+) -> wind_levels.WindSamples:
     values = []
     for variable, target in zip(pair, ("m/s", "m/s" if second is Component.NORTH else "deg"), strict=True):
         unit = variable.attrs.get("units")
         if unit is None:
             winds.note(f"unit of a wind, taken as {target}", str(variable.name))
-        factor = 1.0 if unit is None else unit_factor(str(unit), target, f"{winds.path}: {variable.name}.units")
+        factor = (
+            1.0 if unit is None else wind_levels.unit_factor(str(unit), target, f"{winds.path}: {variable.name}.units")
+        )
         at_home, axis_deg = _at_place(variable, winds)
         times, at_home = _valid_times(at_home, winds.path)
         values.append(np.asarray(at_home, float).ravel() * factor)
@@ -252,7 +246,9 @@ def _samples(
         angle = np.radians(values[1])
         values = [speed * np.sin(angle), speed * np.cos(angle)]
     components = np.stack(values, axis=-1)
-    return WindSamples(height, datum, components if axis_deg is None else to_east_north(components, axis_deg), times)
+    return wind_levels.WindSamples(
+        height, datum, components if axis_deg is None else wind_levels.to_east_north(components, axis_deg), times
+    )
 
 
 def _grid(data: Any, variable: Any) -> CRS | tuple[float, float] | None:
@@ -297,14 +293,14 @@ def _at_place(variable: Any, winds: ForecastWinds) -> tuple[Any, float | None]:
         axes = ((latitude, np.abs(north)), (longitude, np.abs(east)))
         indices = {axis.dims[0]: int(far.argmin()) for axis, far in axes if axis.ndim}
         off = np.abs(north).min(), np.abs(east).min()
-    if not max(off) <= FARTHEST_DEG:
+    if not max(off) <= wind_levels.FARTHEST_DEG:
         raise NotCovered(
             f"expected a forecast of home's place, {place.latitude_deg:g}, {place.longitude_deg:g}; "
             f"the nearest {latitude.name} and {longitude.name} are {off[0]:g} and {off[1]:g} degrees away",
             place=winds.path,
         )
     point = (float(axis.isel({name: indices[name] for name in axis.dims})) for axis in (latitude, longitude))
-    return variable.isel(indices), None if grid is None or not is_along else grid_north(grid, *point)
+    return variable.isel(indices), None if grid is None or not is_along else wind_levels.grid_north(grid, *point)
 
 
 def _degrees(variable: Any, kind: str, path: Path) -> Any:

@@ -184,7 +184,7 @@ def _features(extract: Extract, path: Path) -> Iterator[Feature]:
         missing = Missing(words, EMPTY_SHAPE, "repeat the query for a smaller area")
         yield Feature(f"{path}: remark", EMPTY_SHAPE, {}, missing=missing)
     for number, tags in extract.tagged.items():
-        yield feature_of(f"node {number}", tags, shapely.Point(extract.places[number]), path)
+        yield feature_of(f"node {number}", tags, shapely.Point(extract.places[number]), path, ())
     for number, way in extract.ways.items():
         if way.tags.keys() - META_TAGS:
             closes = len(way.nodes) > 1 and way.nodes[0] == way.nodes[-1]
@@ -204,9 +204,7 @@ def _known(ways: Iterable[OsmWay], extract: Extract, name: str) -> list[Any]:
     return corners or (shapely.get_coordinates(extract.boxes[name]).tolist() if name in extract.boxes else [])
 
 
-def feature_of(
-    name: str, tags: dict[str, str], shape: Any, path: Path, known: Sequence[Sequence[float]] = ()
-) -> Feature:
+def feature_of(name: str, tags: dict[str, str], shape: Any, path: Path, known: Sequence[Sequence[float]]) -> Feature:
     """Return the feature of a name like `way 12`; note the `known` corners of an empty shape."""
     place = f"{path}: {name}"
     on_earth(shapely.get_coordinates(shape), place)

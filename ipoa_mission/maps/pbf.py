@@ -116,9 +116,8 @@ def _located(osmium: Any, file: Any, path: Path) -> Iterator[_Located]:
 
 
 def _feature(element: Any, tags: dict[str, str], located: Any, path: Path) -> Feature:
-    """Return the feature of a point, a line, or the known points of an incomplete way."""
     if element.is_node():
-        return feature_of(f"node {element.id}", tags, EMPTY_SHAPE if located.is_empty else located, path)
+        return feature_of(f"node {element.id}", tags, EMPTY_SHAPE if located.is_empty else located, path, ())
     corners = shapely.get_coordinates(located).tolist()
     shape = shape_of(corners if _is_whole(located) else None, element.is_closed(), tags)
     return feature_of(f"way {element.id}", tags, shape, path, corners)

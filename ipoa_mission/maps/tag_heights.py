@@ -46,8 +46,7 @@ def foot_of(tags: Mapping[str, str], storey_height: float, odd: Odd) -> float:
     heights = []
     for key in keys:
         value, sure = read(tags[key])
-        is_below = tags[key].startswith("-")
-        if not is_below and (value is None or not sure):
+        if not tags[key].startswith("-") and (value is None or not sure):
             odd(key, tags[key])
         heights.append(0.0 if value is None or not sure else value * unit)
     return min(heights, default=0.0)

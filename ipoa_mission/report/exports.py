@@ -113,7 +113,6 @@ def _placed_items(mission: Mission) -> Iterator[tuple[int, Item, LonLatUp]]:
 
 
 def to_geojson(forecast: Forecast, name: str) -> str:
-    """Write one feature a line."""
     mission = forecast.mission_as_read
     (_, home), *rally = marks_of(mission)
     features = [_feature("Point", home, {"kind": "home", "seq": 0})]

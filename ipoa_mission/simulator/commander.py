@@ -91,8 +91,7 @@ class Commander(MockVehicle):
             text = f"Arm: {reason}" if self.profile.reports_prearm else f"Arming denied: {reason}\t"
             self.send_text(CRITICAL, text)
             return refused
-        options = int(self.parameters.get("AUTO_OPTIONS", 0.0))
-        arms_in_auto = self.mode == self.mission_mode and options & 1
+        arms_in_auto = self.mode == self.mission_mode and int(self.parameters.get("AUTO_OPTIONS", 0.0)) & 1
         if self.mode not in self.profile.armable_modes and not arms_in_auto:
             name = self.profile.autopilot.modes.name(self.mode)
             self.send_text(CRITICAL, f"Arm: {name} mode not armable")
@@ -145,7 +144,6 @@ class Commander(MockVehicle):
                 self._run()
 
     def _run(self) -> None:
-        """Continue ArduPilot's mission, in flight or on the ground."""
         if self.items:
             self.mission_begun = self.mission_runs = True
             self.report_begun()
@@ -193,10 +191,8 @@ class Commander(MockVehicle):
         """DO items and delays may precede the take-off."""
         first = 0 if self.flight.mission is MissionState.COMPLETE else self.flight.current
         ahead = (item.command for item in self.items[first:] if item.command < commands.LAST_NAV)
-        return (
-            next((command for command in ahead if command not in commands.MAY_PRECEDE_TAKEOFF), None)
-            in commands.TAKEOFFS
-        )
+        first_flown = next((command for command in ahead if command not in commands.MAY_PRECEDE_TAKEOFF), None)
+        return first_flown in commands.TAKEOFFS
 
     def set_mode(self, custom_mode: int) -> CommandResult:
         if custom_mode not in self.profile.autopilot.modes.names:

@@ -62,8 +62,7 @@ class BadPipe(Pipe):
 
     def push(self, data: bytes, now: float) -> None:
         faults, chance = self._faults, self._random.random
-        copies = 2 if chance() < faults.duplicate else 1
-        for _ in range(copies):
+        for _ in range(2 if chance() < faults.duplicate else 1):
             lost = chance() < faults.loss
             late = chance() * faults.reorder_s if chance() < faults.reorder else 0.0
             if not lost and len(self._queue) < self.MAX_QUEUED:

@@ -106,7 +106,6 @@ class MockVehicle:
         self.outbox.append((message, to))
 
     def send_text(self, severity: int, text: str) -> None:
-        """Split a text that exceeds one message."""
         for chunk, start in enumerate(range(0, len(text), TEXT_BYTES)):
             self.send(m.Text(severity, text[start : start + TEXT_BYTES], int(len(text) > TEXT_BYTES), chunk))
 

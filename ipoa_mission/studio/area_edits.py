@@ -132,7 +132,6 @@ def _draw(document: MutableMapping[str, Any], change: DrawArea, frame: LocalFram
 
 
 def _area_around(point: Any, document: Any, areas: Any) -> Any:
-    """Return the rings of the area that contains the point."""
     for rings in areas:
         if shapely.Polygon(rings[0]).buffer(0.0).intersects(point):
             return rings

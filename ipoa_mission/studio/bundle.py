@@ -37,8 +37,7 @@ def build_page(web: Path, tell: Callable[[str], None]) -> None:
     program = npm()
     tell("building the studio's page once (npm ci, npm run build)")
     modules = web / "node_modules" / ".package-lock.json"
-    locked = web / "package-lock.json"
-    if not modules.is_file() or modules.stat().st_mtime < locked.stat().st_mtime:
+    if not modules.is_file() or modules.stat().st_mtime < (web / "package-lock.json").stat().st_mtime:
         _run(program, web, "ci", "--omit=dev", "--no-audit", "--no-fund")
     _run(program, web, "run", "build")
     (web / "dist" / DIGEST).write_text(sources_digest(web), encoding="utf-8")

@@ -13,10 +13,10 @@ from ipoa_mission.checks.firmware_check import is_too_long
 from ipoa_mission.forecast.itinerary.flown_legs import item_places
 from ipoa_mission.geodesy import LocalFrame
 from ipoa_mission.link.definitions import params_in_words
+from ipoa_mission.mission import stored_mission
 from ipoa_mission.mission.item_edits import complex_at
 from ipoa_mission.mission.item_words import item_words
 from ipoa_mission.mission.positions import refusals
-from ipoa_mission.mission.stored_mission import values_of
 from ipoa_mission.scenario.place_sections import FenceSection
 from ipoa_mission.studio import answers
 from ipoa_mission.studio.dropped import fences_of
@@ -109,7 +109,7 @@ def _item(seq: int, item: Item, mission: Mission, part: range | None) -> Mission
         command=item.command,
         words=item_words(item),
         frame=item.frame,
-        values=tuple(round_finite(value, 9) for value in values_of(item)),
+        values=tuple(round_finite(value, 9) for value in stored_mission.values_of(item)),
         place=(round(item.longitude_deg, 7), round(item.latitude_deg, 7)) if on_it else None,
         up=round_finite(mission.altitude_above_home(item), 9) if placed else None,
         part_of=None if part is None else (part.start, part.stop - 1),

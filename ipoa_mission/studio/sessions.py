@@ -26,8 +26,6 @@ FILE_CHECK_S = 1.0
 
 @dataclass(eq=False)
 class Lobby:
-    """Recent files, this folder, a new scenario."""
-
     folder: Path
     open_file: OpenFile
 
@@ -103,7 +101,6 @@ class Sessions:
         return known.token
 
     def at(self, token: str) -> Host | None:
-        """Return the host at a token; reopen one of an earlier run."""
         for known, host in self.hosts.items():
             if hmac.compare_digest(known.encode(), token.encode()):
                 return host

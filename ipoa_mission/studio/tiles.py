@@ -58,9 +58,8 @@ def open_tiles(source: str, attribution: str | None = None) -> TileSource:
         raise BadInput(words, place=f"--tiles: {source}")
     file = formats[path.suffix.lower()](path)
     if file.kind not in ("png", "jpg", "jpeg", "webp", *VECTOR):
-        words = (
-            f"expected pictures (png, jpg, webp, or vector tiles: pbf), not {file.kind or 'tiles of no stated format'}"
-        )
+        kind = file.kind or "tiles of no stated format"
+        words = f"expected pictures (png, jpg, webp, or vector tiles: pbf), not {kind}"
         raise WrongFormat(words, place=f"--tiles: {path}")
     layers = file.about.get("vector_layers") if file.kind in VECTOR else None
     names = [layer.get("id") for layer in layers if isinstance(layer, dict)] if isinstance(layers, list) else []

@@ -76,8 +76,7 @@ def without_folders(words: str, scenario: Scenario) -> str:
 
 def degree_of(frame: LocalFrame) -> tuple[float, float]:
     meridian, across = radii_of_curvature(frame.home.latitude_deg)
-    shrunk = across * math.cos(math.radians(frame.home.latitude_deg))
-    return math.radians(shrunk), math.radians(meridian)
+    return math.radians(across * math.cos(math.radians(frame.home.latitude_deg))), math.radians(meridian)
 
 
 def _bodies(scenario: Scenario) -> Iterator[Body]:

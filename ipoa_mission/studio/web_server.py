@@ -222,7 +222,6 @@ def serve(
 
 
 def _listen(requested: int, last: int) -> socket.socket:
-    """Return a socket at the requested port, else at the last one, else at any."""
     if requested:
         try:
             return socket.create_server(("127.0.0.1", requested))
