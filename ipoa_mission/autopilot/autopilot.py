@@ -120,10 +120,7 @@ class Autopilot(metaclass=_ByName):
     def circle(
         self, parameters: Parameters, radius: float, turn: float, speed: float | None, version: Version | None
     ) -> profile.FlownCircle | None:
-        """Return the flown circle of NAV_LOITER_TURNS; None: not supported.
-
-        `radius` > 0 [m], `turn` [rad], greatest level `speed` [m/s].
-        """
+        """Return the circle flown of NAV_LOITER_TURNS, or None; `radius` > 0 [m], `turn` [rad], most `speed` [m/s]."""
         return None
 
     @abstractmethod

@@ -95,10 +95,7 @@ def power(airframe: PowerModel, airspeed: Vector, climb: Vector, density: Vector
 
 
 def induced_speed(thrust: Vector, along: Vector, across: Vector, twice_density_area: Vector) -> Vector:
-    """Solve v sqrt(across^2 + (along + v)^2) = T / (2 rho A) for v [m/s] by Newton's method.
-
-    For v, along >= 0 it is convex, so Newton converges from above.
-    """
+    """Solve v sqrt(across^2 + (along + v)^2) = T / (2 rho A) for v [m/s] by Newton's method, from above."""
     hover_squared = thrust / twice_density_area
     v = np.sqrt(hover_squared)
     for _ in range(50):

@@ -59,8 +59,7 @@ def translated(
         if name in autopilot.parameter_names:
             values[name] = value
         elif counterpart and counterpart.meaning in CONVERTED and value > 0.0:
-            unit = other.parameter_table.by_name[old].unit
-            values[counterpart.name] = round(there * unit / counterpart.unit, 6)
+            values[counterpart.name] = round(there * other.parameter_table.by_name[old].unit / counterpart.unit, 6)
             words.append(f"{counterpart.name} = {values[counterpart.name]:g} for {name} = {value:g}")
         else:
             left_out.append(name)

@@ -149,8 +149,7 @@ def _takeoff(mission: Mission) -> Iterator[Finding]:
     guidance = mission.autopilot.guidance
     parameters = mission.complete_parameters
     if not first.item.is_takeoff:
-        later = any(at.item.is_takeoff for at in moving)
-        if guidance.needs_takeoff or later:
+        if guidance.needs_takeoff or any(at.item.is_takeoff for at in moving):
             yield first.error("takeoff-not-first", f"expected the take-off first, not {first.item.name}")
         else:
             yield first.warning(
@@ -288,8 +287,7 @@ def _tags(mission: Mission) -> Iterator[Finding]:
 
 
 def _too_many(mission: Mission, count: int, profile: JumpProfile) -> Iterator[Finding]:
-    name = mission.firmware.name
-    words = f"the mission: {count} jumps, and {name} takes"
+    words = f"the mission: {count} jumps, and {mission.firmware.name} takes"
     if count > profile.most:
         yield Finding("too-many-jumps", Severity.ERROR, None, f"{words} the first {profile.most} that it meets")
     elif count > profile.most_small:
@@ -381,6 +379,5 @@ def _rises(forecast: Forecast) -> dict[int, float]:
     rises: dict[int, float] = {}
     for n, (seq, item) in enumerate(zip(seqs, program.items, strict=True)):
         if item.is_waypoint and not item.params[0] > 0.0 and (onward := program.onward(n)) is not None:
-            rise = abs(float(program.places[onward, 2] - program.places[n, 2]))
-            rises[seq] = max(rise, rises.get(seq, 0.0))
+            rises[seq] = max(abs(float(program.places[onward, 2] - program.places[n, 2])), rises.get(seq, 0.0))
     return dict(sorted(rises.items()))

@@ -118,8 +118,7 @@ def check_start(mission: Mission, scenario: "Scenario | None", first: int, there
         return (f"{where}: without a scenario the way from there was not checked",)
     from ipoa_mission.checks.world_check import check_airspace
 
-    frame = scenario.frame
-    place = frame.local(Geodetic(there.latitude_deg, there.longitude_deg, mission.home.altitude))
+    place = scenario.frame.local(Geodetic(there.latitude_deg, there.longitude_deg, mission.home.altitude))
     starts = ((name, start) for name, section in scenario.added.items() for start in section.start_places)
     for name, start in starts:
         if math.hypot(*start) <= HOME_RADIUS or math.dist(place[:2], start) >= np.hypot(*place[:2]):

@@ -31,8 +31,7 @@ def check_world(forecast: Forecast, is_flown: bool, before: Iterable[Finding]) -
     findings = list(check_airspace(forecast))
     if guarantee is not None:
         judged = {finding.seq: finding.severity for finding in findings if finding.code == "leg-too-near"}
-        clearances = check_clearance(forecast.mission, forecast.world, guarantee)
-        for finding in clearances:
+        for finding in check_clearance(forecast.mission, forecast.world, guarantee):
             as_leg = judged.get(finding.seq)
             if as_leg != Severity.ERROR and as_leg != finding.severity:  # else the leg's finding says it
                 findings.append(finding)
@@ -50,10 +49,7 @@ def check_world(forecast: Forecast, is_flown: bool, before: Iterable[Finding]) -
 
 
 def remedy(forecast: Forecast) -> tuple[str, tuple[Remedy, ...]]:
-    """Return a hint and changes of the scenario that make the way home clear.
-
-    Both name the lowest return altitude within the bounds, in steps of 5 m, that keeps the required clearance.
-    """
+    """Return a hint and changes of the scenario: the lowest return altitude, in steps of 5 m, with a clear way home."""
     advice = 'plan the way home too, with the goal over home and this one under via; or land: route.ending = "land"'
     mission, scenario = forecast.mission, forecast.world
     by = mission.autopilot.parameter_table.by_meaning["return height"]
@@ -181,8 +177,7 @@ def check_wind(forecast: Forecast) -> Iterator[Finding]:
     for wind in dict.fromkeys((forecast.wind, forecast.wind.as_strong_as_may_be())):
         if (why := _why_not(forecast, wind)) is not None and _why_not(forecast, CALM) is None:
             words = f"in wind up to {wind.strongest:g} m/s: {why}"
-            hint = "fly in less wind, slower, or another way"
-            yield Finding("wind-too-strong", Severity.ERROR, None, words, hint)
+            yield Finding("wind-too-strong", Severity.ERROR, None, words, "fly in less wind, slower, or another way")
             return
 
 

@@ -53,10 +53,7 @@ _digest = lru_cache(maxsize=1)(sources_digest)
 
 
 def jit_if_faster(function: Function, fast: bool | None, steps: float) -> Function:
-    """Return a function, compiled if `fast`; None: if that is quicker for `steps` steps.
-
-    The results are identical, bit for bit.
-    """
+    """Return a function, compiled if `fast` or, by default, if quicker for `steps`; results are bit-equal."""
     if fast is None:
         at_hand = shipped() is not None or compiled.cache_info().currsize > 0
         fast = at_hand or (steps > MANY_STEPS and _is_cached(function))

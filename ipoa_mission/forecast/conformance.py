@@ -245,5 +245,4 @@ class ConformanceMonitor:
         over = np.array([place[0], place[1], max(place[2], goal[2])])
         corners = [place, over, goal] if self._visits[self._visit].item.is_takeoff else [place, goal]
         flown = arc_lengths(np.array(corners))
-        places = np.arange(0.0, flown[-1] + SPACING, SPACING)
-        return interpolate(places, flown, np.array(corners))
+        return interpolate(np.arange(0.0, flown[-1] + SPACING, SPACING), flown, np.array(corners))

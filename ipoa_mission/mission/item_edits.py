@@ -37,8 +37,7 @@ def without_item(mission: Mission, seq: int) -> Mission:
         of_tag = item.command == Command.DO_JUMP_TAG and removed.command == Command.JUMP_TAG
         if number != seq and (leads_here or (of_tag and item.params[0] == removed.params[0])):
             words = f"expected no jump to it, but item {number} has one"
-            hint = f"change item {number} first"
-            raise BadInput(words, hint=hint, place=f"item {seq}")
+            raise BadInput(words, hint=f"change item {number} first", place=f"item {seq}")
     moved = _renumbered(mission, seq + 1, -1)
     return replace(moved, items=(*moved.items[: seq - 1], *moved.items[seq:]))
 

@@ -1,7 +1,4 @@
-"""A mission: items, fence, rally points and home.
-
-Home is no item here; `stored_mission` adds it at sequence 0 for ArduPilot.
-"""
+"""A mission: items, fence, rally points and home, which is no item (`stored_mission` adds ArduPilot's)."""
 
 import math
 from dataclasses import dataclass, field, replace
@@ -150,10 +147,7 @@ class FenceCircle:
 
 @dataclass(frozen=True)
 class ComplexItem:
-    """A survey or scan of QGroundControl with its items.
-
-    `json_text` is its JSON without the list of items, which it has if `has_items`.
-    """
+    """A survey or scan of QGroundControl; `json_text` lacks its list of items, which it has if `has_items`."""
 
     items: tuple[Item, ...]
     json_text: str

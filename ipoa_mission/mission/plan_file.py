@@ -83,8 +83,7 @@ def parse_plan(path: Path, text: str, autopilot: Autopilot | None = None) -> Mis
         scanned=tuple((index, entry.scanned) for index, entry in enumerate(listed) if entry.scanned > 0.0),
         complex_items=complex_items_in([entry.part_of for entry in listed], items),
     )
-    findings = (*plan.findings, *_check_numbers(listed), *findings_of_keys(plan))
-    return MissionFile(read, findings, text, ".plan")
+    return MissionFile(read, (*plan.findings, *_check_numbers(listed), *findings_of_keys(plan)), text, ".plan")
 
 
 # --- writing ----------------------------------------------------------------------------------------------------
@@ -178,8 +177,7 @@ def autopilot_in(node: Node, mav_type: int = QUADROTOR) -> Autopilot:
         if autopilot is not None:
             return autopilot
     numbers = sorted({(each.mav_autopilot, each.firmware_name) for each in registered()})
-    known = " or ".join(f"{number} ({name})" for number, name in numbers)
-    raise node.wrong(known, hint="name the plan's autopilot")
+    raise node.wrong(" or ".join(f"{number} ({name})" for number, name in numbers), hint="name the plan's autopilot")
 
 
 def _home(node: Node) -> Geodetic:

@@ -26,10 +26,7 @@ MAX_ACTIONS = 255  # in passing, of ArduPilot
 
 
 def jump_target(items: Sequence[Item], index: int, first: int = 1) -> int | None:
-    """Return the target of the jump at `index`, the first of two with its tag.
-
-    `first` is the number of the first item for DO_JUMP.
-    """
+    """Return the target of the jump at `index`, the first of two with its tag; DO_JUMP counts from `first`."""
     named = items[index].params[0]
     if not math.isfinite(named):
         return None

@@ -80,10 +80,7 @@ class Difference:
 def compare(
     sent: Sequence[Item], got: Sequence[Item], autopilot: Autopilot, version: Version | None = None
 ) -> Difference | None:
-    """Return the first difference beyond known changes by the firmware.
-
-    Without a `version` an item agrees if any version stores it so. ArduPilot's home is not compared.
-    """
+    """Return the first difference that the firmware of `version` (None: any) does not make; home is not compared."""
     versions = (version,) if version else [Version(*series) for series in reversed(autopilot.tables.series)]
     newest, *older = map(autopilot.firmware, versions)
     if len(sent) != len(got):

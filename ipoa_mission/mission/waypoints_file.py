@@ -36,8 +36,7 @@ def waypoints_text(mission: Mission) -> str:
 
 
 def lost_in_waypoints(mission: Mission) -> tuple[str, ...]:
-    takes_off = any(item.is_takeoff for item in mission.items)
-    return (*left_out(mission), *([TAKEOFF_LOST] if takes_off else []))
+    return (*left_out(mission), *([TAKEOFF_LOST] if any(item.is_takeoff for item in mission.items) else []))
 
 
 def left_out(mission: Mission) -> tuple[str, ...]:

@@ -21,10 +21,7 @@ from ipoa_mission.optimize.search import (
 
 @dataclass(frozen=True)
 class POA:
-    """`radius` is the paper's R (Table 2).
-
-    `rand` of eq. (14) is drawn per pelican, as by the authors, or coordinate.
-    """
+    """`radius`: R (Table 2). `rand` of eq. (14): drawn per pelican, as by the authors, or per coordinate."""
 
     short_settings: ClassVar = SHORT_SETTINGS
     population: Members = 30

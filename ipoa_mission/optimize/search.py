@@ -86,7 +86,6 @@ class CountedCost:
         self._history: list[float] = []
 
     def __call__(self, candidates: Candidates) -> Costs:
-        """Return the costs (n,) of `candidates` (n, D)."""
         costs = np.full(len(candidates), np.inf)
         counted = len(candidates)
         if self._budget is not None:

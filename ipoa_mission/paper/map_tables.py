@@ -22,8 +22,7 @@ def table_5(rows: Sequence[TrialRow]) -> Table:
         costs = [results(rows, f"map-8-1/{experiment}", name) for name in ALGORITHMS]
         for metric, of in (("best", np.min), ("mean", np.mean), ("sd", lambda c: np.std(c, ddof=min(1, len(c) - 1)))):
             ours = [float(of(c)) for c in costs]
-            theirs = PRINTED["table_5"][experiment][metric]
-            cells = ours_and_print(ours, theirs, (number, number))
+            cells = ours_and_print(ours, PRINTED["table_5"][experiment][metric], (number, number))
             lines.append([" / ".join(f"{w:g}" for w in weights), metric, *cells])
     return Table(
         f"Table 5. Cost by weights (length / turning / clearance), map-8-1, {runs_of(rows)} runs. "

@@ -43,10 +43,7 @@ class Problem:
 
 
 def cec2022(function: str, dimension: int) -> Problem:
-    """Return the error of "f1" to "f12": cost minus optimum, by `minionpy`, the organizers' C code.
-
-    `opfunu` 1.0.4 is wrong on eleven of them.
-    """
+    """Return cost minus optimum of "f1" to "f12", by `minionpy`; `opfunu` 1.0.4 is wrong on eleven of them."""
     if function not in FUNCTIONS:
         raise UnknownName(f"expected f1 to f12, not {function!r}", place="function")
     if dimension not in DIMENSIONS:

@@ -34,8 +34,7 @@ def _by_minionpy(
         return list(np.where(np.isfinite(costs), costs, 1e300))
 
     bounds = list(zip(box.lower.tolist(), box.upper.tolist(), strict=True))
-    kind = getattr(algorithms, name)
-    kind(call, bounds, maxevals=budget, seed=int(rng.integers(2**31)), options={}).optimize()
+    getattr(algorithms, name)(call, bounds, maxevals=budget, seed=int(rng.integers(2**31)), options={}).optimize()
     return counted.optimum()
 
 

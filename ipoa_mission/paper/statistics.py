@@ -9,10 +9,7 @@ Samples: TypeAlias = Sequence[float] | NDArray[np.float64]
 
 
 def rank_sum(a: Samples, b: Samples) -> float:
-    """Return p of the two-sided Wilcoxon rank-sum test, normal approximation with continuity correction.
-
-    Two samples of thirty without overlap give 3.0199e-11, as in Table 4.
-    """
+    """Return p of the two-sided Wilcoxon rank-sum test, normal approximation with continuity correction."""
     if len({*a, *b}) == 1:
         return 1.0
     return float(scipy.stats.mannwhitneyu(a, b, alternative="two-sided", method="asymptotic").pvalue)

@@ -30,10 +30,7 @@ def _angle(cross, dot, product):
 
 @njit(cache=True, fastmath=FASTMATH, error_model="numpy")
 def path_costs(points, grid, rules):
-    """Return the costs of paths `points` (m, 3, n).
-
-    A broken limit costs the length, `rules.collision`, and more with its depth and length.
-    """
+    """Return the costs of paths (m, 3, n); a broken limit costs the length, and more with its depth and length."""
     count, _, n = points.shape
     costs = np.empty(count)
     level, leg, rise = np.empty(n - 1), np.empty(n - 1), np.empty(n - 1)

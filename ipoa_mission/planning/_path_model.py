@@ -237,10 +237,7 @@ def _block(places, along, mixed, window, k, m, some):
 
 @njit(cache=True, error_model="numpy")
 def handed_on(changes, spans, count):
-    """Return the gradient (3 count,) and the lower band (15, 3 count) of Gauss-Newton's Hessian by control points.
-
-    `band[i - j, j]` is element i, j.
-    """
+    """Return gradient (3 count,) and Gauss-Newton's Hessian (15, 3 count) by control points, for `solve_banded`."""
     places, along, steps, bends = changes
     first, window, mixed = spans.first, spans.window, _mixed(steps, bends)
     n, start = len(first), 0

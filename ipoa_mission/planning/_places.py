@@ -1,7 +1,4 @@
-"""Compiled values at a place, inlined at every node.
-
-A grid kept alive there would be reference-counted, so it is unpacked first.
-"""
+"""Compiled values at a place, inlined at every node. A grid is unpacked first, else it is reference-counted there."""
 
 # mypy: disable-error-code="no-untyped-def,misc"
 

@@ -1,7 +1,6 @@
 """Initial guesses: distinct routes through a coarse lattice.
 
-Two runs of A* give the least cost of a route through each node. Its local minima part way are other
-passages. For narrow gaps, a node moves within its cell.
+Two runs of A* give the least cost of a route through each node; its local minima are other passages.
 """
 
 from collections.abc import Iterator
@@ -88,7 +87,7 @@ class LatticeStrategy(NamedTuple):
 
 
 class LatticeDetails(NamedTuple):
-    """Fixed numbers of the lattice; `LatticeStrategy` has those that vary."""
+    """`LatticeStrategy` has the numbers that vary."""
 
     max_control_points: int = 500
     loop_radius: float = 20.0  # [m]
@@ -250,10 +249,7 @@ def _centered(nodes: Points, spacing: Vector, problem: PreparedProblem) -> Point
 
 
 def _mend(routes: list[Points], lattice: Lattice, problem: PreparedProblem) -> list[Points]:
-    """Return the routes with extra points where a leg cuts an obstacle.
-
-    If the cheapest is not repairable, add routes that avoid such nodes.
-    """
+    """Mend legs that cut an obstacle by extra points; if the cheapest route is not repairable, add others."""
     mended, closed = list[Points](), list[Points]()
     for route in routes:
         points, cut = _blocked_samples(route, problem)
@@ -266,8 +262,7 @@ def _mend(routes: list[Points], lattice: Lattice, problem: PreparedProblem) -> l
     if not len(closed[0]):
         return mended
     nodes = np.ascontiguousarray(lattice.places).view("V24").ravel()
-    narrow_nodes = np.vstack(closed).view("V24").ravel()
-    is_narrow = np.isin(nodes, narrow_nodes).reshape(lattice.price.shape)
+    is_narrow = np.isin(nodes, np.vstack(closed).view("V24").ravel()).reshape(lattice.price.shape)
     price = np.where(is_narrow, np.inf, lattice.price)
     return mended + find_routes(replace(lattice, price=price), problem, lattice.strategy.max_routes_beside)
 

@@ -72,8 +72,6 @@ class Rules(NamedTuple):
 
 
 class Nodes(NamedTuple):
-    """A lattice for kernels."""
-
     price: NDArray[np.float64]  # (nx, ny, nz): per meter, infinite if blocked
     slack: NDArray[np.float64]  # (nx, ny, nz) [m]
     places: Points  # (nx ny nz, 3), near the lattice

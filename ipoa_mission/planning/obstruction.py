@@ -26,10 +26,7 @@ DISTANCE_TOLERANCE = 1e-2  # [m]
 
 
 class Closure(NamedTuple):
-    """A closure at `place` (east, north): two `names` that leave `width` of `needed` [m].
-
-    Without any gap, `names` are all around.
-    """
+    """Two `names` that leave `width` of `needed` [m] at `place` (east, north); without any gap, all around."""
 
     names: tuple[str, ...]
     place: tuple[float, float]

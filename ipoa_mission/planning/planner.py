@@ -1,8 +1,4 @@
-"""Plan a path for a task: guess, search, polish, prove.
-
-Short searches around different guesses are polished. The best are refined and searched again piece by piece, then
-polished until their proof holds.
-"""
+"""Plan a path for a task: guess, search, polish, search the best piece by piece, polish again, prove."""
 
 from dataclasses import dataclass, field, replace
 from typing import NamedTuple

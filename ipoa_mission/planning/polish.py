@@ -44,11 +44,11 @@ def moves_along(ways: Matrix, band: int) -> Moves:
     a, b = spread.columns[one], spread.columns[other]
     weight = np.where(a == b, 2.0, 1.0) * np.where(below == 0, 0.5, 1.0)
     weight *= spread.weights[one] * spread.weights[other]
-    # added to the lower band of ways^T H ways, by diagonal and column
-    beside = np.abs(a - b)
+    # added to the lower band of ways^T H ways, in row first + apart and column first
+    apart = np.abs(a - b)
     first = np.minimum(a, b)
-    reach = int(beside.max(initial=0))
-    cells = _sparse(beside * free + first, cell, weight, (reach + 1) * free)
+    reach = int(apart.max(initial=0))
+    cells = _sparse(apart * free + first, cell, weight, (reach + 1) * free)
     rows = np.repeat(np.arange(size), many)
     return Moves(0, free, reach, spread, _sparse(spread.columns, rows, spread.weights, free), cells)
 
@@ -106,8 +106,7 @@ def polish(
     for k, soft in enumerate(stages, 1):
         good = enough if k == len(stages) else max(enough, EARLY_GAIN)
         scaled = soft.scaled(problem.scale)
-        until = (descent.steps, good)
-        moved, signs = descend(moved, signs, bench, problem.grid, problem.rules, scaled, until)
+        moved, signs = descend(moved, signs, bench, problem.grid, problem.rules, scaled, (descent.steps, good))
     control[some] = moved
     return Candidate(Spline(control), candidate.via_at)
 

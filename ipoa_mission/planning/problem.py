@@ -53,8 +53,7 @@ def curve_cost(curve: Spline, task: PathTask) -> CostTerms:
     """Return the cost of a curve: over `planning.samples` nodes, or an integral."""
     if task.cost.form == "nodes":
         return path_cost(curve.points(np.linspace(0.0, 1.0, task.planning.samples)), task)
-    spans = np.linspace(0.0, 1.0, STEPS_PER_SPAN * curve.spans + 1)
-    u = np.union1d(curve.parameters(_steps(curve)), spans)
+    u = np.union1d(curve.parameters(_steps(curve)), np.linspace(0.0, 1.0, STEPS_PER_SPAN * curve.spans + 1))
     nodes = curve.points(u)
     velocity = curve.points(u, 1)
     between = curve.points((u[:-1] + u[1:]) / 2, 1)
@@ -65,10 +64,7 @@ def curve_cost(curve: Spline, task: PathTask) -> CostTerms:
 
 
 def _doublings(nodes: Points, velocity: Points, between: Points) -> int:
-    """Count how often a curve doubles back within legs between `nodes` (k, 3), against its `velocity`, a parabola.
-
-    `between` (k-1, 3): velocity mid-leg.
-    """
+    """Count how often a curve doubles back within legs between `nodes` (k, 3); `between` (k-1, 3): mid-leg velocity."""
     legs = np.diff(nodes, axis=0)
     start, middle, end = (np.einsum("kj,kj->k", at, legs) for at in (velocity[:-1], between, velocity[1:]))
     slope = 4 * middle - 3 * start - end
@@ -109,10 +105,7 @@ def node_weights(nodes: Points, per_node: bool) -> Vector:
 
 
 def rules_of(task: PathTask) -> Rules:
-    """Return limits and weights for the kernels.
-
-    A broken limit costs ten times the direct distance, and more with depth: a search can escape.
-    """
+    """Return limits and weights for the kernels. A broken limit costs more with depth: a search can escape."""
     cost = task.cost
     limits = task.limits
     direct = float(np.linalg.norm(task.places[-1] - task.places[0]))
@@ -265,8 +258,7 @@ def refine(candidate: Candidate) -> Candidate:
 def null_space(candidate: Candidate, task: PathTask, part: slice = ALL) -> Matrix:
     """Return a basis (n, f) of the moves that keep ends and via points."""
     _, project, moved = _pins(candidate, task)
-    varied = np.setdiff1d(np.arange(1, len(project) - 1)[part], moved)
-    return np.ascontiguousarray(project[:, varied])
+    return np.ascontiguousarray(project[:, np.setdiff1d(np.arange(1, len(project) - 1)[part], moved)])
 
 
 def encode(name: str, guide: Points, inner: int, spread: float, task: PathTask) -> Encoding:
@@ -337,8 +329,7 @@ def _axes(control: Points) -> Matrix:
     steep = level <= 1e-6 * np.abs(ahead[:, 2])
     aside = np.column_stack([-ahead[:, 1], ahead[:, 0], 0 * level]) / np.where(steep, 1.0, level)[:, None]
     aside[steep] = (1.0, 0.0, 0.0)
-    upwards = np.where(steep[:, None], (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
-    return np.stack([aside, upwards], axis=1)
+    return np.stack([aside, np.where(steep[:, None], (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))], axis=1)
 
 
 def _waves(inner: int) -> Matrix:

@@ -1,7 +1,4 @@
-"""Proof that a path keeps its limits: exact least distances of straight legs, or of a curve by its chords.
-
-Nothing is sampled. The values are lower bounds.
-"""
+"""Prove that a path keeps its limits: lower bounds of distances, exact for legs; nothing is sampled."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
@@ -101,8 +98,7 @@ def prove_curve(curve: Spline, task: PathTask) -> Proof:
     u = curve.chords(tolerance)
     legs = curve.points(u)
     velocity = curve.points(u, order=1)
-    bend = curve.points(u[:-1], order=2)
-    return _prove(legs, task, _steepness(velocity, bend, np.diff(u)), tolerance, np.inf)
+    return _prove(legs, task, _steepness(velocity, curve.points(u[:-1], order=2), np.diff(u)), tolerance, np.inf)
 
 
 def _prove(legs: Points, task: PathTask, steepness: tuple[Vector, Vector], stray: float, spare: float) -> Proof:
@@ -161,10 +157,7 @@ def _steepness(velocity: Points, bend: Points, steps: Vector) -> tuple[Vector, V
 
 
 def _runs(legs: Points, limits: Limits, stray: float) -> Iterator[tuple[float, Points, int]]:
-    """Yield runs of the legs cut at low zones: required height, polyline, and index of its first leg.
-
-    The index is off by at most two legs where a leg is cut.
-    """
+    """Yield runs of legs cut at low zones: required height, polyline, index of its first leg (at most two off)."""
     limits = replace(limits, low_zones=tuple(replace(z, radius=max(z.radius - stray, 0.0)) for z in limits.low_zones))
     cuts = [(np.arange(len(legs)), np.zeros(len(legs)))]
     for zone in limits.low_zones:

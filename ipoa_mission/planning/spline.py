@@ -43,8 +43,7 @@ class Spline:
 
     def parameters(self, n: int) -> Vector:
         u, traveled = self._arcs
-        even = np.interp(np.linspace(0.0, traveled[-1], n), traveled, u)
-        return np.concatenate([[0.0], even[1:-1], [1.0]])
+        return np.concatenate([[0.0], np.interp(np.linspace(0.0, traveled[-1], n), traveled, u)[1:-1], [1.0]])
 
     @cached_property
     def _arcs(self) -> tuple[Vector, Vector]:
@@ -54,10 +53,7 @@ class Spline:
         return u, np.concatenate([[0.0], np.cumsum(arcs)])
 
     def chords(self, tolerance: float) -> Vector:
-        """Return parameters (k,) of chords within `tolerance` [m] of the curve.
-
-        A chord over h leaves the curve by at most max |p''| h^2 / 8, with p'' linear on each span.
-        """
+        """Return parameters (k,) of chords within `tolerance` [m] of the curve, by max |p''| h^2 / 8."""
         knots = np.arange(self.spans + 1) / self.spans
         bend = np.linalg.norm(self.points(knots, order=2), axis=1)
         strongest = np.maximum(bend[:-1], bend[1:])

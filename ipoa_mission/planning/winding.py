@@ -1,7 +1,4 @@
-"""Loops in which a route gains height where it is too steep.
-
-A steep piece is replaced by turns of a sheared helix on an ellipse.
-"""
+"""Loops in which a route gains height where it is too steep: turns of a sheared helix on an ellipse."""
 
 from itertools import pairwise
 from typing import NamedTuple
@@ -29,10 +26,7 @@ LOOPS = LoopShape()
 
 
 def wind(way: Points, inner: int, problem: PreparedProblem, step: float) -> tuple[Points, Vector]:
-    """Return the route (k, 3) with loops where too steep, and the number of control points on each leg.
-
-    Steep pieces of up to two steps [m] in height are left to the polish.
-    """
+    """Return the route (k, 3) with loops where too steep for the polish, and control points on each leg."""
     way = _without_detours(way, problem)
     pieces = [way[:1]]
     loops = [np.zeros(0, bool)]
@@ -67,8 +61,7 @@ def _climb_in_loops(run: Points, step: float, problem: PreparedProblem) -> tuple
         lifted[k + 1 :, 2] += height
         if not _free(lifted[: k + 1], problem) or not _free(lifted[k + 1 :], problem):
             continue
-        top = lifted[k] + (0.0, 0.0, height)
-        turns = _loops(lifted[k], top, (lifted[k + 1] - lifted[k])[:2], problem)
+        turns = _loops(lifted[k], lifted[k] + (0.0, 0.0, height), (lifted[k + 1] - lifted[k])[:2], problem)
         if turns is not None and (climb is None or len(turns) < len(climb[1])):
             climb = lifted[1 : k + 1], turns, lifted[k + 1 :]
     return climb
@@ -115,8 +108,7 @@ def _runs(way: Points) -> list[tuple[int, int]]:
     up = np.sign(np.diff(way[:, 2]))
     for i in range(1, len(up)):
         up[i] = up[i] or up[i - 1]
-    edges = [0, *(np.nonzero(up[:-1] * up[1:] < 0)[0] + 1).tolist(), len(up)]
-    return list(pairwise(edges))
+    return list(pairwise([0, *(np.nonzero(up[:-1] * up[1:] < 0)[0] + 1).tolist(), len(up)]))
 
 
 def _too_steep(way: Points, problem: PreparedProblem) -> NDArray[np.bool_]:

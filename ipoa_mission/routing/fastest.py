@@ -272,10 +272,7 @@ SEARCH = RouteSearch()
 
 
 def fastest_routes(plan: Plan, scenario: Scenario) -> list[Attempt]:
-    """Return the quickest routes within `route.tolerance` and every limit, the best first.
-
-    Among equally quick routes, prefer the fewest missed waypoints, then the greatest margin.
-    """
+    """Return the quickest routes within all limits, best first: fewest missed waypoints, then greatest margin."""
     drawn = [Attempt(plan, route, scenario) for route in candidates(plan.curve, scenario)]
     quickest = _quickest(drawn, scenario)
     most = SEARCH.most_behind * min(attempt.quick_prediction.seconds for attempt in drawn)

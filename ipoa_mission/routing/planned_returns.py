@@ -1,7 +1,4 @@
-"""Choose a return altitude and rally points that make every contingency clear.
-
-Values named in the scenario stay.
-"""
+"""Choose a return altitude and rally points that make every contingency clear. Values named in the scenario stay."""
 
 import math
 from collections.abc import Iterator
@@ -240,8 +237,7 @@ def _margins(paths: ContingencyPaths, stopped: Points, height: NDArray[np.float6
 
 def _places(paths: ContingencyPaths) -> Points:
     track = paths.flight.pieces.points
-    steps = np.hypot(*np.diff(track[:, :2], axis=0).T)
-    traveled = np.concatenate([[0.0], np.cumsum(steps)])
+    traveled = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(track[:, :2], axis=0).T))])
     stations = np.arange(0.0, traveled[-1] + EFFORT.place_step, EFFORT.place_step)
     spots = np.column_stack([np.interp(stations, traveled, track[:, k]) for k in range(2)])
     ahead = np.gradient(spots, axis=0) if len(spots) > 1 else np.zeros_like(spots)

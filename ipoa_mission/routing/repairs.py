@@ -30,8 +30,7 @@ def slow_landings(mission: Mission, scenario: Scenario) -> Mission:
     highest = max(landings(Forecast(mission, scenario)), key=lambda landing: landing.assumed_height, default=None)
     if highest is None or not stretch.is_fast(highest.assumed_height + HEIGHT_UNCERTAINTY):
         return mission
-    slowing = mission.autopilot.slowed(mission.parameters, highest.assumed_height)
-    parameters = {**mission.parameters, **slowing}
+    parameters = {**mission.parameters, **mission.autopilot.slowed(mission.parameters, highest.assumed_height)}
     most = mission.autopilot.slowed_by.most
     slowed = mission.autopilot.slow_stretch(parameters)
     if slowed is not None and slowed.is_fast(highest.assumed_height):

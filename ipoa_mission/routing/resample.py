@@ -53,10 +53,7 @@ class Route:
 
 
 def push_clear(waypoints: Points, task: PathTask) -> Points:
-    """Move waypoints (k, 3) aside where a leg keeps too little clearance; ends and given places stay.
-
-    Each breach pushes the ends of its leg by the missing distance, weighted by nearness.
-    """
+    """Push waypoints (k, 3) aside by what their legs lack in clearance; ends and given places stay."""
     moved = waypoints.copy()
     is_free = ~(waypoints[:, None] == task.places).all(axis=2).any(axis=1)
     is_free[[0, -1]] = False
@@ -108,8 +105,7 @@ def _outwards(place: Vector, limit: str, airspace: Airspace) -> Vector:
     if limit == "ground":
         return np.array([0.0, 0.0, 1.0])
     distance = airspace.obstacle_distance if limit == "obstacles" else airspace.bounds.margin
-    around = place + SLOPE_STEP * np.vstack([np.eye(3), -np.eye(3)])
-    values = distance(around)
+    values = distance(place + SLOPE_STEP * np.vstack([np.eye(3), -np.eye(3)]))
     slope = np.asarray(values[:3] - values[3:])
     return slope / max(float(np.linalg.norm(slope)), 1e-12)
 

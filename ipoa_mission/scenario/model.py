@@ -144,8 +144,7 @@ class Scenario(Section):
             if not away < REACH:
                 far = f"{away / 1000:{'.0f' if away < 4e9 else '.0e'}}"  # 100 times around the Earth
                 why = "" if there is None else swap_hint(self.frame.home, there, name)
-                words = f"{name}: expected a place within {REACH / 1000:g} km of home, not {far} km{why}"
-                raise ValueError(words)
+                raise ValueError(f"{name}: expected a place within {REACH / 1000:g} km of home, not {far} km{why}")
         return self
 
     @classmethod

@@ -83,8 +83,7 @@ def _free_places(path: Path) -> tuple[tuple[float, float], tuple[float, float]]:
         words = f"expected buildings, but none of {buildings.features} features is an obstacle"
         raise NothingThere(words, place=path)
     shapes = [s.shape.buffer(s.reach) if s.reach else s.shape for s in buildings.obstacles]
-    box = shapely.total_bounds(shapes).reshape(2, 2)
-    reach = np.minimum(np.ptp(box, axis=0) / 2 + 2 * FREE_RADIUS, farthest)
+    reach = np.minimum(np.ptp(shapely.total_bounds(shapes).reshape(2, 2), axis=0) / 2 + 2 * FREE_RADIUS, farthest)
     obstacles = (thing for thing in buildings.passed_over if thing.may_be_obstacle)
     shapes += [thing.shape for thing in obstacles if not shapely.is_empty(thing.shape)]
     places = np.stack(np.meshgrid(*(np.arange(-side, side + 4.0, 4.0) for side in reach)), axis=-1).reshape(-1, 2)

@@ -16,7 +16,6 @@ Ring: TypeAlias = Annotated[tuple[tuple[float, float], ...], Field(min_length=3)
 
 
 def east_north_of(ring: Ring, frame: LocalFrame) -> Points:
-    """Convert latitudes and longitudes."""
     latitude, longitude = np.asarray(ring, float).T
     return frame.to_local(latitude, longitude, np.full(len(latitude), frame.home.altitude))[:, :2]
 

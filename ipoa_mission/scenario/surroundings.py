@@ -152,8 +152,7 @@ def surroundings_of(scenario: Site) -> Surroundings:
         *(counted.words() for counted in counts),
         *(thing.words for thing in unread),
     )
-    fence = (*scenario.fence, *_geofence(maps, corners))
-    return Surroundings(airspace, fence, passed, counts, unread, remarks)
+    return Surroundings(airspace, (*scenario.fence, *_geofence(maps, corners)), passed, counts, unread, remarks)
 
 
 def _read_zones(scenario: Site) -> _Zones:
@@ -179,8 +178,7 @@ def _read_zones(scenario: Site) -> _Zones:
             passed += [PassedOver(section.file.name, f"area {n}", why, part, False) for n, part in enumerate(others, 2)]
             fenced |= section.geofence
         _expect_home_allowed(section, zones.zones, scenario.frame.home.altitude)
-    common = _intersect(areas) if areas else None
-    return _Zones(tuple(no_fly), common, fenced, tuple(passed), tuple(unread), remarks)
+    return _Zones(tuple(no_fly), _intersect(areas) if areas else None, fenced, tuple(passed), tuple(unread), remarks)
 
 
 def _read_buildings(
@@ -234,8 +232,7 @@ def _expect_home_allowed(section: NoFlyMap | FlightAreaMap, zones: tuple[MapArea
 def _places(scenario: Site) -> NDArray[np.float64]:
     """Return home, places and corners of added tables, (n, 2) [m]."""
     places = (scenario.start, scenario.goal, *scenario.via)
-    corners = scenario.added_reach[0]
-    return np.vstack([(0.0, 0.0), *(place.east_north(scenario.frame) for place in places), corners])
+    return np.vstack([(0.0, 0.0), *(place.east_north(scenario.frame) for place in places), scenario.added_reach[0]])
 
 
 def _things(scenario: Site) -> Box:

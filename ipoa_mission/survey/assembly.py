@@ -188,8 +188,7 @@ def _with_room(places: Points, scenario: Scenario, growth: Mapping[str, float]) 
         body.grown(growth[body.name], growth[body.name], growth[body.name]) if body.name in growth else body
         for body in task.airspace.obstacles
     )
-    air = Airspace(task.airspace.bounds, task.airspace.terrain, bodies)
-    return replace(task, airspace=air, places=places)
+    return replace(task, airspace=Airspace(task.airspace.bounds, task.airspace.terrain, bodies), places=places)
 
 
 def _qgroundcontrol_item(items: tuple[Item, ...], tour: Tour, sight: Sight, scenario: Scenario) -> ComplexItem:

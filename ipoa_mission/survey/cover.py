@@ -166,8 +166,7 @@ class CoverProblem:
     def transit(self, start: Vector, end: Vector) -> Points:
         """Return the corners (k, 2) from one place (2,) to another."""
         first, last = self._out(start), self._out(end)
-        ends = np.array([first[-1], first[-1], last[-1], last[-1]])
-        transits = Transits(ends, self.turns, self.around, self.cost)
+        transits = Transits(np.array([first[-1], first[-1], last[-1], last[-1]]), self.turns, self.around, self.cost)
         if transits.times[0, 2] >= NO_WAY:
             raise _no_way_between_parts()
         return np.concatenate([first[:-1], transits.corners(0, 2), last[-2::-1]])
@@ -179,8 +178,7 @@ class CoverProblem:
 
     def _lines(self, degrees: float, shift: float) -> Points:
         grid = LineAxes.of(degrees)
-        rings = shapely.get_rings(shapely.get_parts(self.free.inner))
-        corners = [shapely.get_coordinates(ring) for ring in rings]
+        corners = [shapely.get_coordinates(ring) for ring in shapely.get_rings(shapely.get_parts(self.free.inner))]
         edges = np.concatenate([np.column_stack([ring[:-1], ring[1:]]) for ring in corners])
         lines = cut_lines(edges, grid, line_positions(self.area, grid, self.spacing, shift))
         min_length = 0.25 * self.spacing  # detours see shorter pieces

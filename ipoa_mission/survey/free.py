@@ -92,8 +92,7 @@ class Transits:
 def listed(ways: Points) -> tuple[Points, NDArray[np.int64], NDArray[np.int64]]:
     """Return the ways (n, m), each row's begin in the concatenated columns that have one, and these."""
     rows, columns = np.nonzero(ways < NO_WAY)
-    begins = np.searchsorted(rows, np.arange(len(ways) + 1))
-    return ways, begins, np.ascontiguousarray(columns)
+    return ways, np.searchsorted(rows, np.arange(len(ways) + 1)), np.ascontiguousarray(columns)
 
 
 def _rings(shape: Any) -> list[Points]:

@@ -285,8 +285,7 @@ def _with_survey(scenario: Scenario, area: Any, camera: Any, keys: Mapping[str, 
         places = Scenario.model_validate({"home": scenario.home, "survey": section})
     except ValidationError as error:
         raise explained(error, table, SurveySection, "survey.") from error
-    changed = {"survey": section, "start": places.start, "goal": places.goal, "via": ()}
-    asking = scenario.model_copy(update=changed)
+    asking = scenario.model_copy(update={"survey": section, "start": places.start, "goal": places.goal, "via": ()})
     asking.read_maps()
     return asking
 

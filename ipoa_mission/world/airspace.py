@@ -159,8 +159,7 @@ class Airspace:
         """Yield obstacles within `reach` [m] of `points`, with indices and distances (k,) [m]."""
         if not self.obstacles:
             return
-        pairs = self._index.query(shapely.points(points[:, :2]), "dwithin", reach)
-        for body, which in _grouped(pairs):
+        for body, which in _grouped(self._index.query(shapely.points(points[:, :2]), "dwithin", reach)):
             distance = self.obstacles[body].distance(points[which])
             if (close := distance <= reach).any():
                 yield self.obstacles[body], which[close], distance[close]
@@ -175,10 +174,7 @@ class Airspace:
         return np.asarray(self._index.query(asked, "dwithin", reach))
 
     def legs_clearance(self, starts: Points, ends: Points, within: float) -> tuple[Vector, NDArray[np.intp]]:
-        """Bound the distances (n,) [m] of legs `starts` to `ends` to obstacles `within` a distance.
-
-        A bound is exact for a level or vertical leg outside an upright obstacle.
-        """
+        """Bound distances (n,) [m] of legs `starts` to `ends` to obstacles `within`; exact if level or upright."""
         least = np.full(len(starts), np.inf)
         which = np.full(len(starts), -1)
         if not self.obstacles:
@@ -260,8 +256,7 @@ class Airspace:
 
 
 def _sampled_distances(obstacle: Obstacle, starts: Points, ends: Points, parts: int) -> NDArray[np.float64]:
-    shares = np.linspace(0.0, 1.0, parts + 1)[:, None]
-    spots = starts[:, None] + shares * (ends - starts)[:, None]
+    spots = starts[:, None] + np.linspace(0.0, 1.0, parts + 1)[:, None] * (ends - starts)[:, None]
     return obstacle.distance(spots.reshape(-1, 3)).reshape(-1, parts + 1)
 
 

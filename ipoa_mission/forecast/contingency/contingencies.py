@@ -242,8 +242,7 @@ class Contingencies:
         now = replace(self.paths.at(contingency, self._noise_free(order_s)), times=order_s)
         samples = ContingencySamples.merge([self.samples(contingency, (begin, end)), now])
         middle = int(np.searchsorted(samples.times, order_s[0]))
-        grade = self._grades(contingency, samples)[middle]
-        row = self._row(contingency, samples, range(len(samples.times)), grade)
+        row = self._row(contingency, samples, range(len(samples.times)), self._grades(contingency, samples)[middle])
         row = replace(row, from_s=time, to_s=time, goal=self.paths.goal_names(contingency, samples, middle))
         return self._timed(row, samples, range(middle, middle + 1)) if timed else row
 

@@ -1,7 +1,4 @@
-"""Compute the paths of contingencies at many times of one flight.
-
-Obstacles are enlarged by the deviation bound.
-"""
+"""Compute the paths of contingencies at many times of one flight. Obstacles are enlarged by the deviation bound."""
 
 import math
 from dataclasses import replace
@@ -157,8 +154,7 @@ class ContingencyPaths:
         spread = self._spread(times)
         near -= spread[:, None, None]
         slack = np.where(possible, near.min(axis=2) - self.required, np.inf).min(axis=1).clip(max=SAMPLING.max_slack)
-        samples = ContingencySamples(times, paths, possible, near, which, slack, spread)
-        return self._with_ground(contingency, samples)
+        return self._with_ground(contingency, ContingencySamples(times, paths, possible, near, which, slack, spread))
 
     def exact_clearance(self, contingency: Contingency, samples: ContingencySamples, n: int) -> Clearance:
         if contingency is Contingency.SMART_RTL:
@@ -199,10 +195,7 @@ class ContingencyPaths:
         return " or ".join(dict.fromkeys(possible))
 
     def _near(self, paths: Paths) -> tuple[Distances, ObstacleIndices]:
-        """Return a lower bound of each leg's distance to the nearest obstacle, and the obstacle's index.
-
-        Slanting legs whose bound is below the required distance get their exact distance to that obstacle.
-        """
+        """Bound each leg's distance to an obstacle, exactly if slanting and too near; return its index, too."""
         airspace = self.enlarged.whole
         within = self.required + SAMPLING.max_slack
         shape = (*paths.shape[:2], paths.shape[2] - 1)
@@ -220,10 +213,7 @@ class ContingencyPaths:
         return near.reshape(shape), which.reshape(shape)
 
     def _flown_so_far(self, times: Vector, ahead: bool = False) -> tuple[Vector, NDArray[np.intp]]:
-        """Return the least distance (n,) of the flown path up to each of `times` to an obstacle, and its index.
-
-        `ahead`: of the path from then on.
-        """
+        """Return least distances (n,) of the path flown until `times`, or `ahead` after them, and obstacles."""
         order = -1 if ahead else 1
         near, which = (legs[::order, 0, 0] for legs in self._flown)
         is_least = near <= np.minimum.accumulate(near)
@@ -233,10 +223,7 @@ class ContingencyPaths:
         return np.asarray(near[nearest] - SAMPLING.chord_error), np.asarray(which[nearest])
 
     def _note_mission(self, times: Vector, near: Distances, which: ObstacleIndices) -> None:
-        """Reduce the distances of returns along the mission, in place, to those of the flown path.
-
-        It passes inside the corners of the waypoints, which `ReturnRoutes.paths` joins by lines.
-        """
+        """Reduce distances of returns along the mission, in place, to the flown path's, which cuts corners."""
         for by in self.routes.kinds:
             paths = self._paths_to(self.routes.goal_along(by))
             flown, obstacles = self._flown_so_far(times, ahead=by is ReturnBy.MISSION_FORWARD)
@@ -319,8 +306,7 @@ class ContingencyPaths:
         return possible
 
     def _ground_below(self, points: Points) -> Points:
-        ground = self.enlarged.whole.ground(points)
-        return np.column_stack([points[:, :2], np.minimum(ground, points[:, 2])])
+        return np.column_stack([points[:, :2], np.minimum(self.enlarged.whole.ground(points), points[:, 2])])
 
 
 def _end_of_flight(contingency: Contingency) -> int:

@@ -1,7 +1,4 @@
-"""Samples of one contingency, ordered at many times.
-
-Between two clear times no path moves farther than the slack of both.
-"""
+"""Samples of one contingency. Between two clear times no path moves farther than the slack of both."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
@@ -54,8 +51,7 @@ class StoppingPoints:
     seqs: NDArray[np.intp]
 
     def seqs_at(self, times: Vector) -> NDArray[np.intp]:
-        nearest = np.searchsorted(self.times, times)
-        return np.asarray(self.seqs[np.clip(nearest, 0, len(self.seqs) - 1)])
+        return np.asarray(self.seqs[np.clip(np.searchsorted(self.times, times), 0, len(self.seqs) - 1)])
 
     def at(self, times: Vector) -> tuple[Points, Points]:
         return interpolate(times, self.times, self.places), interpolate(times, self.times, self.stops)
@@ -90,8 +86,7 @@ class ContingencySamples:
         """Return the middle of each interval that may hide a shortfall [s]."""
         places = np.moveaxis(self.paths, 2, 0)  # one at a time limits the memory
         steps = (np.linalg.norm(np.diff(place, axis=0), axis=-1) for place in places)
-        farthest = reduce(np.maximum, steps)
-        moved = np.where(self.possible[1:] | self.possible[:-1], farthest, 0.0).max(axis=1)
+        moved = np.where(self.possible[1:] | self.possible[:-1], reduce(np.maximum, steps), 0.0).max(axis=1)
 
         may_hide = self.clear[:-1] & (self.slack[1:] + self.slack[:-1] < moved)
         is_divided = may_hide | ~self.same_as_next | self._next_to_nearest()

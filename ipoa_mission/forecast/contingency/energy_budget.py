@@ -24,10 +24,7 @@ class ItemEnergy(NamedTuple):
 
 
 class NoReturn(NamedTuple):
-    """The time [s after arming] from which an RTL would not land with the reserve.
-
-    `takes` is None where the vehicle does not get home at all.
-    """
+    """An RTL from `time` [s after arming] on lands without the reserve; `takes`: None if it never gets home."""
 
     time: float
     seq: int

@@ -1,7 +1,4 @@
-"""Compute returns along the mission, and returns over terrain.
-
-The kind of return may change on the way.
-"""
+"""Compute returns along the mission, and returns over terrain. The kind of return may change on the way."""
 
 import math
 from collections.abc import Iterator
@@ -32,10 +29,7 @@ class ReturnRoutes:
         return self.mission.autopilot.return_route(self.parameters, ReturnOrder(here, self.rally, landing, version))
 
     def goals(self, stop: Vector, seq: int, error: float) -> set[int]:
-        """Return the indices of the goals that the vehicle may choose with a position error [m].
-
-        Home is 0, the rally points follow, then `kinds`.
-        """
+        """Return the goals possible with a position error [m]: 0 is home, the rally points follow, then `kinds`."""
         if not self.rally and not self.kinds:
             return {0}
         east, north, up = triple(stop)

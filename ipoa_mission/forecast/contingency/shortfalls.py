@@ -48,10 +48,7 @@ def find_return_shortfalls(paths: ContingencyPaths) -> list[Shortfall]:
 
 
 def highest_return(forecast: Forecast) -> float:
-    """Return the greatest return altitude that bounds and the vehicle's own fence allow [m above home].
-
-    A fence of the mission holds only where the vehicle's own fence is enabled.
-    """
+    """Return the greatest return altitude [m above home] in bounds, own fence and, if that is on, the mission's."""
     mission, world = forecast.mission, forecast.world
     table = mission.autopilot.parameter_table
     values = {**table.others, **table.by_old_names(mission.parameters)}

@@ -165,8 +165,7 @@ def proximity_risks(flown: Pieces, airspace: Airspace, law: DeviationLaw, cleara
     widening = law.widening(flown.across)
     rare = 1e-5  # the chance of obstacles that are ignored
     reach = max(clearance, 0.0) + widening * law.level.distance(rare) + flown.spread[:, 0]
-    lines = shapely.linestrings(np.stack([a[:, :2], b[:, :2]], axis=1))
-    piece, obstacle = airspace.beside(lines, reach)
+    piece, obstacle = airspace.beside(shapely.linestrings(np.stack([a[:, :2], b[:, :2]], axis=1)), reach)
     order = np.argsort(obstacle, kind="stable")
     piece, obstacle = piece[order], obstacle[order]
     numbers, first = np.unique(obstacle, return_index=True)

@@ -29,8 +29,7 @@ def turn_of(item: Item) -> float:
 def arc_center(origin: Place, target: Place, turn: float) -> tuple[float, float]:
     east, north = target[0] - origin[0], target[1] - origin[1]
     across = math.hypot(east, north)
-    radius = arc_radius(origin, target, turn)
-    offset = math.sqrt(max(radius**2 - across**2 / 4, 0.0)) / across
+    offset = math.sqrt(max(arc_radius(origin, target, turn) ** 2 - across**2 / 4, 0.0)) / across
     offset *= math.copysign(1.0, turn) * (1.0 if _wrapped(abs(turn)) > 0.0 else -1.0)
     return origin[0] + east / 2 + offset * north, origin[1] + north / 2 - offset * east
 
@@ -48,8 +47,7 @@ def arc_length(origin: Place, target: Place, turn: float) -> float:
 
 
 def arc_chords(origin: Place, target: Place, turn: float, stray: float) -> Points:
-    radius = arc_radius(origin, target, turn)
-    widest = 2.0 * math.acos(max(1.0 - stray / radius, 0.0))
+    widest = 2.0 * math.acos(max(1.0 - stray / arc_radius(origin, target, turn), 0.0))
     share = np.linspace(0.0, 1.0, max(2, math.ceil(abs(turn) / widest) + 1))
     x, y = arc_center(origin, target, turn)
     sine, cosine = np.sin(turn * share), np.cos(turn * share)
@@ -73,10 +71,7 @@ def circle_radius(item: Item) -> float:
 
 
 def circle_turn(item: Item, sense: float = 0.0) -> float:
-    """Return the turn [rad] as stored, clockwise positive: whole turns, or 256ths of one.
-
-    `sense` replaces the sign of the radius where it is not 0.
-    """
+    """Return the stored turn [rad], clockwise positive, or by a nonzero `sense`; whole turns, or 256ths of one."""
     turns = item.params[0]
     if not turns > 0.0:
         return 0.0
@@ -108,10 +103,7 @@ def bearing_from(center: Place, place: Place) -> float:
 
 
 def circle_chords(begin: Place, center: Place, flown: FlownCircle, turn: float, stray: float) -> Points:
-    """Return level points from `begin`: one turn, the rest of the last, and straight to the stop.
-
-    Chords are within `stray` [m].
-    """
+    """Return level points from `begin`: one turn, the rest of the last, straight to the stop; within `stray` [m]."""
     whole, sense = math.fmod(turn, math.tau), math.copysign(1.0, turn)
     swept = turn if abs(turn) <= math.tau else sense * math.tau + whole
     swept = sense * max(abs(swept) - flown.behind, 0.0)

@@ -57,10 +57,7 @@ class Leg:
 
 
 def flown_legs(mission: Mission, frame: LocalFrame, ground: Ground | None = None) -> tuple[Leg, ...]:
-    """Return the legs of a mission from ground to ground, without wrong positions (`check_positions`).
-
-    Without `ground` the ground is as high as home.
-    """
+    """Return a mission's legs from ground to ground, level at home's height by default; positions must be valid."""
     return tuple(_LegBuilder(as_flown(mission), frame, ground).legs())
 
 

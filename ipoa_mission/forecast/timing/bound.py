@@ -111,10 +111,7 @@ def _from_rest(lengths: Vector, kinematics: Kinematics) -> Vector:
 
 
 def derivatives(knots: Vector, points: Points, at: Vector) -> tuple[Points, Points]:
-    """Return first and second derivative, each (m, d), at `at` (m,), of the spline of `points` (n, d).
-
-    `knots` (n,) must increase, n > 2.
-    """
+    """Return both derivatives (m, d) at `at` (m,) of the spline of `points` (n, d), n > 2; `knots` (n,) increase."""
     h, _, slope, square, cube = _pieces(knots, points, at)
     return slope + (2 * square + 3 * cube * h) * h, 2 * square + 6 * cube * h
 

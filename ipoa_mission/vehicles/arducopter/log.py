@@ -1,7 +1,4 @@
-"""ArduPilot's own log (`.bin`), by the layouts of its FMT records.
-
-pymavlink's reader takes a second per megabyte, and hours for a file of zeros.
-"""
+"""ArduPilot's own log (`.bin`), by its FMT records; pymavlink's reader takes hours for a file of zeros."""
 
 import math
 import re
@@ -59,8 +56,7 @@ class RecordKind:
 
     def read(self, data: bytes, offset: int) -> dict[str, Any]:
         """Return the values by column, in degrees, meters and unscaled units."""
-        values = self.layout.unpack_from(data, offset)
-        rows = zip(self.columns, self.letters, values, strict=True)
+        rows = zip(self.columns, self.letters, self.layout.unpack_from(data, offset), strict=True)
         return {name: _converted(letter, value) for name, letter, value in rows}
 
 
@@ -254,10 +250,7 @@ def _item(values: dict[str, Any]) -> Item:
 
 
 def _states(gathered: _Gathered) -> list[tuple[float, Message]]:
-    """Return a heartbeat for each change of arming or mode.
-
-    With LOG_DISARMED 0 arming opens the log and is not recorded.
-    """
+    """Return a heartbeat for each change of arming or mode; with LOG_DISARMED 0 the log begins armed."""
     begins = gathered.begins or 0.0
     armed = not gathered.arming[0][1] if gathered.arming else gathered.opened_by_arming
     mode = 0

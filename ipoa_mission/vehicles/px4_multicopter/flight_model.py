@@ -1,6 +1,6 @@
 """Flight times of PX4 in AUTO.MISSION, measured on 1.17 and 1.18.
 
-Noisy height estimates shift home for two minutes: a run without noise gives the path, many noisy ones mean and spread.
+Noisy heights shift home for two minutes: a run without noise gives the path, many with noise mean and spread.
 """
 
 import math
@@ -339,8 +339,7 @@ class Flights:
         place = f"{round(goal.east)} m east and {round(goal.north)} m north of home"
         if orders is not self.mission_orders.orders:  # a contingency's
             return place
-        visit = self.itinerary.visits[bisect_right(self.mission_orders.done, n)]
-        return f"item {visit.seq}, {place}"
+        return f"item {self.itinerary.visits[bisect_right(self.mission_orders.done, n)].seq}, {place}"
 
     def at_start(self, seed: int) -> FlownOnce:
         height = flying_already(self.itinerary) or 0.0

@@ -1,7 +1,4 @@
-"""PX4's motion limits, return height and land detector, by its parameters.
-
-The land detector is read and measured (docs/lab/flight-time.md).
-"""
+"""PX4's motion limits, return height and land detector, by its parameters (docs/lab/flight-time.md)."""
 
 import math
 from typing import Annotated, NamedTuple, TypeVar

@@ -239,8 +239,7 @@ def _ground(topics: dict[str, Any], times: Vector, altitude: Vector) -> Vector:
     if home is None:
         return np.full(len(times), altitude[0] if len(times) else 0.0)
     set_at = _column(home, "timestamp") / 1e6
-    to = _column(home, "alt")
-    return to[np.maximum(np.searchsorted(set_at, times, side="right") - 1, 0)]
+    return _column(home, "alt")[np.maximum(np.searchsorted(set_at, times, side="right") - 1, 0)]
 
 
 def _velocity(topics: dict[str, Any], axis: str, times: Vector) -> Vector:

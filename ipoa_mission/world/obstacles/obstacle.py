@@ -25,10 +25,7 @@ class Column(NamedTuple):
 
 
 class Passing(NamedTuple):
-    """Lower bounds of legs' distances to outline, top and base, (n,) [m].
-
-    `sides`: number of sides on which a leg can hit it.
-    """
+    """Lower bounds of legs' distances, (n,) [m]; `sides`: number of sides on which a leg can hit it."""
 
     aside: Vector
     above: Vector
@@ -39,7 +36,7 @@ class Passing(NamedTuple):
 class Obstacle(ABC):
     """A closed body, drawn by default as its parts and its box.
 
-    Proofs use `leg_clearance`. The clearance as flown uses `column`, or else `parts`: a closer cover bounds it closer.
+    Proofs use `leg_clearance`, the clearance as flown `column`, or else `parts`.
     """
 
     name: str
@@ -101,10 +98,7 @@ class Obstacle(ABC):
         return Passing(shapely.distance(lines, shape) - radius, low - top, base - high, sides)
 
     def leg_distances(self, a: Points, b: Points) -> Vector:
-        """Bound the signed distances of legs, (n,) [m].
-
-        A bound is exact for a level or vertical leg outside an upright body.
-        """
+        """Bound legs' signed distances (n,) [m], exactly if level or vertical outside an upright body."""
         if self.column is None:
             return np.asarray(np.min([part.leg_distances(a, b) for part in self.parts], axis=0))
         aside, above, below, _ = self.passing(a, b)

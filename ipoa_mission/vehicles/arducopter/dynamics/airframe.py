@@ -39,10 +39,7 @@ class Airframe(NamedTuple):
         return 2 * pull / (r + math.sqrt(r**2 + 4 * q * pull))
 
     def slowing(self, through_air: Points, axes: Points) -> Points:
-        """Return the drag deceleration [m/s^2] (n, 3): `steps.drag`, vectorized.
-
-        `axes` (n, 3, 3): the body's axes as columns; down last.
-        """
+        """Return the drag deceleration (n, 3) [m/s^2] for `axes` (n, 3, 3): the body's as columns, down last."""
         along = np.einsum("nij,ni->nj", axes, through_air)
         body = np.einsum("nij,nj->ni", axes, along * np.abs(along))
         return np.asarray(self.body_drag * body + self.rotor_drag / np.sqrt(axes[:, 2, 2, None]) * through_air)

@@ -99,10 +99,7 @@ def hold_leg(place: Place, lasts: float) -> CopterLeg:
 
 
 def join(this: CopterLeg, following: CopterLeg, copter: CopterLimits, left: float = math.inf) -> CopterLeg:
-    """Return `this` with its end speed matched to a spline before or after.
-
-    `left`: the leave speed of the last spline [m/s].
-    """
+    """Return `this`, its end speed matched to an adjacent spline; `left`: leave speed of the last spline [m/s]."""
     if this.kind == following.kind == Kind.STRAIGHT:
         return this
     speed = _speed_at(following, 0.0)
@@ -126,8 +123,7 @@ def at_speeds(leg: CopterLeg, speeds: MotionLimits, elapsed: float, copter: Copt
     changed = leg._replace(speeds=speeds)
     if leg.kind == Kind.SPLINE or leg.profile is AT_REST:
         return changed
-    limits = _limits_of(changed, copter, True)
-    return changed._replace(profile=change(leg.profile, elapsed, leg.length, limits))
+    return changed._replace(profile=change(leg.profile, elapsed, leg.length, _limits_of(changed, copter, True)))
 
 
 def leg_between(kind: Kind, origin: Place, target: Place, speeds: MotionLimits) -> CopterLeg:

@@ -24,10 +24,7 @@ LANDINGS = frozenset({Command.NAV_LAND, Command.NAV_VTOL_LAND})
 
 
 def legs_of(copter: Copter, program: Program, n: int, here: Place) -> Iterator[None] | None:
-    """Return the legs of a circle, a change of height, a delivery or a landing; None: item n is none of these.
-
-    `here` replaces open coordinates.
-    """
+    """Return the legs of a circle, climb, delivery or landing, else None; `here` replaces open coordinates."""
     item = program.items[n]
     match item.command:
         case Command.NAV_LOITER_TURNS:
@@ -106,10 +103,7 @@ def loiter_to_alt(copter: Copter, place: Place) -> Iterator[None]:
 
 
 def payload_place(copter: Copter, place: Place | None, item: Item) -> Iterator[None]:
-    """PAYLOAD_PLACE: fly there, descend to the ground or by param1, climb back.
-
-    It flies at its present height, or the item's if that leg was planned.
-    """
+    """PAYLOAD_PLACE: fly there, at the item's height if planned, descend to ground or by param1, climb back."""
     if place is not None:
         is_planned = copter.following.target == place
         copter.fly_to(Stop(place if is_planned else (*place[:2], copter.here[2])))

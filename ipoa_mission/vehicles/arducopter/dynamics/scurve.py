@@ -123,10 +123,7 @@ def _fit_peak(peak: float, enter: float, leave: float, length: float, limits: SC
 
 
 def change(current: Profile, time: float, length: float, limits: SCurveLimits) -> Profile:
-    """Return a profile whose speed limit changes at `at` s, after its acceleration.
-
-    As in the autopilot, a leg that already brakes is unchanged.
-    """
+    """Return a profile whose limit changes at `time` [s], after its acceleration; the same if it brakes."""
     before = current.peak
     if time >= current.falls or limits.speed == before:
         return current

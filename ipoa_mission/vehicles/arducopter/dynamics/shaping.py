@@ -79,10 +79,7 @@ LEVEL = 0.03  # replaces LOITER_TO_ALT's 5 cm and 0.5 s, as flown [m]
 
 
 def orbit(state: State, this: CopterLeg, tuning: Tuning) -> bool:
-    """Follow a point on a circle; return whether it completed its turn.
-
-    With a radius of 0 the target moves to the center meanwhile.
-    """
+    """Follow a circle; return whether the turn is complete. A radius of 0 leads to the center."""
     way = this.orbit
     state.spin = min(state.spin + way.spin_up * STEP, way.spin)
     state.turned += state.spin * STEP

@@ -239,8 +239,7 @@ def is_over(state: State, order: Order) -> bool:
 def at_rest(place: Enu, time: float, yaw: float, errors: px4.Errors, on_ground: bool) -> State:
     body = px4.Body(place, ZERO, px4.Level(0.0, 0.0), px4.Level(0.0, 0.0), ZERO, on_ground, time)
     east = px4.Axis(place.east, 0.0, 0.0)
-    north = px4.Axis(place.north, 0.0, 0.0)
-    trajectory = px4.Trajectory(east, north, px4.Axis(place.up, 0.0, 0.0))
+    trajectory = px4.Trajectory(east, px4.Axis(place.north, 0.0, 0.0), px4.Axis(place.up, 0.0, 0.0))
     guidance = px4.Guidance(px4.ON_LINE, place, 0.0, True)
     control = px4.Control(ZERO, 1.0, 0.0)
     contact = px4.Contact(False, False, 0, time)

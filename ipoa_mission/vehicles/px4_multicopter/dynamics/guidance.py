@@ -10,10 +10,7 @@ from ipoa_mission.vehicles.px4_multicopter.limits import RANGE_LAG_S, STAGES, Px
 
 
 def speed_to(distance: float, leave: float, accel: float, jerk: float) -> float:
-    """Return the speed that can slow to `leave` within `distance`.
-
-    v^2 + (4 a^2/j) v = leave^2 + 2 a d, at least `leave`.
-    """
+    """Return the speed, at least `leave`, that can slow to it: v^2 + (4 a^2/j) v = leave^2 + 2 a `distance`."""
     half = 2.0 * accel * accel / jerk
     return max(math.sqrt(half * half + 2.0 * accel * distance + leave * leave) - half, leave)
 
@@ -93,10 +90,7 @@ def touches_down(state: State, order: Order) -> bool:
 
 
 def detect_contact(state: State, body: px4.Body, thrust: float, constants: px4.SimulationConstants) -> px4.Contact:
-    """Return the land detector's state: low thrust and speed for long enough.
-
-    The range finder loses the ground below an estimated height of 0.
-    """
+    """Return the land detector's state. The range finder loses the ground below an estimated height of 0."""
     before = state.contact
     limits, sees = constants.limits, constants.senses.sees_ground
     on_ground = body.on_ground
@@ -212,10 +206,7 @@ def climb_limits(rising: bool, low: bool, limits: Px4Limits) -> Climb:
 def velocity_setpoint(
     state: State, order: Order, constants: px4.SimulationConstants, guidance: px4.Guidance
 ) -> tuple[Enu, px4.Guidance]:
-    """Return the velocity setpoint before jerk limits, and the guidance.
-
-    In a turn it aims ahead on the leg and does not accelerate.
-    """
+    """Return velocity setpoint before jerk limits, and guidance; in a turn it aims ahead at constant speed."""
     limits = constants.limits
     x, y = state.trajectory.east, state.trajectory.north
     to = triplet(guidance, order)

@@ -58,10 +58,7 @@ def stay(place: Enu, limits: Px4Limits, seconds: float) -> list[Order]:
 
 
 def landing_orders(start: Enu, ground: Enu, limits: Px4Limits, cruise: float, hold_s: float) -> list[Order]:
-    """Return the orders of a landing, first to over the place if beyond the acceptance radius.
-
-    `hold_s`: on the ground [s].
-    """
+    """Return a landing's orders, first to over the place if beyond the acceptance radius; `hold_s`: on the ground."""
     over = ground._replace(up=start.up)
     legs = [leg(start, over, None, limits, cruise)] if math.dist(start, over) > limits.radius else []
     ground = ground if legs else start._replace(up=ground.up)
@@ -114,8 +111,7 @@ def orders_along(start: Enu, places: Sequence[Enu], limits: Px4Limits, ground: E
         if math.dist(leg_start, place) > limits.radius:
             legs.append(leg(leg_start, place, beyond, limits, limits.cruise))
             leg_start = place
-    down = leg(ground, ground, None, limits, limits.cruise)
-    return [*legs, down._replace(kind=LAND, hold_s=limits.disarm_delay)]
+    return [*legs, leg(ground, ground, None, limits, limits.cruise)._replace(kind=LAND, hold_s=limits.disarm_delay)]
 
 
 class Planned(NamedTuple):
