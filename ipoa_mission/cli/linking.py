@@ -13,7 +13,6 @@ from ipoa_mission.cli.groups import FlownByOptions, LinkOptions
 from ipoa_mission.cli.interrupting import ChangesMade, interruptible
 from ipoa_mission.errors import BadInput, MissionError, WrongSuffix
 from ipoa_mission.files import MISSIONS, recorded_writes
-from ipoa_mission.mission.item_words import count_words
 from ipoa_mission.options import (
     AutopilotOption,
     Backend,
@@ -153,6 +152,7 @@ def download(
 
     Example: `ipoa-mission download vehicle.plan --link tcp:127.0.0.1:5760`
     """
+    from ipoa_mission.mission.item_words import count_words
     from ipoa_mission.mission.mission_io import write_mission
 
     if file.suffix.lower() not in MISSIONS:
@@ -291,6 +291,8 @@ def _order(changes: ChangesMade, link: str, on_link: LinkOptions, as_json: bool,
 
 
 def _counted(counts: dict[str, int]) -> str:
+    from ipoa_mission.mission.item_words import count_words
+
     nouns = {"items": "item", "fence": "fence area", "rally": "rally point"}
     lists = [count_words(counts[key], noun) for key, noun in nouns.items() if counts[key] or key == "items"]
     return " and ".join(lists) + (" is" if lists == ["1 item"] else " are")
