@@ -152,7 +152,8 @@ def test_a_flight_is_worked_out_in_one_place(name: str) -> None:
 
 #: Parts of rooms from the ground up: none imports a later one, nor the rest of its room.
 CONTINGENCY = """
-contingency_samples return_routes contingency_paths shortfalls contingencies energy_budget contingencies_now
+contingency_samples return_routes enlarged_airspace contingency_paths shortfalls contingencies energy_budget
+contingencies_now
 """
 FORECAST = "itinerary", "timing", "flight_energy", "deviation", "forecast"
 PARTS = (
