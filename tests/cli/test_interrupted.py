@@ -11,7 +11,7 @@ import typer
 
 from ipoa_mission.cli import flight_output, linking
 from ipoa_mission.cli.interrupting import ChangeKind, ChangesMade, Interrupted
-from ipoa_mission.flight import procedure
+from ipoa_mission.flight import preflight, procedure
 from ipoa_mission.flight.flight import Flight
 from ipoa_mission.flight.procedure import Stage
 from ipoa_mission.link.dialogue import Cancelled
@@ -38,7 +38,7 @@ class Pressed(NamedTuple):
 
 
 STAGES = {
-    Stage.POSITION: Pressed(procedure, "await_home", "stopped: the mission was not sent", (5.0, 30.0), 0, False),
+    Stage.POSITION: Pressed(preflight, "await_home", "stopped: the mission was not sent", (5.0, 30.0), 0, False),
     Stage.PARAMETERS: Pressed(
         Vehicle,
         "set_parameter after",
@@ -47,11 +47,11 @@ STAGES = {
         0,
         False,
     ),
-    Stage.CHECK: Pressed(procedure, "expect_fit", f"{WRITTEN}; the mission was not sent", (6.0, 41.0), 0, False),
+    Stage.CHECK: Pressed(preflight, "expect_fit", f"{WRITTEN}; the mission was not sent", (6.0, 41.0), 0, False),
     Stage.UPLOAD: Pressed(
         Vehicle, "upload", f"{WRITTEN}; the mission on the vehicle may be the old or the new one", (6.0, 41.0), 0, False
     ),
-    Stage.RECHECK: Pressed(procedure, "idle_fence", STORED, (6.0, 41.0), 3, False),
+    Stage.RECHECK: Pressed(preflight, "idle_fence", STORED, (6.0, 41.0), 3, False),
     Stage.READY: Pressed(Vehicle, "prepare", f"{STORED}; the vehicle was not armed", (6.0, 41.0), 3, False),
     Stage.START: Pressed(Vehicle, "start after", f"{STORED}; the start may have been completed", (6.0, 41.0), 3, True),
     Stage.FLIGHT: Pressed(
