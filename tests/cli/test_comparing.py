@@ -66,7 +66,7 @@ def test_px4s_own_log_needs_the_mission_and_says_so(run: Run, px4_mission: Path)
     assert "hint: compare FILE LOG" in ended.err
     comparison = json.loads(run(f"compare {px4_mission} {LOGS / 'sitl-px4.ulg'} --json").out)
     assert comparison["flown_s"] == pytest.approx(66.37, abs=0.05)
-    assert comparison["parameters"] == {}  # its MC_ROLL_P of 4.0 is the default of 1.17.0
+    assert comparison["parameters"] == {"MC_ROLL_P": 4.0}
 
 
 def test_the_flown_path_is_held_against_the_obstacles_of_a_scenario(run: Run, tmp_path: Path) -> None:

@@ -33,13 +33,6 @@ def test_the_acceptance_radius_is_that_of_the_version(version: Version, radius: 
     assert ParameterServer(PX4, {}, version).values["NAV_ACC_RAD"] == radius
 
 
-def test_px4s_lean_lag_is_as_flown_at_the_default_gain() -> None:
-    """c7ef12545c lowered MC_ROLL_P from 6.5 to 4 for 1.17. The lag of 1 / 6.5 s agrees with flights of 1.17."""
-    assert PX4.parameter_table.by_name["MC_ROLL_P"].default == 4.0
-    assert px4_limits({}).lean_lag == px4_limits({"MC_ROLL_P": 4.0}).lean_lag == 1 / 6.5
-    assert px4_limits({"MC_ROLL_P": 8.0}).lean_lag == 1 / 13
-
-
 def test_px4s_type_of_return_is_an_integer() -> None:
     assert PX4.parameter_table.by_name["RTL_TYPE"].kind == INT32  # as rtl_params.c defines it
 

@@ -8,7 +8,6 @@ from ipoa_mission.autopilot.version import Version
 from ipoa_mission.geometry import GRAVITY, Vector
 from ipoa_mission.vehicles.px4_multicopter.parameter_table import MEASURED, PARAMETER_TABLE, SINCE_SPLIT, SPLITS_AXES
 
-LEAN_LAG = 4.0 / 6.5  # of the lean's time constant, 1 / MC_ROLL_P, as flown
 RANGE_LAG_S = 0.14  # of the height over the ground by a range finder [s]
 NO_RANGE_FINDER = 10_000.0  # SIH_DISTSNSR_OVR of a vehicle without one [m]
 RELAXED_THRUST = 0.6  # low thrust, from least to hover thrust, if that is learned
@@ -130,7 +129,7 @@ def px4_limits(parameters: Parameters, version: Version | None = None) -> Px4Lim
         most_descent=max(p["MPC_Z_VEL_MAX_DN"], 1.2 * descent),
         hover_learning=p["MPC_THR_HOVER"] / (p["HTE_HT_NOISE"] * GRAVITY) if learns else math.inf,
         lean=math.radians(min(p["MPC_TILTMAX_AIR"], 80.0)),
-        lean_lag=LEAN_LAG / p["MC_ROLL_P"],
+        lean_lag=1 / p["MC_ROLL_P"],
         takeoff_speed=min(p["MPC_TKO_SPEED"], p["MPC_Z_VEL_MAX_UP"]),
         takeoff_ramp=max(p["MPC_TKO_RAMP_T"], 0.1),
         land_speed=min(p["MPC_LAND_SPEED"], p["MPC_Z_VEL_MAX_DN"]),

@@ -53,7 +53,7 @@ AFFECTING = (
     Parameter("MPC_THR_HOVER", 0.5),
     Parameter("MPC_USE_HTE", 1.0, INT32),
     Parameter("HTE_HT_NOISE", 0.0036),
-    Parameter("MC_ROLL_P", 4.0),
+    Parameter("MC_ROLL_P", 6.5),
     Parameter("MIS_YAW_ERR", 12.0),
     Parameter("COM_DISARM_LAND", 2.0, meaning="disarming"),
     Parameter("MPC_LAND_ALT3", 1.0),
