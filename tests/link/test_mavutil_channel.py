@@ -9,7 +9,7 @@ from ipoa_mission.errors import BadInput
 from ipoa_mission.link import definitions
 from ipoa_mission.link.connect import connect, meet, open_line
 from ipoa_mission.link.definitions import add_dialect
-from ipoa_mission.link.mavutil_channel import MavutilChannel, expect_line
+from ipoa_mission.link.mavutil_channel import MavutilChannel, expect_line, messages_from
 from ipoa_mission.link.messages import Heartbeat, MavAutopilot, Message
 from tests.link.test_strangers import Net, line_on, station
 from tests.link.test_verbs import met
@@ -65,6 +65,17 @@ def test_only_the_requested_of_two_vehicles_on_a_link_is_heard() -> None:
     vehicle.overhearing = heard.append
     assert {message.get_srcSystem() for message in vehicle.messages(3.0)} == {2}
     assert {message.autopilot for message in heard if isinstance(message, Heartbeat)} == {MavAutopilot.ARDUPILOT}
+
+
+def test_a_message_to_another_station_is_returned_and_not_noted() -> None:
+    sender = ardupilotmega.MAVLink(None, srcSystem=1, srcComponent=1)
+    answer = ardupilotmega.MAVLink_param_value_message(b"RTL_ALT", 1500.0, 9, 1, 0).pack(sender)
+    clock = iter((0.0, 0.5, 2.0))
+    frame = SimpleNamespace(system=1, raw=answer, message=object())
+    line = SimpleNamespace(now=lambda: next(clock), overhear=lambda until: [frame], is_for_us=lambda heard: False)
+    noted: list[Message] = []
+    (message,) = messages_from(line, 1, 1.0, (), noted.append)  # type: ignore[arg-type]
+    assert (message.get_type(), noted) == ("PARAM_VALUE", [])
 
 
 def test_a_system_of_mavsdks_is_borrowed(monkeypatch: pytest.MonkeyPatch) -> None:

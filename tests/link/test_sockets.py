@@ -45,6 +45,7 @@ def test_link_is_down_if_its_udp_socket_breaks_not_for_a_lost_peer() -> None:
         channel.send(b"x", ("240.0.0.1", 1))
         channel._socket = Failing(ConnectionRefusedError())  # type: ignore[assignment]
         channel.send(b"x", None)
+        assert channel.receive(0.0) == []
 
 
 def test_tcp_connection_stays_closed_and_a_full_one_is_not_waited_for() -> None:

@@ -125,6 +125,7 @@ def test_an_empty_airspace_is_near_to_nothing() -> None:
     line = np.array([(0.0, 0.0, 10.0), (50.0, 0.0, 10.0)])
     assert list(space.near(line, 100.0)) == []
     assert space.obstacle_distance(line).tolist() == [np.inf, np.inf]
+    assert [*space.near(line, 1000.0)] == []
     assert space.obstacle_clearance(line).distance == np.inf
     assert space.clearance(line).tolist() == [10.0, 10.0]
 
