@@ -110,7 +110,7 @@ def _gap(tightest: KeptLimit, airspace: Airspace) -> str:
 
 
 def _opposite(place: Points, name: str, needed: float, airspace: Airspace) -> tuple[float, str | None]:
-    """Return the level distance [m] of an obstacle to the one on its other side, and the name of that, or None."""
+    """Return the width [m] of the gap at `place` from obstacle `name` on, and the opposite obstacle's name or None."""
     import shapely
 
     point = shapely.Point(place[:2])
