@@ -209,8 +209,7 @@ class Forecast:
         from ipoa_mission.forecast.deviation.kept_limits import clearance_task
         from ipoa_mission.forecast.timing.flight_model import FlightModel
 
-        if self.unknown:
-            raise _refusal(self.unknown[0], "clearance")
+        self.expect_known_path()
         task = clearance_task(self.world, self.mission.autopilot)
         predicted = self.predicted(noise_free=True)
         model = self.mission.autopilot.part(FlightModel)
@@ -218,6 +217,10 @@ class Forecast:
         return clearance_guarantee_of(PredictedFlight(self.itinerary, predicted, task, spread))
 
     given, promise = renamed("given", "mission_as_read"), renamed("promise", "guarantee")
+
+    def expect_known_path(self) -> None:
+        if self.unknown:
+            raise _refusal(self.unknown[0], "clearance")
 
     @property
     def guarantee_if_known(self) -> "ClearanceGuarantee | None":

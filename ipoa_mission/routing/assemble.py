@@ -44,8 +44,9 @@ def assemble_mission(plan: Plan, scenario: Scenario) -> Mission:
 def choose_route(plan: Plan, scenario: Scenario, mode: str) -> Attempt:
     """Return the route of one mode that keeps the required clearance; raise NoRoute if no tried route does."""
     attempt = _routes(plan, scenario, mode)[0]
-    if _keeps_limits(attempt):
+    if attempt.keeps_limits:
         return attempt
+    attempt.draft.expect_known_path()
     proof = attempt.proof
     why = "flights would come too close too often" if proof.is_proved else proof.words()
     hint = "plan with a larger safety_distance, or ask for a smaller route.tolerance or route.spacing"
@@ -71,11 +72,7 @@ def narrowed_route(plan: Plan, scenario: Scenario, mode: str) -> Attempt:
     """Return the widest route of a mode that keeps the limits, or the narrowest."""
     choose, width = _chooser(plan, scenario, mode)
     attempts = (choose(width / 2**halvings) for halvings in range(HALVINGS))
-    return next(filter(_keeps_limits, attempts), None) or choose(width / 2**HALVINGS)
-
-
-def _keeps_limits(attempt: Attempt) -> bool:
-    return attempt.proof.is_proved and attempt.quick_prediction.keeps_limits
+    return next((attempt for attempt in attempts if attempt.keeps_limits), None) or choose(width / 2**HALVINGS)
 
 
 def _first_guaranteed(attempts: Iterable[Attempt]) -> Attempt:

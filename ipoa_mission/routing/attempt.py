@@ -99,7 +99,11 @@ class Attempt:
         most_overrun = 0.5  # beyond the goal [m]
         if quick.overrun > most_overrun or strays(quick.path, self.plan.curve, self.scenario.route.tolerance):
             return False
-        return self.proof.is_proved and quick.keeps_limits
+        return self.keeps_limits
+
+    @property
+    def keeps_limits(self) -> bool:
+        return not self.draft.unknown and self.proof.is_proved and self.quick_prediction.keeps_limits
 
     @cached_property
     def prediction(self) -> "RoutePrediction":

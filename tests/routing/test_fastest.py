@@ -9,6 +9,7 @@ from scipy.spatial import cKDTree
 
 from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.autopilot.commands import WAYPOINTS, Command
+from ipoa_mission.flight.flight import plan_flight
 from ipoa_mission.forecast.timing.bound import least_time
 from ipoa_mission.forecast.timing.estimate import kinematics
 from ipoa_mission.forecast.timing.track import thinned
@@ -214,3 +215,35 @@ def test_a_spline_route_stops_at_a_waypoint_at_a_hairpin() -> None:
     ways = [(item.command, item.params[0]) for item in mission.items if item.command in WAYPOINTS][-5:]
     spline, plain = (Command.NAV_SPLINE_WAYPOINT, 0.0), (Command.NAV_WAYPOINT, 0.0)
     assert ways == [spline, (Command.NAV_WAYPOINT, 1.0), spline, spline, plain]
+
+
+def test_a_route_of_unknown_path_is_never_chosen() -> None:
+    """The quickest route stopped on too short a spline, and the plan was refused for its unknown clearance."""
+    text = """
+    home = { latitude_deg = 46.9232, longitude_deg = 10.5127, altitude_amsl = 1050.0 }
+    safety_distance = 2.0
+    start = { east = 0.0, north = 0.0, up = 9.0 }
+    goal = { east = 175.4, north = 15.8, up = 9.0 }
+    bounds = { margin = 100 }
+    vehicle = { autopilot = "ardupilot", radius = 0.5, cruise_speed = 8.8 }
+    [[obstacles]]
+    kind = "box"
+    name = "west"
+    east = 53.8
+    north = -2.1
+    width = 10.7
+    depth = 7.5
+    height = 6.8
+    heading_deg = 79
+    [[obstacles]]
+    kind = "box"
+    name = "east"
+    east = 149.4
+    north = 13.9
+    width = 10.2
+    depth = 10.4
+    height = 7.3
+    heading_deg = 58.7
+    """
+    scenario = parse_scenario(text, Path("two-houses.toml"))
+    assert plan_flight(scenario).forecast.unknown == ()
