@@ -1,4 +1,4 @@
-"""Compiled search for the parameters of a leg that may be farthest from a polygon's outline."""
+"""Compiled distances to a polygon, and parameters of a leg where it may be farthest from the outline."""
 
 # mypy: disable-error-code="no-untyped-def,misc"
 
@@ -19,6 +19,22 @@ def from_edge(start, end, x, y):
     share = min(max(share, 0.0), 1.0)
     crosses = (start[1] > y) != (end[1] > y) and x < start[0] + away_n / along_n * along_e
     return away_e - share * along_e, away_n - share * along_n, crosses
+
+
+@njit(cache=True, error_model="numpy")
+def distances(starts, ends, points):
+    """Return signed distances (n,) [m] of points (n, 2) to a polygon with edges (m, 2): negative inside."""
+    signed = np.empty(len(points))
+    for n in range(len(points)):
+        nearest, inside = math.inf, False
+        for k in range(len(starts)):
+            east, north, crosses = from_edge(starts[k], ends[k], points[n, 0], points[n, 1])
+            square = east * east + north * north
+            if not square >= nearest:  # a place that is no number stays one
+                nearest = square
+            inside = inside != crosses
+        signed[n] = -math.sqrt(nearest) if inside else math.sqrt(nearest)
+    return signed
 
 
 @njit(inline="always")

@@ -72,31 +72,10 @@ class Polygon:
         return not self.holes and bool((turns >= 0).all() or (turns <= 0).all())
 
     def distance(self, points: Plane) -> Vector:
-        """Return distances, negative inside."""
-        nearest = self.edge_distances(points).min(axis=1)
-        return np.asarray(np.where(self.contains(points), -nearest, nearest))
+        """Return signed distances of points (n, 2), (n,) [m]: negative inside."""
+        from ipoa_mission.world._polygon import distances
 
-    def contains(self, points: Plane) -> NDArray[np.bool_]:
-        (e0, n0), (run, rise), _ = self._lines
-        east, north = points[:, :1], points[:, 1:2]
-        spans = (n0 > north) != (self.ends[:, 1] > north)
-        slope = run / np.where(rise == 0, 1.0, rise)
-        return np.asarray(np.count_nonzero(spans & (east < e0 + (north - n0) * slope), axis=1) % 2 == 1)
-
-    def edge_distances(self, points: Plane) -> NDArray[np.float64]:
-        """Return (n, m) of points (n, 2)."""
-        (east, north), (along_e, along_n), squares = self._lines
-        away_e, away_n = points[:, :1] - east, points[:, 1:2] - north
-        share = np.minimum(np.maximum((away_e * along_e + away_n * along_n) / squares, 0.0), 1.0)
-        away_e -= share * along_e
-        away_n -= share * along_n
-        return np.asarray(np.sqrt(away_e * away_e + away_n * away_n))
-
-    @cached_property
-    def _lines(self) -> tuple[Plane, Plane, Vector]:
-        """Return begins (2, m), directions (2, m), squared lengths (m,)."""
-        along = (self.ends - self.starts).T.copy()
-        return self.starts.T.copy(), along, (along**2).sum(axis=0)
+        return np.asarray(distances(self.starts, self.ends, np.ascontiguousarray(points, dtype=np.float64)))
 
     def break_parameters(self, a: Vector, b: Vector) -> Vector:
         """Find the line a-b abreast of a corner or across an edge."""
@@ -119,14 +98,6 @@ class Polygon:
         from ipoa_mission.world._polygon import balance
 
         return np.asarray(balance(self.starts, self.ends, np.zeros((0, 3)), a, b, False))
-
-
-def quadratic_roots(c0: Vector, c1: Vector, c2: Vector) -> Vector:
-    flat = np.asarray(c2 == 0)
-    root = np.sqrt(np.maximum(c1**2 - 4 * c2 * c0, 0.0))
-    q = -0.5 * (c1 + np.copysign(root, c1))
-    both: Vector = np.concatenate([q[~flat] / c2[~flat], c0[q != 0] / q[q != 0]])
-    return both[np.isfinite(both)]
 
 
 def _cross(u: NDArray[np.float64], v: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -168,7 +168,7 @@ def test_the_box_around_an_obstacle_holds_it_tightly(kind: str) -> None:
 
 
 def test_a_footprint_agrees_with_shapely() -> None:
-    rng = np.random.default_rng(8)
+    plain, rng = as_plain_python("ipoa_mission.world._polygon"), np.random.default_rng(8)
     for _ in range(200):
         hall = a_building_with_a_courtyard(rng)
         assert isinstance(hall, Prism)
@@ -178,6 +178,8 @@ def test_a_footprint_agrees_with_shapely() -> None:
             shapely.contains_xy(shape, spots), shapely.distance(shape.boundary, points), 0.0
         )
         np.testing.assert_allclose(hall.footprint.distance(spots), expected, atol=1e-9)
+        again = plain.distances(hall.footprint.starts, hall.footprint.ends, spots)
+        np.testing.assert_array_equal(hall.footprint.distance(spots), again)
 
 
 def test_a_round_footprint_with_many_corners_is_solved_in_its_middle_too() -> None:

@@ -22,7 +22,7 @@ from ipoa_mission.world.obstacles.obstacle import (
     distance_of,
     expect_positive,
 )
-from ipoa_mission.world.polygon import Plane, Polygon, Ring, circle, quadratic_roots, rings_of
+from ipoa_mission.world.polygon import Plane, Polygon, Ring, circle, rings_of
 
 LEAST_STEP = 1e-12  # counts as zero [m]
 
@@ -62,6 +62,14 @@ def roots(ascending: Vector) -> Vector:
     if not scale:
         return np.zeros(0)
     return np.asarray(np.polynomial.polynomial.polyroots(np.trim_zeros(ascending / scale, "b")).real)
+
+
+def quadratic_roots(c0: Vector, c1: Vector, c2: Vector) -> Vector:
+    flat = np.asarray(c2 == 0)
+    root = np.sqrt(np.maximum(c1**2 - 4 * c2 * c0, 0.0))
+    q = -0.5 * (c1 + np.copysign(root, c1))
+    both: Vector = np.concatenate([q[~flat] / c2[~flat], c0[q != 0] / q[q != 0]])
+    return both[np.isfinite(both)]
 
 
 def upright_distance(aside: Vector, up: Vector, base: float, top: float) -> NDArray[np.float64]:
