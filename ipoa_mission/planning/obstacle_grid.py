@@ -147,15 +147,14 @@ def obstacle_grid_of(airspace: "Airspace", limits: "Limits", reach: float) -> Ob
     parts = [part for obstacle in airspace.obstacles for part in obstacle.parts]
     bodies = [part.grid_row() for part in parts]
     boxes = [part.bounds for part in parts]
-    radii = [part.plan_radius for part in parts]
     area = airspace.bounds.footprint
     if area is not None:
-        bodies.append(GridRow(FENCE, (0.0, 0.0, 0.0, -ENDLESS, ENDLESS), np.hstack([area.starts, area.ends])))
+        sides = np.hstack([area.starts, area.ends])
+        bodies.append(GridRow(FENCE, (0.0, 0.0, 0.0, -ENDLESS, ENDLESS), np.inf, sides))
         boxes.append(np.array([[-ENDLESS] * 3, [ENDLESS] * 3]))
-        radii.append(np.inf)
     bounds = np.array(boxes).reshape(-1, 2, 3)
     middle = bounds[:, :, :2].mean(axis=1)
-    reached = np.array(radii, float) + reach
+    reached = np.array([body.plan_radius for body in bodies], float) + reach
     first, listed = _lists(bounds, reached, cells, cell, reach)
     shape, edges = _shapes(bodies)
 

@@ -241,11 +241,11 @@ def test_arrays_for_compiled_code_describe_the_obstacle(kind: str) -> None:
     for part in parts:
         middle = part.bounds.mean(axis=0)
         outer = np.vstack(part.outline())
-        assert np.linalg.norm(outer - middle[:2], axis=1).max() <= part.plan_radius + 1e-9
         row = part.grid_row()
+        assert np.linalg.norm(outer - middle[:2], axis=1).max() <= row.plan_radius + 1e-9
         if row.kind == SPHERE:
             assert row.numbers[:3] == pytest.approx(middle)
-            assert row.numbers[3] == part.plan_radius
+            assert row.numbers[3] == row.plan_radius
         else:
             assert row.numbers[3:] == pytest.approx(part.bounds[:, 2])
             assert len(row.edges) == (0 if row.kind == CYLINDER else len(outer))

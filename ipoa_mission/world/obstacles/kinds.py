@@ -12,7 +12,6 @@ from ipoa_mission.errors import BadInput
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.world.obstacles.obstacle import (
     CYLINDER,
-    NO_EDGES,
     PRISM,
     SPHERE,
     Column,
@@ -94,6 +93,7 @@ class Sphere(Part):
     name: str
     center: tuple[float, float, float]
     radius: float
+    convex: ClassVar[bool] = True
 
     def __post_init__(self) -> None:
         expect_positive(self.name, "radius", self.radius)
@@ -101,10 +101,6 @@ class Sphere(Part):
     @property
     def bounds(self) -> NDArray[np.float64]:
         return np.array([np.subtract(self.center, self.radius), np.add(self.center, self.radius)])
-
-    @property
-    def convex(self) -> bool:
-        return True
 
     @property
     def horizontal_shape(self) -> shapely.Geometry:
@@ -144,13 +140,9 @@ class Sphere(Part):
     def silhouette(self, axis: int) -> Plane:
         return circle(self.center[axis], self.center[2], self.radius)
 
-    @property
-    def plan_radius(self) -> float:
-        return self.radius
-
     def grid_row(self) -> GridRow:
         east, north, up = self.center
-        return GridRow(SPHERE, (east, north, up, self.radius, 0.0), NO_EDGES)
+        return GridRow(SPHERE, (east, north, up, self.radius, 0.0), self.radius)
 
 
 TOUCHING = 1e-9  # relative
@@ -181,6 +173,7 @@ class Cylinder(Part):
     radius: float
     base: float
     top: float
+    convex: ClassVar[bool] = True
 
     def __post_init__(self) -> None:
         expect_positive(self.name, "radius", self.radius)
@@ -190,10 +183,6 @@ class Cylinder(Part):
     def bounds(self) -> NDArray[np.float64]:
         r = self.radius
         return np.array([[self.east - r, self.north - r, self.base], [self.east + r, self.north + r, self.top]])
-
-    @property
-    def convex(self) -> bool:
-        return True
 
     @property
     def column(self) -> Column:
@@ -239,12 +228,8 @@ class Cylinder(Part):
     def outline(self) -> tuple[Plane, ...]:
         return (circle(self.east, self.north, self.radius),)
 
-    @property
-    def plan_radius(self) -> float:
-        return self.radius
-
     def grid_row(self) -> GridRow:
-        return GridRow(CYLINDER, (self.east, self.north, self.radius, self.base, self.top), NO_EDGES)
+        return GridRow(CYLINDER, (self.east, self.north, self.radius, self.base, self.top), self.radius)
 
 
 class RoundZone(Cylinder):
@@ -317,14 +302,11 @@ class Prism(Part):
     def outline(self) -> tuple[Plane, ...]:
         return tuple(np.asarray(ring, float) for ring in (self.outer, *self.holes))
 
-    @property
-    def plan_radius(self) -> float:
-        lower, upper = self.bounds
-        return float(np.hypot(*(upper - lower)[:2])) / 2
-
     def grid_row(self) -> GridRow:
+        lower, upper = self.bounds
+        radius = float(np.hypot(*(upper - lower)[:2])) / 2
         edges = np.hstack([self.footprint.starts, self.footprint.ends])
-        return GridRow(PRISM, (0.0, 0.0, 0.0, self.base, self.top), edges)
+        return GridRow(PRISM, (0.0, 0.0, 0.0, self.base, self.top), radius, edges)
 
 
 class Zone(Prism):

@@ -113,30 +113,27 @@ class Obstacle(ABC):
         return _rectangle(self.bounds[:, [axis, 2]])
 
 
+SPHERE, CYLINDER, PRISM = range(3)  # kinds of rows
+NO_EDGES = np.zeros((0, 4))
+
+
 class GridRow(NamedTuple):
     """A row of `planning.obstacle_grid.ObstacleGrid`.
 
-    The grid sets the indices of `edges` (m, 4), east, north, east, north, as the first two numbers.
+    `plan_radius` [m] is that around the middle of its box. The grid sets the indices of `edges` (m, 4), east, north,
+    east, north, as the first two numbers.
     """
 
     kind: int
     numbers: tuple[float, float, float, float, float]
-    edges: NDArray[np.float64]
-
-
-SPHERE, CYLINDER, PRISM = range(3)  # kinds of rows
-NO_EDGES = np.zeros((0, 4))
+    plan_radius: float
+    edges: NDArray[np.float64] = NO_EDGES
 
 
 class Part(Obstacle):
     @property
     def parts(self) -> "tuple[Part, ...]":
         return (self,)
-
-    @property
-    @abstractmethod
-    def plan_radius(self) -> float:
-        """Return a radius around the middle of its box [m]."""
 
     @abstractmethod
     def grid_row(self) -> GridRow:
