@@ -12,9 +12,6 @@ each. The modules below are internal and may change with any version.
 
 # No imports here: Ctrl-C during the command line's imports is caught in `__main__`, which runs after this.
 _WHERE: dict[str, str] = {}
-#: Names of 0.4 and their replacements since 0.5; the old ones are removed in 0.6.
-_RENAMED = dict.fromkeys(("write_plan", "write_waypoints"), "write_mission")
-_RENAMED |= {"assemble": "assemble_mission", "fly": "fly_built_in", "split": "split_by_battery"}
 
 
 def _where() -> dict[str, str]:
@@ -36,11 +33,6 @@ def __getattr__(name: str) -> object:
         return import_module("importlib.metadata").version("ipoa-mission")
     if name == "__all__":
         return sorted(_where())
-    if name in _RENAMED:
-        import warnings
-
-        warnings.warn(f"{name} is {_RENAMED[name]} since 0.5, and goes in 0.6", DeprecationWarning, stacklevel=2)
-        name = _RENAMED[name]
     if name in _where():
         return getattr(import_module(_where()[name]), name)
     raise AttributeError(f"module 'ipoa_mission' has no attribute {name!r}")

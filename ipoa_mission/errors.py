@@ -2,7 +2,6 @@
 
 import json
 import re
-import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass
 from importlib import import_module
@@ -182,13 +181,3 @@ def imported(module: str, needed: str, extra: str, wrong: type[MissionError] = M
         return import_module(module)
     except ImportError as error:
         raise wrong(needed, hint=f"pip install 'ipoa-mission[{extra}]'", code="package-missing") from error
-
-
-def renamed(old: str, new: str) -> Any:
-    words = f"{old} is {new} since 0.5, and goes in 0.6"
-
-    def read(own: object) -> Any:
-        warnings.warn(words, DeprecationWarning, stacklevel=2)
-        return getattr(own, new)
-
-    return property(read)

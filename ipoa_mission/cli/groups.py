@@ -1,6 +1,5 @@
 from collections.abc import Iterable
 from dataclasses import dataclass
-from logging import getLogger
 from pathlib import Path
 from typing import Annotated
 
@@ -64,12 +63,8 @@ class WorldOptions:
 @dataclass
 class ContingencyOptions(WorldOptions):
     contingencies: options.ContingenciesOption = False
-    endings: Annotated[bool, typer.Option("--endings", hidden=True)] = False
 
     def __post_init__(self) -> None:
-        if self.endings:
-            getLogger(__name__).warning("--endings is --contingencies since 0.5, and goes in 0.6")
-            self.contingencies = True
         if self.contingencies and self.scenario is None:
             hint = "the clearance of a contingency depends on the obstacles"
             raise OptionConflict("needs --scenario", hint=hint, place="--contingencies")

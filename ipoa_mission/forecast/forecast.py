@@ -12,7 +12,7 @@ from ipoa_mission.autopilot.known_parameters import expect_known
 from ipoa_mission.autopilot.parameters import NO_PARAMETERS, Parameters
 from ipoa_mission.autopilot.returning import FlightStage
 from ipoa_mission.autopilot.version import Version
-from ipoa_mission.errors import MissionError, NotModeled, renamed
+from ipoa_mission.errors import MissionError, NotModeled
 from ipoa_mission.forecast.itinerary.flown_legs import Leg, flown_legs, join, trace_returns
 from ipoa_mission.forecast.itinerary.itinerary import Itinerary, Unknown, find_unknown, itinerary, past_jumps
 from ipoa_mission.geodesy import LocalFrame
@@ -215,8 +215,6 @@ class Forecast:
         model = self.mission.autopilot.part(FlightModel)
         spread = None if task.chance is None else model.spread(self.itinerary, self.mission, self.wind, predicted)
         return clearance_guarantee_of(PredictedFlight(self.itinerary, predicted, task, spread))
-
-    given, promise = renamed("given", "mission_as_read"), renamed("promise", "guarantee")
 
     def expect_known_path(self) -> None:
         if self.unknown:

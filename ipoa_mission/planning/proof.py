@@ -6,7 +6,6 @@ from itertools import pairwise
 
 import numpy as np
 
-from ipoa_mission.errors import renamed
 from ipoa_mission.geometry import Points, Vector, climb_angles
 from ipoa_mission.planning.path_problem import PathTask
 from ipoa_mission.planning.spline import Spline
@@ -66,8 +65,6 @@ class Proof:
     @property
     def is_proved(self) -> bool:
         return all(check.is_kept for check in self.checks)
-
-    holds = renamed("holds", "is_proved")
 
     @property
     def worst(self) -> Check:

@@ -14,7 +14,7 @@ from pydantic_core import PydanticKnownError
 import ipoa_mission.scenario.flight_sections as flight_sections
 import ipoa_mission.scenario.place_sections as place_sections
 from ipoa_mission.autopilot.autopilot import Autopilot
-from ipoa_mission.errors import BadInput, TooFar, renamed
+from ipoa_mission.errors import BadInput, TooFar
 from ipoa_mission.files import plug_ins
 from ipoa_mission.geodesy import EARTH_RADIUS, REACH, Geodetic, LocalFrame, apart, swap_hint
 from ipoa_mission.geometry import Points, Vector
@@ -111,7 +111,6 @@ class Scenario(Section):
     rally: tuple[Place, ...] = ()
     """Rally points of the mission."""
     __pydantic_extra__: dict[str, Annotated[Any, AfterValidator(_expect_added)]]
-    in_airspace = renamed("in_airspace", "with_airspace")
 
     @classmethod
     def model_json_schema(cls, *options: Any, **named: Any) -> dict[str, Any]:

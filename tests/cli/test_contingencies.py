@@ -34,9 +34,3 @@ def test_contingencies_need_a_world(run: Run) -> None:
     ended = run(f"check {MISSIONS}/sitl.plan --contingencies")
     assert ended.code == 2
     assert "--contingencies: needs --scenario" in ended.err
-
-
-def test_earlier_flag_warns_and_does_the_same(run: Run) -> None:
-    earlier, now = run(f"check {SITL} --endings"), run(f"check {SITL} --contingencies")
-    assert earlier.out == now.out
-    assert "--endings is --contingencies since 0.5, and goes in 0.6" in earlier.err

@@ -230,20 +230,3 @@ def test_the_index_names_every_page() -> None:
     index = (REPOSITORY / "docs" / "README.md").read_text(encoding="utf-8")
     pages = {path.name for path in (REPOSITORY / "docs").glob("*.md")} - {"README.md"}
     assert pages <= set(re.findall(r"\]\(([\w-]+\.md)\)", index))
-
-
-@pytest.mark.parametrize(
-    ("old", "new"), [("assemble", "assemble_mission"), ("fly", "fly_built_in"), ("split", "split_by_battery")]
-)
-def test_renamed_function_is_the_new_one_with_a_warning(old: str, new: str) -> None:
-    with pytest.warns(DeprecationWarning, match=f"{old} is {new} since 0.5"):
-        assert getattr(ipoa_mission, old) is getattr(ipoa_mission, new)
-
-
-def test_renamed_member_is_the_new_one_with_a_warning() -> None:
-    scenario = read_scenario(REPOSITORY / "missions" / "sitl.toml")
-    with pytest.warns(DeprecationWarning, match="in_airspace is with_airspace since 0.5"):
-        assert scenario.in_airspace(scenario.airspace).airspace is scenario.airspace
-    forecast = ipoa_mission.Forecast(ipoa_mission.read_mission(REPOSITORY / "missions" / "sitl.plan"))
-    with pytest.warns(DeprecationWarning, match="given is mission_as_read since 0.5"):
-        assert forecast.given is forecast.mission_as_read
