@@ -2,10 +2,10 @@
 
 import warnings
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator
 from functools import lru_cache
 from importlib.util import find_spec
-from itertools import chain, compress
+from itertools import compress
 from pathlib import Path
 from typing import Any, TypeAlias
 
@@ -14,36 +14,37 @@ import shapely
 from ipoa_mission.errors import Unreadable, WrongSuffix
 from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.maps.feature import Feature, many_objects
-from ipoa_mission.maps.geojson import is_large, read_geojson, stream_geojson
+from ipoa_mission.maps.geojson import read_geojson
 from ipoa_mission.maps.kml import read_kml, read_kmz
-from ipoa_mission.maps.map_window import Degrees, MapWindow
+from ipoa_mission.maps.map_window import Degrees, MapWindow, expect_size
 from ipoa_mission.maps.osm import read_osm
 from ipoa_mission.maps.pbf import read_pbf
 from ipoa_mission.maps.planar import simple_parts
 from ipoa_mission.maps.table_layers import FIRST_BYTES, read_table
 
 GEOJSON = (".geojson", ".json", ".geojsonl", ".geojsons", ".geojsonseq", ".ndjson", ".jsonl")
-Reader: TypeAlias = Callable[[Path, MapWindow], Iterator[Sequence[Feature]]]
+LARGEST_GEOJSON = 500_000_000  # [bytes], about a minute and 7 GB of memory
+Features: TypeAlias = tuple[Feature, ...]
+Reader: TypeAlias = Callable[[Path, MapWindow], Features]
 
 
-def _whole(read: Callable[[Path], Sequence[Feature]]) -> Reader:
+def _whole(read: Callable[[Path], Features]) -> Reader:
+    """Read a whole file, then select the features in the window."""
 
-    def read_batch(path: Path, around: MapWindow) -> Iterator[Sequence[Feature]]:
+    def read_in_window(path: Path, around: MapWindow) -> Features:
         features = read(path)
-        yield features if around.window == around.near else _in_window(features, around)
+        if around.window == around.near:
+            return features
+        boxes = shapely.bounds([feature.shape for feature in features]).reshape(-1, 4)
+        return tuple(compress(features, around.wants(boxes).tolist()))
 
-    return read_batch
-
-
-def _read_geojson(path: Path, around: MapWindow) -> Iterator[Sequence[Feature]]:
-    if not is_large(path):
-        return _whole(read_geojson)(path, around)
-    return (_in_window(features, around) for features in stream_geojson(path))
+    return read_in_window
 
 
-def _in_window(features: Sequence[Feature], around: MapWindow) -> list[Feature]:
-    boxes = shapely.bounds([feature.shape for feature in features]).reshape(-1, 4)
-    return [*compress(features, around.wants(boxes).tolist())]
+def _read_geojson(path: Path, around: MapWindow) -> Features:
+    cut = "ogr2ogr -spat {} {} {} {} town.geojson {file}"
+    expect_size(path, LARGEST_GEOJSON, around.window, cut)
+    return _whole(read_geojson)(path, around)
 
 
 _READERS: dict[str, Reader] = {
@@ -57,37 +58,36 @@ _READERS: dict[str, Reader] = {
 READERS = tuple(_READERS)
 
 
-def read_features(path: Path, around: MapWindow | None = None) -> tuple[Feature, ...]:
-    return tuple(chain.from_iterable(read_batches(path, around or MapWindow())))
-
-
-def read_batches(path: Path, around: MapWindow) -> Iterator[Sequence[Feature]]:
-    suffix = path.suffix.lower()
-    if suffix not in _READERS:
+@many_objects()
+def read_features(path: Path, around: MapWindow | None = None) -> Features:
+    """Return the features in a window (default: all), and count the others there."""
+    around = around or MapWindow()
+    if path.suffix.lower() not in _READERS:
         words = f"expected a file that ends in {', '.join(READERS)}, not in {path.suffix or 'nothing'}"
         raise WrongSuffix(words, place=path)
-    with many_objects():
-        if around.window == around.near:
-            yield from filter(None, _READERS[suffix](path, around))
-            around.expect_near(path)
-            return
-        try:
-            stat = path.stat()
-        except OSError as error:
-            raise Unreadable(f"cannot be read: {error.strerror}", place=path) from error
-        version = stat.st_mtime_ns, stat.st_ctime_ns, stat.st_size
-        nearby, around.elsewhere = _read_window(path, version, around.window, around.near)
-        yield nearby
+    if around.window == around.near:
+        return _read(path, around)
+    try:
+        stat = path.stat()
+    except OSError as error:
+        raise Unreadable(f"cannot be read: {error.strerror}", place=path) from error
+    version = (stat.st_mtime_ns, stat.st_ctime_ns, stat.st_size)
+    features, around.elsewhere = _read_window(path, version, around.window, around.near)
+    return features
 
 
 @lru_cache(maxsize=8)  # the studio reads a scenario at every change
 def _read_window(
     path: Path, version: tuple[int, int, int], window: Degrees | None, near: Degrees | None
-) -> tuple[tuple[Feature, ...], int]:
+) -> tuple[Features, int]:
     around = MapWindow(window, near)
-    features = tuple(chain.from_iterable(_READERS[path.suffix.lower()](path, around)))
+    return _read(path, around), around.elsewhere
+
+
+def _read(path: Path, around: MapWindow) -> Features:
+    features = _READERS[path.suffix.lower()](path, around)
     around.expect_near(path)
-    return features, around.elsewhere
+    return features
 
 
 def compare_with_gdal(path: Path) -> Iterator[Finding]:

@@ -7,7 +7,7 @@ from typing import NamedTuple, Self, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from ipoa_mission.errors import TooFar
+from ipoa_mission.errors import TooFar, TooLarge
 from ipoa_mission.geodesy import REACH, Geodetic, LocalFrame
 
 Box: TypeAlias = tuple[NDArray[np.float64], NDArray[np.float64]]  # lower and upper corner (2,) [m]
@@ -102,5 +102,13 @@ class MapWindow:
         )
 
 
-def cut_out(window: Degrees | None) -> str:
-    return "W,S,E,N" if window is None else ",".join(f"{side:.2f}" for side in window)
+def expect_size(path: Path, largest: int, window: Degrees | None, command: str) -> None:
+    """Refuse a file of more bytes, with the command that cuts the window out of it."""
+    size = path.stat().st_size if path.is_file() else 0
+    if size > largest:
+        sides = ("W", "S", "E", "N") if window is None else (f"{side:.2f}" for side in window)
+        raise TooLarge(
+            f"expected a map of at most {largest / 1e6:.0f} MB, not {size / 1e6:.0f} MB",
+            hint=f"cut out the surroundings of the flight: {command.format(*sides, file=path.name)}",
+            place=path,
+        )

@@ -8,10 +8,10 @@ from typing import Any, NamedTuple
 import numpy as np
 import shapely
 
-from ipoa_mission.errors import BadInput, DamagedFile, NothingThere, TooLarge, WrongFormat, imported
+from ipoa_mission.errors import BadInput, DamagedFile, NothingThere, WrongFormat, imported
 from ipoa_mission.files import read_bytes
 from ipoa_mission.maps.feature import BATCH, EMPTY_SHAPE, Feature
-from ipoa_mission.maps.map_window import MapWindow, cut_out
+from ipoa_mission.maps.map_window import MapWindow, expect_size
 from ipoa_mission.maps.osm import META_TAGS, Relation, area_of, feature_of, is_area, plain_tags, shape_of, ways_of
 
 LARGEST_PBF = 200_000_000  # [bytes], about a minute
@@ -27,27 +27,19 @@ class _Located(NamedTuple):
     known: tuple[tuple[float, float], ...] = ()
 
 
-def read_pbf(path: Path, around: MapWindow) -> Iterator[list[Feature]]:
+def read_pbf(path: Path, around: MapWindow) -> tuple[Feature, ...]:
     osmium = imported("osmium", f"{path}: reading it needs osmium, which is not installed", "maps", BadInput)
     if b"OSMHeader" not in read_bytes(path, 64):
         raise WrongFormat("expected an .osm.pbf file, but its first bytes are those of another format", place=path)
-    if (size := path.stat().st_size) > LARGEST_PBF:
-        raise TooLarge(
-            f"expected an extract of at most {LARGEST_PBF / 1e6:.0f} MB, not {size / 1e6:.0f} MB",
-            hint="cut out the surroundings of the flight: osmium extract --strategy smart "
-            f"--bbox {cut_out(around.window)} --output town.osm.pbf {path.name}",
-            place=path,
-        )
-    any_there = False
-    features = _features(osmium, path, around)
+    cut = "osmium extract --strategy smart --bbox {},{},{},{} --output town.osm.pbf {file}"
+    expect_size(path, LARGEST_PBF, around.window, cut)
     try:
-        while batch := list(islice(features, BATCH)):
-            any_there = True
-            yield batch
+        features = tuple(_features(osmium, path, around))
     except (RuntimeError, OSError, ValueError) as error:
         raise DamagedFile(f"expected a whole .osm.pbf file: {error}", place=path) from error
-    if not any_there and not around.elsewhere:
+    if not features and not around.elsewhere:
         raise NothingThere("expected things with tags, but there are none", place=path)
+    return features
 
 
 def _features(osmium: Any, path: Path, around: MapWindow) -> Iterator[Feature]:

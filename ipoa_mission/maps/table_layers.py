@@ -8,6 +8,7 @@ import warnings
 from collections.abc import Iterator, Sequence
 from decimal import Decimal
 from importlib import import_module
+from itertools import chain
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -52,22 +53,20 @@ class _Shapes(NamedTuple):
     is_cut: bool = False
 
 
-def read_table(path: Path, around: MapWindow) -> Iterator[list[Feature]]:
+def read_table(path: Path, around: MapWindow) -> tuple[Feature, ...]:
     arrow = imported("pyarrow", f"{path}: reading it needs pyarrow, which is not installed", "maps", BadInput)
     suffix = path.suffix.lower()
-    any_there = False
     if not read_bytes(path, 16).startswith(FIRST_BYTES[suffix]):
         raise WrongFormat(f"expected a {suffix} file, but its first bytes are those of another format", place=path)
     try:
-        for features in _row_groups(arrow, path, around) if "parquet" in suffix else _layers(path, around):
-            if features:
-                any_there = True
-                yield features
+        batches = _row_groups(arrow, path, around) if "parquet" in suffix else _layers(path, around)
+        features = tuple(chain.from_iterable(batches))
     except (RuntimeError, ValueError, OSError, UnboundLocalError, arrow.ArrowException) as error:  # of each library
         words = f"expected a whole {suffix} file: {str(error).partition(chr(10))[0]}"
         raise DamagedFile(words, place=path) from error
-    if not any_there and not around.elsewhere:
+    if not features and not around.elsewhere:
         raise NothingThere("expected rows with shapes, but there are none that can be read", place=path)
+    return features
 
 
 def _layers(path: Path, around: MapWindow) -> list[list[Feature]]:

@@ -16,8 +16,7 @@ from ipoa_mission.errors import BadInput, NothingThere
 from ipoa_mission.geodesy import Geodetic, LocalFrame
 from ipoa_mission.maps.building_rules import BuildingRules
 from ipoa_mission.maps.buildings import search_buildings
-from ipoa_mission.maps.map_reader import read_batches
-from ipoa_mission.maps.map_window import MapWindow
+from ipoa_mission.maps.map_reader import read_features
 from ipoa_mission.scenario.scenario_file import parse_scenario
 
 FREE_RADIUS = 12.0  # [m]
@@ -97,13 +96,10 @@ def _free_places(path: Path) -> tuple[tuple[float, float], tuple[float, float]]:
 
 
 def _middle(path: Path) -> Geodetic:
-    boxes = [
-        shapely.total_bounds([feature.shape for feature in features]) for features in read_batches(path, MapWindow())
-    ]
-    if not boxes:
+    features = read_features(path)
+    if not features:
         raise NothingThere("expected buildings, but it has no features", place=path)
-    west, south = np.nanmin(boxes, axis=0)[:2].tolist()
-    east, north = np.nanmax(boxes, axis=0)[2:].tolist()
+    west, south, east, north = shapely.total_bounds([feature.shape for feature in features]).tolist()
     return Geodetic((south + north) / 2, (west + east) / 2)
 
 

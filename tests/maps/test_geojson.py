@@ -2,13 +2,15 @@ import json
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 import shapely
 
 from ipoa_mission.errors import BadInput
-from ipoa_mission.maps import geojson
+from ipoa_mission.geodesy import Geodetic, LocalFrame
+from ipoa_mission.maps import map_reader
 from ipoa_mission.maps.json_shapes import shape_of
-from ipoa_mission.maps.map_reader import read_batches, read_features
+from ipoa_mission.maps.map_reader import read_features
 from ipoa_mission.maps.map_window import MapWindow
 from tests.refused import refuses
 
@@ -104,86 +106,29 @@ def test_a_polygon_has_its_hole_closed_or_not() -> None:
         assert shape.wkt == shapely.Polygon(SQUARE, [HOLE]).wkt
 
 
-OVERPASS = {"elements": [{"type": "node", "id": 1, "lat": 47.0, "lon": 8.0, "tags": {"natural": "tree"}}]}
-CRS_BEHIND = {"features": FEATURES[:1], "type": "FeatureCollection", "crs": {"properties": {"name": "EPSG:4258"}}}
-
-
 @pytest.mark.parametrize(
     "text",
     [
-        json.dumps({"type": "FeatureCollection", "features": FEATURES}),
         json.dumps({"features": FEATURES, "type": "FeatureCollection"}, ensure_ascii=False, indent=1),
-        "\ufeff" + json.dumps(CRS_BEHIND),
-        json.dumps({"type": "FeatureCollection", "features": []}),
+        "\ufeff" + json.dumps({"features": FEATURES, "type": "FeatureCollection"}),
         "\n".join(map(json.dumps, FEATURES)),
         "".join(f"\x1e{json.dumps(each, indent=1)}\n" for each in FEATURES),
-        json.dumps(FEATURES[0]),
-        json.dumps(FEATURES[0]["geometry"]),
-        json.dumps(OVERPASS),
     ],
 )
-def test_a_large_file_has_the_features_of_a_small_one(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, text: str
-) -> None:
+def test_one_value_or_one_a_line_has_the_same_features(tmp_path: Path, text: str) -> None:
     path = tmp_path / "map.geojson"
     path.write_text(text)
-    small = read_features(path)
-    monkeypatch.setattr(geojson, "LARGEST_WHOLE", 0)
-    large = read_features(path)
-    if len(small) == 1:
-        large = tuple(each._replace(place=each.place.replace("value 1: ", "")) for each in large)
-    assert large == small
+    geometries = [each["geometry"] for each in FEATURES]
+    features = read_features(path)
+    assert [each.shape.wkt for each in features] == [shape_of(geometry, "here").wkt for geometry in geometries]
+    assert [each.tags["@id"] for each in features] == ["way/7"] * len(FEATURES)
 
 
-@pytest.mark.parametrize(
-    ("begin", "between", "end", "place"),
-    [('{"type": "FeatureCollection", "features": [', ",", "]}", "features[{}]"), ("", "\n", "", "value {}")],
-)
-@pytest.mark.parametrize("before", [0, 3, 5000])
-def test_mistakes_in_a_large_file_name_the_feature(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, begin: str, between: str, end: str, place: str, before: int
-) -> None:
-    monkeypatch.setattr(geojson, "LARGEST_WHOLE", 0)
-    path, good = tmp_path / "map.geojson", [json.dumps(FEATURES[1])] * before
-    number = place.format(before + place.startswith("value"))
-    flat = json.dumps(feature("Polygon", [[SQUARE[0], SQUARE[1], SQUARE[0]]]))
-    path.write_text(begin + between.join([*good, flat]) + end)
-    with refuses("invalid-ring", "coordinates[0]") as caught:
-        read_features(path)
-    assert str(caught.value.place).startswith(f"{path}: {number}")
-    for spoiled in (
-        '{"type": "Feature", "properties": {"height": NaN}}',
-        '{"type": "Feature", "id": "\udcff"}',
-        flat[:40],
-    ):
-        path.write_text(begin + between.join([*good, spoiled]), errors="surrogateescape")
-        with refuses("wrong-format", f"map.geojson: {number}"):
-            read_features(path)
-
-
-@pytest.mark.parametrize(
-    ("depth", "code", "place"),
-    [
-        (2000, "bad-input", "map.geojson: value 1: feature.geometry.coordinates[0]"),
-        (6000, "bad-input", "map.geojson: value 1: feature.geometry.coordinates[0]"),
-        (60_000, "too-large", "map.geojson"),
-    ],
-)
-def test_endlessly_nested_brackets_of_a_large_file_are_refused(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, depth: int, code: str, place: str
-) -> None:
-    monkeypatch.setattr(geojson, "LARGEST_WHOLE", 0)
-    path, nested = tmp_path / "map.geojson", "[" * depth + "]" * depth
-    path.write_text(json.dumps(feature("Polygon", "HERE")).replace('"HERE"', nested))
-    with refuses(code, place):
-        read_features(path)
-
-
-def test_a_large_file_is_read_by_batches(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(geojson, "LARGEST_WHOLE", 0)
+def test_too_large_file_is_refused_with_the_command_to_cut_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     path = tmp_path / "map.geojson"
-    path.write_text('{"type": "FeatureCollection", "features": [' + ",".join([json.dumps(FEATURES[0])] * 5000))
-    batches = read_batches(path, MapWindow())
-    assert len(next(batches)) == 4096
-    with refuses("wrong-format", "map.geojson: features[5000]"):
-        next(batches)
+    path.write_text(json.dumps(FEATURES[0]))
+    monkeypatch.setattr(map_reader, "LARGEST_GEOJSON", 100)
+    around = MapWindow.of(LocalFrame(Geodetic(47.0, 8.0)), (np.full(2, -150.0), np.full(2, 150.0)))
+    with refuses("too-large", ".geojson", "0 MB") as caught:
+        read_features(path, around)
+    assert "ogr2ogr -spat 7.98 46.98 8.02 47.02 town.geojson map.geojson" in str(caught.value.hint)
