@@ -87,7 +87,7 @@ def estimate(file: FileArgument, options: WorldOptions, as_json: JsonOption = Fa
     from ipoa_mission.report.summary import energy_as_json
     from ipoa_mission.unread import unread_as_json
 
-    requested, forecast, world = read_forecast(file, options)
+    requested, forecast = read_forecast(file, options)
     if wrong := refusals(requested.mission):
         raise BadInput(wrong[0], place=file).followed_by(*(f"{file}: {words}" for words in wrong[1:]))
     as_read = forecast.mission_as_read
@@ -100,7 +100,7 @@ def estimate(file: FileArgument, options: WorldOptions, as_json: JsonOption = Fa
         energy: dict[str, Any] = {"energy_wh": None if budget is None else round(budget.used.energy_wh, 3)}
         energy |= {} if budget is None else {"energy": energy_as_json(budget)}
         firmware = mission.autopilot.facts(mission.firmware_version)
-        unread = unread_as_json(() if world is None else world.unread)
+        unread = unread_as_json(() if forecast.scenario is None else forecast.scenario.unread)
         context = {"firmware": firmware, "remarks": list(remarks), "unread": unread}
         print_json(estimate_as_json(prediction) | energy | context)
         return

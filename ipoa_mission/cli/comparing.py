@@ -9,7 +9,7 @@ import typer
 from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.centimeters import floor_cm
 from ipoa_mission.cli.groups import FlownByOptions
-from ipoa_mission.errors import BadInput, LogUseless, MissionError, OptionConflict
+from ipoa_mission.errors import BadInput, LogUseless, OptionConflict, imported
 from ipoa_mission.options import ForceOption, JsonOption, LogSystemOption, ScenarioOption, expect_mission
 from ipoa_mission.terminal import notes, picked, print_json, print_lines, print_table, round_finite
 
@@ -183,15 +183,11 @@ def _flights_remarks(rows: list[_Row]) -> Iterator[str]:
 def _draw(compared: "ComparedFlight", picture: Path, title: str) -> None:
     from ipoa_mission.report.compare import flown_track
 
-    try:
-        from ipoa_mission.report.plots import draw_comparison, write_picture
-    except ImportError:
-        hint = "pip install 'ipoa-mission[pictures]'"
-        words = "--picture needs matplotlib, which is not installed"
-        raise MissionError(words, hint=hint, code="package-missing") from None
-    flown_path = flown_track(compared.forecast.mission, compared.record)
-    points = None if flown_path is None else flown_path.points
-    write_picture(draw_comparison(compared.comparison, compared.forecast.estimate.track.points, points, title), picture)
+    plots = imported("ipoa_mission.report.plots", "--picture needs matplotlib, which is not installed", "pictures")
+    predicted = compared.forecast.estimate.track.points
+    flown = flown_track(compared.forecast.mission, compared.record)
+    figure = plots.draw_comparison(compared.comparison, predicted, None if flown is None else flown.points, title)
+    plots.write_picture(figure, picture)
 
 
 def _as_json(row: _Row) -> dict[str, Any]:

@@ -67,14 +67,14 @@ def taken_for(read: "MissionFile") -> tuple[str, ...]:
     return (f"read for {read.mission.autopilot}: {why}; --autopilot {'|'.join(map(str, registered()))} decides",)
 
 
-def read_forecast(file: Path, options: WorldOptions) -> "tuple[RequestedMission, Forecast, Scenario | None]":
+def read_forecast(file: Path, options: WorldOptions) -> "tuple[RequestedMission, Forecast]":
     from ipoa_mission.checks.unsafe import refuse_unread
     from ipoa_mission.forecast.forecast import Forecast
 
     world = read_world(options.scenario, options.flown_by.air, options.ignore)
     refuse_unread(world)
     requested = read_requested(file, options.flown_by, world=world)
-    return requested, Forecast(requested.mission, world, options.flown_by.air), world
+    return requested, Forecast(requested.mission, world, options.flown_by.air)
 
 
 def read_world(file: Path | None, wind: "Wind | None" = None, ignore: Iterable[str] | None = None) -> "Scenario | None":

@@ -1,4 +1,3 @@
-import sys
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -8,7 +7,7 @@ import typer
 
 from ipoa_mission.cli.checking import known_budget, remarks_on
 from ipoa_mission.cli.groups import WorldOptions
-from ipoa_mission.errors import MissionError, OptionConflict, WrongSuffix
+from ipoa_mission.errors import MissionError, WrongSuffix
 from ipoa_mission.files import MISSIONS
 from ipoa_mission.options import AutopilotOption, FileArgument, ForceOption, JsonOption, ScenarioOption
 from ipoa_mission.terminal import notes, print_json, print_lines, print_table
@@ -32,7 +31,7 @@ def show(file: FileArgument, options: WorldOptions, as_json: JsonOption = False)
     from ipoa_mission.report.table import rows_of
     from ipoa_mission.unread import unread_as_json
 
-    requested, forecast, world = read_forecast(file, options)
+    requested, forecast = read_forecast(file, options)
     mission = forecast.mission
     rows = rows_of(forecast)
     errors = refusals(mission)
@@ -42,7 +41,7 @@ def show(file: FileArgument, options: WorldOptions, as_json: JsonOption = False)
     remarks = remarks_on(requested, forecast) if done else (*requested.remarks, *errors, *of_world)
     if as_json:
         items = [asdict(row) | {"done_s": done.get(row.seq)} for row in rows]
-        unread = unread_as_json(() if world is None else world.unread)
+        unread = unread_as_json(() if forecast.scenario is None else forecast.scenario.unread)
         print_json({"items": items, "remarks": list(remarks), "unread": unread})
         return
     count = number_of(len(mission.items), "item")
@@ -93,9 +92,6 @@ def _detail(row: "Row") -> str:
 
 @dataclass
 class ExportOptions:
-    form: Annotated[
-        str | None, typer.Option("--format", metavar="NAME", help="Format on standard output, like kml or csv.")
-    ] = None
     scenario: ScenarioOption = None
     autopilot: AutopilotOption = None
     force: ForceOption = False
@@ -104,10 +100,7 @@ class ExportOptions:
 
 def export(
     file: FileArgument,
-    target: Annotated[
-        Path,
-        typer.Argument(metavar="TARGET", help="File in the format of its suffix, like .kml; - is standard output."),
-    ],
+    target: Annotated[Path, typer.Argument(metavar="TARGET", help="File in the format of its suffix, like .kml.")],
     options: ExportOptions,
 ) -> None:
     """Write a mission for other programs, like KML, or as the other mission format.
@@ -115,26 +108,16 @@ def export(
     Example: `ipoa-mission export campus.plan campus.kml --scenario missions/campus.toml`
     """
     from ipoa_mission.cli.reading import read_world, taken_for
-    from ipoa_mission.forecast.forecast import Forecast
-    from ipoa_mission.mission.mission_io import mission_text, read_by_items, read_mission_file, write_mission
-    from ipoa_mission.report.exports import EXPORTS, forecast_text, write_export
+    from ipoa_mission.mission.mission_io import read_by_items, read_mission_file, write_mission
+    from ipoa_mission.report.exports import EXPORTS, write_export
     from ipoa_mission.terminal import expect_free
 
-    to_output = target == Path("-")
-    if to_output != (options.form is not None) or (to_output and options.as_json):
-        raise OptionConflict("belongs to TARGET -, and excludes --json", hint="like - --format kml", place="--format")
-    suffix = target.suffix.lower() if options.form is None else f".{options.form.lower()}"
+    suffix = target.suffix.lower()
     suffixes = (*EXPORTS, *MISSIONS)
     if suffix not in suffixes:
         raise WrongSuffix(f'expected a name that ends in {", ".join(suffixes)}, not in "{suffix}"', place=target)
     read = read_by_items(file, read_mission_file(file, options.autopilot))
     world = read_world(options.scenario)
-    if to_output:
-        if suffix in MISSIONS:
-            sys.stdout.write(mission_text(read.mission, suffix, read))
-        else:
-            sys.stdout.write(forecast_text(Forecast(read.mission, world), suffix, file.stem))
-        return
     expect_free([target], options.force, ask=not options.as_json)
     remarks = taken_for(read)
     if suffix in MISSIONS:

@@ -13,10 +13,11 @@ import pytest
 
 from ipoa_mission.files import MISSIONS as MISSION_SUFFIXES
 from ipoa_mission.files import read_text, write_together
+from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.mission.items import Mission
-from ipoa_mission.mission.mission_io import read_mission, write_mission
+from ipoa_mission.mission.mission_io import mission_text, read_mission, read_mission_file, write_mission
 from ipoa_mission.mission.written_files import not_as_written
-from ipoa_mission.report.exports import EXPORTS
+from ipoa_mission.report.exports import EXPORTS, forecast_text
 from ipoa_mission.scenario import read_scenario
 from tests.cli.conftest import Planned, Run
 from tests.examples import some
@@ -111,17 +112,16 @@ def test_a_wind_from_beyond_the_compass_is_refused(run: Run) -> None:
 
 
 @pytest.mark.parametrize("suffix", [*EXPORTS, *MISSION_SUFFIXES])
-def test_standard_output_gets_what_the_file_gets(run: Run, suffix: str) -> None:
-    words = f"--scenario {MISSIONS / 'campus.toml'}"
-    output = run(f"export {CAMPUS} - --format {suffix[1:].upper()} {words}").out
-    assert run(f"export {CAMPUS} campus{suffix.upper()} {words}").code == 0
-    assert Path(f"campus{suffix.upper()}").read_text() == output
-
-
-@pytest.mark.parametrize("words", ["-", "- --format kml --json", "x.kml --format kml"])
-def test_format_is_that_of_standard_output_without_json(run: Run, words: str) -> None:
-    ended = run(f"export {CAMPUS} {words}")
-    assert (ended.code, "--format: belongs to TARGET -" in ended.out + ended.err) == (2, True)
+def test_export_has_the_format_of_its_suffix(run: Run, suffix: str) -> None:
+    scenario = MISSIONS / "campus.toml"
+    file = read_mission_file(Path(CAMPUS))
+    expected = (
+        mission_text(file.mission, suffix, file)
+        if suffix in MISSION_SUFFIXES
+        else forecast_text(Forecast(file.mission, read_scenario(scenario)), suffix, "campus")
+    )
+    assert run(f"export {CAMPUS} campus{suffix.upper()} --scenario {scenario}").code == 0
+    assert Path(f"campus{suffix.upper()}").read_text() == expected
 
 
 def test_an_export_in_a_scenario_ends_on_its_ground(run: Run) -> None:
