@@ -13,7 +13,7 @@ from scipy.optimize import least_squares, lsq_linear
 from scipy.spatial.transform import Rotation
 from scipy.special import stdtrit
 
-from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission import Autopilot
 from ipoa_mission.autopilot.energy import PowerCurve
 from ipoa_mission.autopilot.learned import Learned
 from ipoa_mission.errors import LogUseless, MissionError

@@ -10,12 +10,11 @@ from typing import TypeAlias
 
 import numpy as np
 
-from ipoa_mission import Box, Command, NoRoute, Scenario, assemble_mission, estimate, fly_built_in, read_scenario
+from ipoa_mission import Box, Command, NoRoute, Plan, Scenario, assemble_mission, estimate, fly_built_in, read_scenario
 from ipoa_mission.errors import BadInput, UnknownName, imported
 from ipoa_mission.files import packed
 from ipoa_mission.geometry import polyline_length, turning_angles
 from ipoa_mission.optimize.search import Candidates, Costs, Optimum
-from ipoa_mission.planning.planner import Plan
 from ipoa_mission.planning.problem import curve_cost, encode, prepare
 from ipoa_mission.planning.proof import TOUCHING, prove_curve
 from ipoa_mission.planning.spline import Spline

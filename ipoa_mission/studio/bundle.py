@@ -8,7 +8,7 @@ import sys
 from collections.abc import Callable
 from pathlib import Path
 
-from ipoa_mission.errors import MissionError
+from ipoa_mission import MissionError
 from ipoa_mission.files import copies
 
 WEB = Path(__file__).parent / "web"

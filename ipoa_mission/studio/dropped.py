@@ -5,12 +5,11 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
+from ipoa_mission import FencePolygon, Item, Mission, read_mission
 from ipoa_mission.autopilot.commands import WAYPOINTS, Command
 from ipoa_mission.errors import BadInput, TooFar, WrongSuffix
 from ipoa_mission.files import MISSIONS, write_atomically
 from ipoa_mission.geodesy import REACH, Geodetic, apart
-from ipoa_mission.mission.items import FencePolygon, Item, Mission
-from ipoa_mission.mission.mission_io import read_mission
 from ipoa_mission.scenario.map_sections import MapFile
 from ipoa_mission.studio.edits import parse_table
 from ipoa_mission.studio.requests import Change, Put, Shift

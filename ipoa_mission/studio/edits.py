@@ -11,12 +11,12 @@ import tomlkit
 from tomlkit.exceptions import TOMLKitError
 from tomlkit.items import AoT, Array
 
+from ipoa_mission import Item, Mission
 from ipoa_mission.autopilot.autopilot import autopilot_named
 from ipoa_mission.autopilot.commands import Command, Frame, plain_frame
 from ipoa_mission.errors import BadInput, WrongFormat
 from ipoa_mission.geodesy import Geodetic, LocalFrame, apart
 from ipoa_mission.mission.item_edits import text_with, with_inserted, with_item, with_plain_items, without_item
-from ipoa_mission.mission.items import Item, Mission
 from ipoa_mission.mission.mission_io import parse_mission
 from ipoa_mission.mission.stored_mission import resolve_frames, values_of
 from ipoa_mission.studio import area_edits, requests

@@ -2,7 +2,7 @@
 
 from typing import Literal
 
-from ipoa_mission.finding import Finding
+from ipoa_mission import Finding
 from ipoa_mission.report.compare import LegTime
 from ipoa_mission.studio.vocabulary import InFlight, LngLat, MapLine, Number, OfRevision, PageMessage
 

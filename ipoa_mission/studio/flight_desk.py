@@ -7,7 +7,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
-from ipoa_mission.errors import MissionError
+from ipoa_mission import MissionError
 from ipoa_mission.files import unused
 from ipoa_mission.studio.answers import Trouble
 from ipoa_mission.studio.flight_answers import State

@@ -10,15 +10,11 @@ from typing import Any
 import numpy as np
 from pydantic import TypeAdapter
 
-from ipoa_mission import read_flights
+from ipoa_mission import BadInput, Flight, Forecast, MissionError, MissionFile, plan_flight, read_flights
 from ipoa_mission.autopilot.autopilot import autopilot_named
 from ipoa_mission.checks.check import check
 from ipoa_mission.checks.unsafe import refuse_errors
-from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.files import MISSIONS, read_text
-from ipoa_mission.flight.flight import Flight, plan_flight
-from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.mission.items import MissionFile
 from ipoa_mission.mission.mission_io import parse_mission, read_by_items, write_mission
 from ipoa_mission.mission.positions import refuse_unsound
 from ipoa_mission.planning.sketch import sketch_path

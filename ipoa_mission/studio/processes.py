@@ -17,7 +17,7 @@ from contextlib import suppress
 from dataclasses import dataclass, field
 from typing import Any, Literal, TypeAlias
 
-from ipoa_mission.errors import MissionError
+from ipoa_mission import MissionError
 from ipoa_mission.studio.answers import Trouble
 from ipoa_mission.studio.vocabulary import PageMessage, as_json, as_on_map
 

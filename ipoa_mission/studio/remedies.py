@@ -7,9 +7,8 @@ from typing import Any, Literal
 import numpy as np
 import shapely
 
-from ipoa_mission.errors import MissionError
+from ipoa_mission import MissionError, Scenario
 from ipoa_mission.geometry import Points
-from ipoa_mission.scenario import Scenario
 from ipoa_mission.studio.answers import Remedy, Trouble
 from ipoa_mission.studio.requests import Add, Change, Put, Take
 from ipoa_mission.studio.survey_view import in_words, numbers_in_full, ring_name

@@ -11,8 +11,8 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
+from ipoa_mission import BadInput, MissionError
 from ipoa_mission.autopilot.autopilot import autopilot_named
-from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.files import MISSIONS, read_text, unused, write_atomically
 from ipoa_mission.mission.mission_io import parse_mission, write_mission
 from ipoa_mission.studio import answers

@@ -7,7 +7,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any, Literal, TypeAlias
 
-from ipoa_mission.errors import MissionError
+from ipoa_mission import MissionError
 from ipoa_mission.files import MISSIONS, unused
 from ipoa_mission.studio import requests
 from ipoa_mission.studio.answers import Found, Redirect, Trouble, Written

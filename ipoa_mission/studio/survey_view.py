@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 import shapely
 
+from ipoa_mission import Scenario, Survey
 from ipoa_mission.geodesy import LocalFrame
-from ipoa_mission.scenario import Scenario
 from ipoa_mission.studio import answers
 from ipoa_mission.studio.area_edits import areas_of
 from ipoa_mission.studio.edits import frame_of
@@ -21,7 +21,6 @@ from ipoa_mission.survey.camera import CAMERAS
 from ipoa_mission.survey.flown_coverage import Overlap, Overlaps, lines_of_tour, photo_places, smallest_overlaps
 from ipoa_mission.survey.sight import Sight
 from ipoa_mission.survey.survey_area import depth_of
-from ipoa_mission.survey.survey_flight import Survey
 from ipoa_mission.survey.survey_plan import SurveyPlan
 from ipoa_mission.survey.survey_section import SurveySection, surveyed_area
 from ipoa_mission.survey.survey_task import SurveySketch

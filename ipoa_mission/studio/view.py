@@ -11,12 +11,11 @@ import shapely
 from contourpy import FillType, contour_generator
 from numpy.typing import NDArray
 
-from ipoa_mission.errors import BadInput
+from ipoa_mission import BadInput, Scenario
 from ipoa_mission.geodesy import LocalFrame, radii_of_curvature
 from ipoa_mission.geometry import Points
 from ipoa_mission.report.chart import round_step
 from ipoa_mission.report.drawn_flight import ground_mesh
-from ipoa_mission.scenario import Scenario
 from ipoa_mission.scenario.place_sections import FenceSection
 from ipoa_mission.studio.answers import Body, Fence, Heights, Spot, Terrace, World
 from ipoa_mission.studio.edits import frame_of

@@ -19,7 +19,7 @@ from starlette.routing import BaseRoute, Mount, Route, WebSocketRoute
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
-from ipoa_mission.errors import BadInput, MissionError
+from ipoa_mission import BadInput, MissionError
 from ipoa_mission.studio.answers import Trouble
 from ipoa_mission.studio.dropped import LARGEST, keep, use_of
 from ipoa_mission.studio.memory import address_of, remember

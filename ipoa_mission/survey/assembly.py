@@ -8,27 +8,22 @@ from typing import Any
 import numpy as np
 import shapely
 
-from ipoa_mission import Command, Frame
-from ipoa_mission.errors import MissionError
+from ipoa_mission import Airspace, Command, Forecast, Frame, MissionError, Scenario, plan_path
 from ipoa_mission.forecast.contingency.shortfalls import clear_in
 from ipoa_mission.forecast.deviation.kept_limits import clearance_task, with_margins
-from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.geometry import Points, Vector, arc_lengths, union_of
 from ipoa_mission.mission.complex_items import ITEMS, TRANSECTS, complex_item
 from ipoa_mission.mission.items import ComplexItem, Item, Mission, camera_trigger
 from ipoa_mission.planning.path_problem import PathProblem, problem_of
-from ipoa_mission.planning.planner import plan_path
 from ipoa_mission.planning.proof import prove
 from ipoa_mission.routing.build import build_mission, items_of_waypoints
 from ipoa_mission.routing.resample import NoRoute, Route, corridor, push_clear
-from ipoa_mission.scenario import Scenario
 from ipoa_mission.survey._kernels import NO_WAY
 from ipoa_mission.survey.camera import CameraSection
 from ipoa_mission.survey.free import FreeSpace
 from ipoa_mission.survey.sight import Sight, lift_path
 from ipoa_mission.survey.survey_task import TIGHT_PLACES, expect_survey
 from ipoa_mission.survey.tour import Tour
-from ipoa_mission.world.airspace import Airspace
 
 SAME_PLACE = 0.5  # [m]
 

@@ -9,7 +9,7 @@ from typing import Any, Literal, TypeAlias
 import numpy as np
 import shapely
 
-from ipoa_mission.errors import MissionError
+from ipoa_mission import MissionError
 from ipoa_mission.geometry import Points, Vector, union_of
 from ipoa_mission.survey._kernels import NO_WAY, search_order
 from ipoa_mission.survey.free import FreeSpace, Transits, narrow, widen

@@ -8,17 +8,13 @@ from itertools import chain, combinations
 import numpy as np
 import shapely
 
-from ipoa_mission import NotEnoughBattery
+from ipoa_mission import Forecast, NoPath, NoRoute, NotEnoughBattery, Scenario
 from ipoa_mission.checks.firmware_check import is_too_long
 from ipoa_mission.errors import BadInput, Remedy
 from ipoa_mission.forecast.contingency.energy_budget import budget_of, refusal_of
-from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.geometry import Points
-from ipoa_mission.planning.obstruction import NoPath
 from ipoa_mission.planning.proof import prove
 from ipoa_mission.routing.planned_returns import choose_returns, other_options_hint, why_not_planned
-from ipoa_mission.routing.resample import NoRoute
-from ipoa_mission.scenario import Scenario
 from ipoa_mission.survey.assembly import assemble_survey
 from ipoa_mission.survey.survey_area import Area
 from ipoa_mission.survey.survey_section import at_start, move_between

@@ -9,8 +9,7 @@ from typing import Any
 import numpy as np
 import shapely
 
-from ipoa_mission import Command
-from ipoa_mission.forecast.forecast import Forecast
+from ipoa_mission import Command, Forecast
 from ipoa_mission.forecast.timing.track import THINNING_TOLERANCE, Track
 from ipoa_mission.geodesy import Geodetic, LocalFrame
 from ipoa_mission.geometry import Points, Vector

@@ -7,10 +7,10 @@ from itertools import pairwise
 import numpy as np
 import shapely
 
+from ipoa_mission import Scenario
 from ipoa_mission.errors import BadInput, Remedy
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.ground import Ground
-from ipoa_mission.scenario import Scenario
 from ipoa_mission.survey.survey_area import Area
 from ipoa_mission.survey.survey_section import BAND, SurveySection
 from ipoa_mission.survey.tour import Tour

@@ -12,11 +12,10 @@ import shapely
 from pydantic import ValidationError
 from threadpoolctl import threadpool_limits
 
+from ipoa_mission import Forecast, Geodetic, Scenario, Wind
 from ipoa_mission.checks.unsafe import expect_plannable
 from ipoa_mission.errors import BadInput, NothingThere
 from ipoa_mission.files import make_folder, write_together
-from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.geometry import Points
 from ipoa_mission.maps.map_reader import read_features
 from ipoa_mission.mission.waypoints_file import left_out
@@ -25,14 +24,12 @@ from ipoa_mission.progress import Progress, silent
 from ipoa_mission.report.summary import passed_over_as_json
 from ipoa_mission.routing.planned_returns import return_remarks
 from ipoa_mission.routing.repairs import raise_way_home_remarks, slow_landings_remarks
-from ipoa_mission.scenario import Scenario
 from ipoa_mission.scenario.explain import explained
 from ipoa_mission.scenario.scenario_file import read_table, scenario_of
 from ipoa_mission.survey.resume import runs_in_order
 from ipoa_mission.survey.survey_plan import SurveyFlight, SurveyPlan, coverage_lines, plan_flights, rest_of
 from ipoa_mission.survey.survey_section import USUAL_HEIGHT, USUAL_SPACING, SurveySection, nearest_start, survey_of
 from ipoa_mission.unread import unread_as_json
-from ipoa_mission.wind import Wind
 
 #: The system id chooses one vehicle of a log.
 Flown: TypeAlias = str | Path | tuple[str | Path, int]

@@ -6,20 +6,16 @@ from functools import cached_property
 
 import shapely
 
+from ipoa_mission import BadInput, Finding, Forecast, MissionError, NoPath, Scenario
 from ipoa_mission.centimeters import floor_cm
 from ipoa_mission.checks.check import check
 from ipoa_mission.checks.unsafe import refuse_errors
-from ipoa_mission.errors import BadInput, MissionError
-from ipoa_mission.finding import Finding
 from ipoa_mission.forecast.contingency.contingency_paths import ContingencyPaths
 from ipoa_mission.forecast.contingency.energy_budget import budget_of
 from ipoa_mission.forecast.deviation.clearance_guarantee import ClearanceGuarantee, KeptLimit
-from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.timing.track import THINNING_TOLERANCE
 from ipoa_mission.geometry import Points
-from ipoa_mission.planning.obstruction import NoPath
 from ipoa_mission.progress import Progress, silent
-from ipoa_mission.scenario import Scenario
 from ipoa_mission.survey.flight_maker import FlightMaker, lay_tours, split_into_flights, with_planned_returns
 from ipoa_mission.survey.flown_coverage import (
     AsFlown,

@@ -7,7 +7,7 @@ from urllib.parse import quote
 
 import shapely
 
-from ipoa_mission.forecast.forecast import Forecast
+from ipoa_mission import Forecast
 from ipoa_mission.report.drawn_flight import find_dangers, sample_track
 from ipoa_mission.report.number_format import seconds
 from ipoa_mission.report.page import page_of

@@ -7,10 +7,9 @@ import numpy as np
 import shapely
 from pydantic import AfterValidator, Field, PositiveInt, WithJsonSchema, model_validator
 
-from ipoa_mission.errors import BadInput, MissionError
+from ipoa_mission import BadInput, MissionError, Scenario
 from ipoa_mission.geodesy import REACH, Geodetic, LocalFrame, apart
 from ipoa_mission.geometry import Points
-from ipoa_mission.scenario import Scenario
 from ipoa_mission.scenario.map_sections import NoFlyMap
 from ipoa_mission.scenario.model import WORLD, AddedSection
 from ipoa_mission.scenario.place_sections import (

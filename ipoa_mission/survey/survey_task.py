@@ -11,13 +11,11 @@ import numpy as np
 import shapely
 from threadpoolctl import threadpool_limits
 
+from ipoa_mission import Mission, NoPath, Scenario
 from ipoa_mission.errors import BadInput, Remedy
 from ipoa_mission.forecast.deviation.kept_limits import NO_DEVIATION, DeviationBound, deviation_bound_of
 from ipoa_mission.forecast.deviation.law import law_of
 from ipoa_mission.geometry import Points, Vector, union_of
-from ipoa_mission.mission.items import Mission
-from ipoa_mission.planning.obstruction import NoPath
-from ipoa_mission.scenario import Scenario
 from ipoa_mission.survey.cover import CoverProblem, quickest_tour
 from ipoa_mission.survey.flown_coverage import Coverage, coverage
 from ipoa_mission.survey.free import widen
