@@ -22,6 +22,7 @@ class Parameter(NamedTuple):
     meaning: str = ""  # the same for all autopilots
     unit: float = 1.0
     newer: str = ""  # its newer name, in units of 1
+    positive: bool = False  # must be above 0
 
     def spelled(self, value: float) -> float:
         return value / self.unit
@@ -39,7 +40,6 @@ class ParameterTable:
     further: tuple[Parameter, ...]  # known, or read by ground stations
     set_up: tuple[Parameter, ...]  # only read by ground stations
     surely_there: tuple[tuple[str, ...], ...]  # alternative names
-    positive: tuple[str, ...] = ()  # must be above 0
     packs_integers: bool = False  # sent as a float's bits
     limits_speed: str = ""  # PX4: the limit MPC_XY_VEL_MAX; ArduCopter: the cruise speed WPNAV_SPEED
     fastest: float = 40.0  # twice both firmwares' documented maximum [m/s]
@@ -83,6 +83,10 @@ class ParameterTable:
             name: value for name, value in parameters.items() if not self.by_old_names({name: 0.0}).keys() & replaced
         }
         return rest | dict(by)
+
+    @cached_property
+    def positive(self) -> tuple[str, ...]:
+        return tuple(row.name for row in self.affecting if row.positive)
 
     def expect_positive(self, parameters: Parameters) -> None:
         """Raise BadInput for a value that must be above 0."""

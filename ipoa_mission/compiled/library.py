@@ -37,7 +37,6 @@ SOURCES = (
     "compiled/library.py",
     "autopilot/commands.py",
     "vehicles/*/dynamics/*.py",
-    "vehicles/*/parameter_table.py",
     "vehicles/*/limits.py",
     "autopilot/parameters.py",
     "geometry.py",

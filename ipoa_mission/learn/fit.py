@@ -152,8 +152,8 @@ def fit(flights: Sequence[Evidence]) -> LearnedVehicle:
 
 
 def _number(autopilot: Autopilot, name: str, change: float) -> float:
-    simulated = autopilot.part(FlightModel).simulated[name]
-    return simulated * math.exp(change) if name in ("drag", "lag") else simulated + change
+    simulated = {"drag": 1.0, "lag": autopilot.part(FlightModel).simulated_lag}
+    return simulated[name] * math.exp(change) if name in simulated else change
 
 
 def _solve(flights: Sequence[Evidence], blank: LearnedVehicle, names: Sequence[str]) -> tuple[Vector, Vector]:

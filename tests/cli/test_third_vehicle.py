@@ -76,7 +76,7 @@ def way(program: Program, index: int, here: Place, ground: float) -> list[Place]
 
 class Model(FlightModel):
     scatter = (0.1, 0.01, 0.1)
-    simulated: ClassVar[Mapping[str, float]] = {}
+    simulated_lag = 0.05
 
     def predicted(
         self, route: Itinerary, mission: Mission, wind: Wind, fast: bool | None, noise_free: bool

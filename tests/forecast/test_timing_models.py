@@ -21,8 +21,8 @@ from ipoa_mission.mission.items import (
     takeoff,
     waypoint,
 )
+from ipoa_mission.vehicles.arducopter.limits import PARAMETER_TABLE as ARDUCOPTER_BOOK
 from ipoa_mission.vehicles.arducopter.limits import copter_limits
-from ipoa_mission.vehicles.arducopter.parameter_table import PARAMETER_TABLE as ARDUCOPTER_BOOK
 from ipoa_mission.vehicles.px4_multicopter.dynamics.state import normal
 from ipoa_mission.wind import Wind
 from tests.refused import refuses

@@ -9,8 +9,7 @@ import numpy as np
 from ipoa_mission.compiled import compiled, records
 from ipoa_mission.planning.obstacle_grid import Bench, Moves, Nodes, ObstacleGrid, Raster, Rules, Soft, Spans, Sparse
 from ipoa_mission.survey.times import LegTimeTable
-from ipoa_mission.vehicles.arducopter.dynamics.airframe import ARDUPILOT_SIMULATOR
-from ipoa_mission.vehicles.arducopter.dynamics.motion import NO_LEG, CopterLeg, State, tuning
+from ipoa_mission.vehicles.arducopter.dynamics.motion import ARDUPILOT_SIMULATOR, NO_LEG, CopterLeg, State, tuning
 from ipoa_mission.vehicles.arducopter.dynamics.steps import fly_leg
 from ipoa_mission.vehicles.arducopter.limits import copter_limits
 from ipoa_mission.vehicles.px4_multicopter.dynamics.flight import at_start, fly

@@ -1,7 +1,6 @@
 """The interface of an autopilot's flight model, and what it predicts."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar, NamedTuple, Protocol
 
@@ -98,8 +97,8 @@ class OrderedContingency:
 class FlightModel(ABC):
     scatter: ClassVar[tuple[float, float, float]]
     """Standard deviations of an item's time about the model's: seconds, share, and seconds of a landing."""
-    simulated: ClassVar[Mapping[str, float]]
-    """Values of the simulated vehicle that others may change: drag, lag [s], lift_delay, landing_delay [s]."""
+    simulated_lag: ClassVar[float]
+    """Lag of the simulated vehicle's rotors and rate loop [s]."""
 
     is_always_noise_free: ClassVar[bool] = False
     """True where `noise_free` has no effect."""

@@ -13,8 +13,7 @@ from ipoa_mission.mission.items import Item
 from ipoa_mission.simulator.mock_profile import CAPABILITIES, FTP, Answer, MockProfile, StartUp, asks_every
 from ipoa_mission.simulator.situation import STEP_S, FlightMode, SimulatedVehicle, Situation
 from ipoa_mission.vehicles.arducopter.dynamics import procedures
-from ipoa_mission.vehicles.arducopter.dynamics.airframe import airframe_of
-from ipoa_mission.vehicles.arducopter.dynamics.copter import Copter
+from ipoa_mission.vehicles.arducopter.dynamics.copter import Copter, airframe_of
 from ipoa_mission.vehicles.arducopter.dynamics.motion import Kind
 from ipoa_mission.vehicles.arducopter.limits import LANDED_S, copter_limits
 from ipoa_mission.vehicles.arducopter.vehicle import ARDUCOPTER

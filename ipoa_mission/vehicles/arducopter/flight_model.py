@@ -1,8 +1,8 @@
 """Flight times of ArduCopter 4.x in AUTO, item by item, by its simulated dynamics."""
 
 import math
-from collections.abc import Iterator, Mapping
-from typing import ClassVar, NamedTuple
+from collections.abc import Iterator
+from typing import NamedTuple
 
 import numpy as np
 
@@ -25,10 +25,9 @@ from ipoa_mission.forecast.timing.track import Track
 from ipoa_mission.geometry import Place, Points
 from ipoa_mission.mission.items import Item, Mission
 from ipoa_mission.vehicles.arducopter.dynamics import procedures
-from ipoa_mission.vehicles.arducopter.dynamics.airframe import ARDUPILOT_SIMULATOR, airframe_of
-from ipoa_mission.vehicles.arducopter.dynamics.copter import Copter
+from ipoa_mission.vehicles.arducopter.dynamics.copter import Copter, airframe_of
 from ipoa_mission.vehicles.arducopter.dynamics.legs import limits_along
-from ipoa_mission.vehicles.arducopter.dynamics.motion import Kind
+from ipoa_mission.vehicles.arducopter.dynamics.motion import ARDUPILOT_SIMULATOR, Kind
 from ipoa_mission.vehicles.arducopter.limits import LANDED_S, copter_limits
 from ipoa_mission.vehicles.arducopter.vehicle import ARDUCOPTER
 from ipoa_mission.wind import Wind
@@ -62,12 +61,7 @@ class ArduCopterModel(FlightModel):
 
     scatter = (0.15, 0.01, 0.6)
     is_always_noise_free = True
-    simulated: ClassVar[Mapping[str, float]] = {
-        "drag": 1.0,
-        "lag": ARDUPILOT_SIMULATOR.lag,
-        "lift_delay": 0.0,
-        "landing_delay": 0.0,
-    }
+    simulated_lag = ARDUPILOT_SIMULATOR.lag
 
     def predicted(
         self, itinerary: Itinerary, mission: Mission, wind: Wind, fast: bool | None, noise_free: bool

@@ -21,8 +21,13 @@ from ipoa_mission.autopilot.version import Version
 from ipoa_mission.geometry import Place, Points, Vector
 from ipoa_mission.vehicles.arducopter.braking import Shaping, flown_circle
 from ipoa_mission.vehicles.arducopter.failsafes import FAILSAFES
-from ipoa_mission.vehicles.arducopter.limits import FENCE_SWITCHES, CopterReturn, copter_limits, fence_limits
-from ipoa_mission.vehicles.arducopter.parameter_table import PARAMETER_TABLE
+from ipoa_mission.vehicles.arducopter.limits import (
+    FENCE_SWITCHES,
+    PARAMETER_TABLE,
+    CopterReturn,
+    copter_limits,
+    fence_limits,
+)
 
 
 def refused(firmware: Firmware, command: int, frame: int, values: Sequence[float], count: int) -> Refused | None:

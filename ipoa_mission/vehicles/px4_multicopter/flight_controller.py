@@ -13,9 +13,8 @@ from ipoa_mission.mission.items import Item
 from ipoa_mission.simulator.mock_profile import BYTEWISE, CAPABILITIES, Answer, MockProfile, StartUp, asks_every
 from ipoa_mission.simulator.situation import STEP_S, FlightMode, MissionState, SimulatedVehicle, Situation
 from ipoa_mission.vehicles.px4_multicopter.dynamics import navigator
-from ipoa_mission.vehicles.px4_multicopter.dynamics.airframe import SIH_SENSES, airframe_of
 from ipoa_mission.vehicles.px4_multicopter.dynamics.flight import at_rest, begin, is_over, step
-from ipoa_mission.vehicles.px4_multicopter.dynamics.state import Level, Order, integrate, no_errors
+from ipoa_mission.vehicles.px4_multicopter.dynamics.state import SIH_SENSES, Level, Order, integrate, no_errors
 from ipoa_mission.vehicles.px4_multicopter.limits import px4_limits
 from ipoa_mission.vehicles.px4_multicopter.vehicle import PX4_MULTICOPTER
 
@@ -28,7 +27,7 @@ class Px4Controller:
     ) -> None:
         conditions = vehicle.conditions
         limits = px4_limits(parameters, conditions.version)
-        airframe = airframe_of(conditions.vehicle)
+        airframe = navigator.airframe_of(conditions.vehicle)
         self._limits = limits._replace(spool_up=max(limits.spool_up + airframe.lift_delay, 0.0))
         self._vehicle, self._now, self._ground = vehicle, situation, conditions.ground
         self._parameters = parameters

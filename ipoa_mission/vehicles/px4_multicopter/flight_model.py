@@ -5,9 +5,9 @@ Noisy heights shift home for two minutes: a run without noise gives the path, ma
 
 import math
 from bisect import bisect_right
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import replace
-from typing import Any, ClassVar, NamedTuple, Protocol
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
@@ -32,17 +32,11 @@ from ipoa_mission.forecast.timing.track import Track
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.vehicles.px4_multicopter.dynamics import navigator
-from ipoa_mission.vehicles.px4_multicopter.dynamics.airframe import KNOWS, SIH, SIH_SENSES, SensorModel, airframe_of
+from ipoa_mission.vehicles.px4_multicopter.dynamics import state as px4
 from ipoa_mission.vehicles.px4_multicopter.dynamics.flight import at_start, fly
 from ipoa_mission.vehicles.px4_multicopter.dynamics.guidance import speed_to
 from ipoa_mission.vehicles.px4_multicopter.dynamics.navigator import FLOWN_TO
-from ipoa_mission.vehicles.px4_multicopter.dynamics.state import (
-    NOT_BEGUN,
-    FlightProgress,
-    Order,
-    SimulationConstants,
-    State,
-)
+from ipoa_mission.vehicles.px4_multicopter.dynamics.state import Order
 from ipoa_mission.vehicles.px4_multicopter.limits import LEAST_HOLD, px4_limits
 from ipoa_mission.wind import CALM, Wind
 
@@ -76,12 +70,12 @@ class Px4Model(FlightModel):
     """PX4 in SIH; flown with noise unless `noise_free`."""
 
     scatter = (0.7, 0.02, 2.0)
-    simulated: ClassVar[Mapping[str, float]] = {"drag": 1.0, "lag": SIH.lag, "lift_delay": 0.0, "landing_delay": 0.0}
+    simulated_lag = px4.SIH.lag
 
     def predicted(
         self, itinerary: Itinerary, mission: Mission, wind: Wind, fast: bool | None, noise_free: bool
     ) -> Prediction:
-        flights = Flights(itinerary, mission, wind, KNOWS if noise_free else SIH_SENSES)
+        flights = Flights(itinerary, mission, wind, px4.KNOWS if noise_free else px4.SIH_SENSES)
         orders = flights.mission_orders.orders
         ends = list(flights.mission_orders.done)
         remarks = list(flights.mission_orders.remarks)
@@ -174,7 +168,7 @@ class Px4Model(FlightModel):
         return Kinematics(level, limits.climb, limits.descent, limits.accel, limits.jerk)
 
     def airframe(self, altitude: float) -> SlowedByAir:
-        return SIH
+        return px4.SIH
 
     def median_times(self, itinerary: Itinerary, mission: Mission) -> Vector:
         flights = Flights(itinerary, mission)
@@ -266,7 +260,7 @@ def spread_of(path: Track, runs: list[Points]) -> Points:
 class FlownOnce(NamedTuple):
     done: Vector  # times at the start and after each order (n + 1,) [s]
     samples: Points  # time, place and velocity (m, 7)
-    progress: FlightProgress
+    progress: px4.FlightProgress
 
 
 class FlyOn(Protocol):
@@ -275,9 +269,9 @@ class FlyOn(Protocol):
 
 class Flights:
     def __init__(
-        self, itinerary: Itinerary, mission: Mission, wind: Wind = CALM, senses: SensorModel = SIH_SENSES
+        self, itinerary: Itinerary, mission: Mission, wind: Wind = CALM, senses: px4.SensorModel = px4.SIH_SENSES
     ) -> None:
-        self.itinerary, self.airframe, self.wind = itinerary, airframe_of(mission.vehicle), wind
+        self.itinerary, self.airframe, self.wind = itinerary, navigator.airframe_of(mission.vehicle), wind
         limits = px4_limits(mission.parameters, mission.firmware_version)
         self.limits = limits._replace(spool_up=max(limits.spool_up + self.airframe.lift_delay, 0.0))
         self.mission_orders = navigator.orders_of_itinerary(itinerary, self.limits, self.airframe.landing_delay)
@@ -293,7 +287,7 @@ class Flights:
         until = fly_mission(self.at_start(seed or 0), ordered.time)
         onward = navigator.contingency_orders(ordered.contingency, until.samples[-1], self.itinerary, self.limits)
         orders = tuple(navigator.with_patience(onward, onward[0].start, self.limits, self.airframe.landing_delay))
-        begins = until._replace(done=until.done[-1:], progress=until.progress._replace(steps=NOT_BEGUN))
+        begins = until._replace(done=until.done[-1:], progress=until.progress._replace(steps=px4.NOT_BEGUN))
         return until, self.simulation(orders, noisy=noisy, steps=steps)(begins)
 
     def simulation(
@@ -314,7 +308,7 @@ class Flights:
         inputs: Any = orders
         if machine is not fly:
             inputs = records(orders, Order)
-            constants = records(constants, SimulationConstants)
+            constants = records(constants, px4.SimulationConstants)
 
         every = RUNS.sample_steps if sampled or not noisy else 0
 
@@ -322,7 +316,7 @@ class Flights:
             left = inputs[len(flight.done) - 1 :]
             times, places, (state, of_order, touched) = machine(left, constants, flight.progress, until, every)
             done = np.append(flight.done, times)
-            progress = FlightProgress(State(*state), of_order, touched)
+            progress = px4.FlightProgress(px4.State(*state), of_order, touched)
             if len(done) > len(orders) or progress.state.time >= until:
                 return FlownOnce(done, np.vstack([flight.samples, places]), progress)
             raise MissionError(

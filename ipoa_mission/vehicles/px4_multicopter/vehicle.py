@@ -22,8 +22,15 @@ from ipoa_mission.autopilot.vehicle_kind import MULTICOPTERS
 from ipoa_mission.autopilot.version import Version
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.vehicles.px4_multicopter.failsafes import FAILSAFES
-from ipoa_mission.vehicles.px4_multicopter.limits import LEAST_HOLD, Px4Return, px4_limits
-from ipoa_mission.vehicles.px4_multicopter.parameter_table import MEASURED, PARAMETER_TABLE, SINCE_SPLIT, SPLITS_AXES
+from ipoa_mission.vehicles.px4_multicopter.limits import (
+    LEAST_HOLD,
+    MEASURED,
+    PARAMETER_TABLE,
+    SINCE_SPLIT,
+    SPLITS_AXES,
+    Px4Return,
+    px4_limits,
+)
 
 
 def refused(firmware: Firmware, command: int, frame: int, values: Sequence[float], _count: int) -> Refused | None:

@@ -7,6 +7,7 @@ import numpy as np
 
 import ipoa_mission.vehicles.arducopter.dynamics.legs as legs
 from ipoa_mission.autopilot.commands import Command
+from ipoa_mission.autopilot.learned import LearnedVehicle
 from ipoa_mission.compiled import jit_if_faster, records
 from ipoa_mission.errors import MissionError
 from ipoa_mission.forecast.itinerary.copter_curves import bearing_from, place_after, turn_of
@@ -15,11 +16,12 @@ from ipoa_mission.ground import LEVEL, Ground
 from ipoa_mission.mission.items import Item
 from ipoa_mission.mission.program import Program
 from ipoa_mission.vehicles.arducopter.braking import circle_spin
-from ipoa_mission.vehicles.arducopter.dynamics.airframe import ARDUPILOT_SIMULATOR, Airframe
 from ipoa_mission.vehicles.arducopter.dynamics.legs import Course, Stop
 from ipoa_mission.vehicles.arducopter.dynamics.motion import (
+    ARDUPILOT_SIMULATOR,
     NO_LEG,
     STEP,
+    Airframe,
     CopterLeg,
     Kind,
     MotionLimits,
@@ -47,6 +49,25 @@ TOO_WINDY = "fly in less wind, another way, or with a greater lean (ANGLE_MAX, a
 NO_END = "there is no wind: the model of the flight is wrong here; fly this leg at another speed, or report the mission"
 SETTLED = 10.0  # of a hold [s]
 SLOWEST_SPIN_UP = math.radians(2.0)  # [rad/s^2]
+
+
+def airframe_of(vehicle: LearnedVehicle | None) -> Airframe:
+    """Return the learned airframe, or the simulator's.
+
+    >>> airframe_of(None) is ARDUPILOT_SIMULATOR
+    True
+    """
+    if vehicle is None:
+        return ARDUPILOT_SIMULATOR
+    drag = vehicle.value("drag", 1.0)
+    same = ARDUPILOT_SIMULATOR
+    return Airframe(
+        same.rotor_drag * drag,
+        same.body_drag * drag,
+        vehicle.value("lag", same.lag),
+        vehicle.value("lift_delay", 0.0),
+        vehicle.value("landing_delay", 0.0),
+    )
 
 
 def stop_at(program: Program, n: int, here: Place) -> Stop:

@@ -5,8 +5,15 @@ from collections.abc import Sequence
 
 from ipoa_mission.geometry import GRAVITY, ZERO, Enu, Points, Vector, horizontal_norm, minus, norm, plus, scaled
 from ipoa_mission.geometry import dot as enu_dot
-from ipoa_mission.vehicles.arducopter.dynamics.airframe import THINNING
-from ipoa_mission.vehicles.arducopter.dynamics.motion import STEP, CopterLeg, Kind, MotionLimits, State, Tuning
+from ipoa_mission.vehicles.arducopter.dynamics.motion import (
+    STEP,
+    THINNING,
+    CopterLeg,
+    Kind,
+    MotionLimits,
+    State,
+    Tuning,
+)
 from ipoa_mission.vehicles.arducopter.dynamics.shaping import (
     along,
     climb_at,

@@ -5,13 +5,14 @@ from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 from ipoa_mission.autopilot.commands import HOLDING, LAST_NAV, Command, Frame, plain_frame
+from ipoa_mission.autopilot.learned import LearnedVehicle
 from ipoa_mission.autopilot.returning import Contingency
 from ipoa_mission.errors import EndlessFlight
 from ipoa_mission.forecast.itinerary.itinerary import UNTIMED, Itinerary, flying_already
 from ipoa_mission.geometry import GRAVITY, Enu, Vector
 from ipoa_mission.mission.items import Item
-from ipoa_mission.vehicles.px4_multicopter.dynamics.airframe import Airframe, SensorModel
-from ipoa_mission.vehicles.px4_multicopter.dynamics.state import GO, LAND, TAKE_OFF, Level, Order, SimulationConstants
+from ipoa_mission.vehicles.px4_multicopter.dynamics import state as px4
+from ipoa_mission.vehicles.px4_multicopter.dynamics.state import Level, Order
 from ipoa_mission.vehicles.px4_multicopter.limits import Px4Limits
 from ipoa_mission.wind import Wind, wind_table
 
@@ -19,23 +20,39 @@ FLOWN_TO = HOLDING | {Command.NAV_LOITER_TO_ALT}
 ANY_RADIUS = 1e9  # without effect [m]
 
 
+def airframe_of(vehicle: LearnedVehicle | None) -> px4.Airframe:
+    """Return the learned airframe, or SIH's.
+
+    >>> airframe_of(None) is px4.SIH
+    True
+    """
+    if vehicle is None:
+        return px4.SIH
+    return px4.Airframe(
+        px4.SIH.drag * vehicle.value("drag", 1.0),
+        vehicle.value("lag", px4.SIH.lag),
+        vehicle.value("lift_delay", 0.0),
+        vehicle.value("landing_delay", 0.0),
+    )
+
+
 def simulation_constants(
-    limits: Px4Limits, airframe: Airframe, senses: SensorModel, wind: Wind, dt: float
-) -> SimulationConstants:
+    limits: Px4Limits, airframe: px4.Airframe, senses: px4.SensorModel, wind: Wind, dt: float
+) -> px4.SimulationConstants:
     leaning, turning = (-math.expm1(-dt / lag) for lag in (limits.lean_lag, airframe.lag))
     senses = senses._replace(sees_ground=senses.sees_ground and limits.has_range_finder)
     steps = (dt, GRAVITY * math.tan(limits.lean), leaning, turning)
-    return SimulationConstants(limits, airframe, senses, wind_table(wind), *steps, turns=True, noisy=True)
+    return px4.SimulationConstants(limits, airframe, senses, wind_table(wind), *steps, turns=True, noisy=True)
 
 
 def leg(start: Enu, goal: Enu, beyond: Enu | None, limits: Px4Limits, cruise: float) -> Order:
     most = min(cruise, limits.most_speed)
-    return Order(GO, start, goal, goal if beyond is None else beyond, limits.radius, limits.height_radius, most)
+    return Order(px4.GO, start, goal, goal if beyond is None else beyond, limits.radius, limits.height_radius, most)
 
 
 def take_off(top: Enu, limits: Px4Limits) -> Order:
     """Return a climb above home at that time."""
-    return leg(top, top, None, limits, limits.cruise)._replace(kind=TAKE_OFF, follows_home=False)
+    return leg(top, top, None, limits, limits.cruise)._replace(kind=px4.TAKE_OFF, follows_home=False)
 
 
 def waypoint(item: Item, order: Order, limits: Px4Limits) -> Order:
@@ -62,7 +79,7 @@ def landing_orders(start: Enu, ground: Enu, limits: Px4Limits, cruise: float, ho
     over = ground._replace(up=start.up)
     legs = [leg(start, over, None, limits, cruise)] if math.dist(start, over) > limits.radius else []
     ground = ground if legs else start._replace(up=ground.up)
-    return [*legs, leg(ground, ground, None, limits, cruise)._replace(kind=LAND, hold_s=hold_s)]
+    return [*legs, leg(ground, ground, None, limits, cruise)._replace(kind=px4.LAND, hold_s=hold_s)]
 
 
 def stopping_place(place: Enu, speed: Level, limits: Px4Limits) -> Enu:
@@ -111,7 +128,7 @@ def orders_along(start: Enu, places: Sequence[Enu], limits: Px4Limits, ground: E
         if math.dist(leg_start, place) > limits.radius:
             legs.append(leg(leg_start, place, beyond, limits, limits.cruise))
             leg_start = place
-    return [*legs, leg(ground, ground, None, limits, limits.cruise)._replace(kind=LAND, hold_s=limits.disarm_delay)]
+    return [*legs, leg(ground, ground, None, limits, limits.cruise)._replace(kind=px4.LAND, hold_s=limits.disarm_delay)]
 
 
 class Planned(NamedTuple):
@@ -144,8 +161,8 @@ def with_patience(orders: Sequence[Order], start: Enu, limits: Px4Limits, landin
     for order in orders:
         level = math.dist(start[:2], order.goal[:2])
         rise = abs(order.goal.up - start.up)
-        lasts = (300 if order.kind == LAND else 120) + 6 * level * max(1.0, 1 / order.cruise) + 4 * rise / slowest
-        late = landing_delay if order.kind == LAND else 0.0
+        lasts = (300 if order.kind == px4.LAND else 120) + 6 * level * max(1.0, 1 / order.cruise) + 4 * rise / slowest
+        late = landing_delay if order.kind == px4.LAND else 0.0
         yield order._replace(hold_s=order.hold_s + late, patience=lasts * max(1.0, 1 / order.radius))
         start = order.goal
 

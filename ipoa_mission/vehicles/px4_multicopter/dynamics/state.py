@@ -1,5 +1,7 @@
 """PX4's orders, flight state, body in wind, and sensor errors; SI units, east, north, up.
 
+Airframe and errors are fitted to flights (docs/lab/flight-time.md).
+
 Numba gets `Order` and `SimulationConstants` as records of the same names. From 1.17 on (pull request 25003), for two
 minutes after take-off, home and waypoints move if the measured height differs by 1 m. The navigator knows at once, the
 guidance later.
@@ -8,8 +10,7 @@ guidance later.
 import math
 from typing import NamedTuple
 
-from ipoa_mission.geometry import GRAVITY, ZERO, Enu, plus, scaled
-from ipoa_mission.vehicles.px4_multicopter.dynamics.airframe import Airframe, SensorModel
+from ipoa_mission.geometry import GRAVITY, ZERO, Enu, Points, plus, scaled
 from ipoa_mission.vehicles.px4_multicopter.limits import Px4Limits
 from ipoa_mission.wind import WindTable, wind_at
 
@@ -21,6 +22,38 @@ FACTOR_2, MODULUS_2 = 40692.0, 2147483399.0
 GO, TAKE_OFF, LAND = 0, 1, 2  # orders
 ON_LINE, BEYOND, BEFORE, OFF_LINE, UNKNOWN = 0, 1, 2, 3, 4
 NOT_YET, NOT_BEGUN = -1.0, -1
+
+
+class Airframe(NamedTuple):
+    drag: float  # per mass [1/s]
+    lag: float  # of rotors and rate loop [s]
+    lift_delay: float = 0.0  # of lift-off [s]
+    landing_delay: float = 0.0  # of disarming [s]
+
+    def top_speed(self, lean: float) -> float:
+        """Return the level speed [m/s] held by a lean [rad] in calm air."""
+        return GRAVITY * math.tan(lean) / self.drag if self.drag > 0 else math.inf
+
+    def slowing(self, through_air: Points, _axes: Points) -> Points:
+        """Return the drag deceleration [m/s^2] (n, 3) of an air velocity."""
+        return self.drag * through_air
+
+
+class SensorModel(NamedTuple):
+    """Errors of the position estimate; standard deviations."""
+
+    every: float  # between GNSS heights [s]
+    height_noise: float  # [m]
+    drift: float  # of the speed, level axes [m/s]
+    drift_up: float
+    drift_lasts: float  # correlation time [s]
+    sees_ground: bool  # a range finder
+
+
+#: SIH's quadrotor (1 kg, drag 1 N s/m): 9.8 m/s at a lean of 45 degrees.
+SIH = Airframe(drag=1.0, lag=0.06)
+SIH_SENSES = SensorModel(every=0.125, height_noise=0.5, drift=0.2, drift_up=0.13, drift_lasts=4.5, sees_ground=True)
+KNOWS = SensorModel(every=math.inf, height_noise=0.0, drift=0.0, drift_up=0.0, drift_lasts=1.0, sees_ground=False)
 
 
 class Order(NamedTuple):
