@@ -8,7 +8,7 @@ import re
 import select
 import socket
 import time
-from collections.abc import Hashable, Iterator
+from collections.abc import Hashable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from enum import StrEnum
@@ -21,6 +21,7 @@ Peer: TypeAlias = Hashable
 MAX_READ = 65536
 LOOPBACK = "127.0.0.1"
 DEFAULT_BAUD = 57600
+SELECTABLE_FILES = 1024  # FD_SETSIZE: `select` fails for greater file numbers
 
 
 class Transport(StrEnum):
@@ -116,6 +117,17 @@ class RealTime:
         return self._epoch + time.monotonic()
 
 
+def readable(files: Sequence[Any], seconds: float) -> list[Any]:
+    """Return the sockets or file numbers with data to read, or none after `seconds`."""
+    by_number = {file if isinstance(file, int) else file.fileno(): file for file in files}
+    if os.name != "posix" or max(by_number) < SELECTABLE_FILES:
+        return select.select(files, [], [], seconds)[0]
+    poll = select.poll()
+    for number in by_number:
+        poll.register(number, select.POLLIN)
+    return [by_number[number] for number, _ in poll.poll(1000.0 * seconds)]  # rounded up to milliseconds
+
+
 def _family(host: str) -> socket.AddressFamily:
     return socket.AF_INET6 if ":" in host else socket.AF_INET
 
@@ -147,7 +159,7 @@ class UdpChannel(RealTime):
     def receive(self, until: float) -> list[tuple[bytes, Peer]]:
         """Return one datagram at a time: its answer may be urgent."""
         try:
-            ready, _, _ = select.select([self._socket], [], [], max(0.0, until - self.now()))
+            ready = readable([self._socket], max(0.0, until - self.now()))
             return [self._socket.recvfrom(MAX_READ)] if ready else []
         except (BlockingIOError, ConnectionError):  # a datagram met a closed port
             return []
@@ -196,9 +208,8 @@ class TcpChannel(RealTime):
         watched = [*self._connections, *([self._listener] if self._listener else [])]
         if not watched:
             raise _closed()
-        ready, _, _ = select.select(watched, [], [], max(0.0, until - self.now()))
         got: list[tuple[bytes, Peer]] = []
-        for connection in ready:
+        for connection in readable(watched, max(0.0, until - self.now())):
             if connection is self._listener:
                 self._accept()
                 continue

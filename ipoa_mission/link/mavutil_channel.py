@@ -1,11 +1,10 @@
 """Use an open connection of pymavlink's mavutil as a channel."""
 
-import select
 from collections.abc import Callable, Collection
 from typing import Any
 
 from ipoa_mission.errors import BadInput
-from ipoa_mission.link.channel import MAX_READ, LinkDown, Peer, RealTime
+from ipoa_mission.link.channel import MAX_READ, LinkDown, Peer, RealTime, readable
 from ipoa_mission.link.codec import number_of
 from ipoa_mission.link.definitions import DEFINITIONS, Definition, dialect_of
 from ipoa_mission.link.line import Line
@@ -27,7 +26,7 @@ class MavutilChannel(RealTime):
 
     def receive(self, until: float) -> list[tuple[bytes, Peer]]:
         try:
-            ready, _, _ = select.select([self._connection.fd], [], [], max(0.0, until - self.now()))
+            ready = readable([self._connection.fd], max(0.0, until - self.now()))
             data = self._connection.recv(MAX_READ) if ready else b""
         except (OSError, ValueError) as error:
             raise LinkDown(f"the link broke: {error}") from error

@@ -1,11 +1,15 @@
+import fcntl
+import resource
 import socket
 import time
 from collections.abc import Iterator
 from contextlib import closing
+from types import SimpleNamespace
 
 import pytest
 
-from ipoa_mission.link.channel import LinkDown, TcpChannel, UdpChannel, parse_address
+from ipoa_mission.link.channel import SELECTABLE_FILES, LinkDown, TcpChannel, UdpChannel, parse_address
+from ipoa_mission.link.mavutil_channel import MavutilChannel
 from tests.refused import refuses
 
 
@@ -151,3 +155,45 @@ def test_a_socket_that_is_not_ready_gets_the_rest_of_a_frame_later(served: TcpCh
         assert stubborn.left == b"rame"
         served.send(b"", None)
         assert served._connections == [stubborn]
+
+
+@pytest.fixture
+def many_files() -> Iterator[None]:
+    soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
+    resource.setrlimit(resource.RLIMIT_NOFILE, (max(soft, 2 * SELECTABLE_FILES), hard))
+    yield
+    resource.setrlimit(resource.RLIMIT_NOFILE, (soft, hard))
+
+
+def with_a_great_number(small: socket.socket) -> socket.socket:
+    """Return the same socket with a file number that `select` refuses."""
+    with small:
+        return socket.socket(fileno=fcntl.fcntl(small.fileno(), fcntl.F_DUPFD, SELECTABLE_FILES))
+
+
+@pytest.mark.usefixtures("many_files")
+def test_udp_receives_by_a_file_number_over_1023() -> None:
+    with closing(UdpChannel(parse_address("udpin:127.0.0.1:0"))) as channel:
+        channel._socket = with_a_great_number(channel._socket)
+        assert channel.receive(channel.now() + 0.01) == []
+        with closing(UdpChannel(parse_address(f"udpout:127.0.0.1:{channel.port}"))) as far:
+            far.send(b"x", None)
+            assert [data for data, _ in channel.receive(channel.now() + 5.0)] == [b"x"]
+
+
+@pytest.mark.usefixtures("many_files")
+def test_tcp_receives_by_a_file_number_over_1023(served: TcpChannel) -> None:
+    with joined(served) as client:
+        served._connections[:] = [with_a_great_number(connection) for connection in served._connections]
+        assert served.receive(served.now() + 0.01) == []
+        client.send(b"x")
+        assert [data for data, _ in served.receive(served.now() + 5.0)] == [b"x"]
+
+
+@pytest.mark.usefixtures("many_files")
+def test_mavutil_receives_by_a_file_number_over_1023() -> None:
+    small, theirs = socket.socketpair()
+    with with_a_great_number(small) as ours, theirs:
+        channel = MavutilChannel(SimpleNamespace(fd=ours.fileno(), recv=ours.recv, write=ours.send))
+        theirs.send(b"x")
+        assert [data for data, _ in channel.receive(channel.now() + 5.0)] == [b"x"]
