@@ -6,7 +6,6 @@ import random
 from dataclasses import dataclass
 
 from ipoa_mission.errors import BadInput
-from ipoa_mission.link.loopback import Pipe
 
 
 @dataclass(frozen=True)
@@ -25,8 +24,8 @@ class Faults:
         BadInput: a probability is not from 0 to 1, or a time not from 0 to 60 s.
 
     Example:
-        >>> Faults(loss=0.1, delay_s=0.2).is_none
-        False
+        >>> Faults(loss=0.1, delay_s=0.2).duplicate
+        0.0
     """
 
     loss: float = 0.0
@@ -44,13 +43,12 @@ class Faults:
             if not 0.0 <= getattr(self, name) < 60.0:
                 raise BadInput(f"expected 0 to 60 seconds, not {getattr(self, name)}", place=name)
 
-    @property
-    def is_none(self) -> bool:
-        return not (self.loss or self.duplicate or self.delay_s or self.reorder)
+
+PERFECT = Faults()
 
 
-class BadPipe(Pipe):
-    """One direction; the same seed gives the same faults."""
+class Pipe:
+    """One direction of a link; the same seed gives the same faults."""
 
     MAX_QUEUED = 100_000
 
@@ -61,7 +59,8 @@ class BadPipe(Pipe):
         self._pushed = 0
 
     def push(self, data: bytes, now: float) -> None:
-        faults, chance = self._faults, self._random.random
+        faults = self._faults
+        chance = self._random.random
         for _ in range(2 if chance() < faults.duplicate else 1):
             lost = chance() < faults.loss
             late = chance() * faults.reorder_s if chance() < faults.reorder else 0.0

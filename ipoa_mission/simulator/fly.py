@@ -8,7 +8,6 @@ from ipoa_mission.ground import Ground
 from ipoa_mission.link.codec import Codec
 from ipoa_mission.link.connect import meet
 from ipoa_mission.link.line import Line
-from ipoa_mission.link.loopback import Loopback
 from ipoa_mission.link.messages import STATION_COMPONENT, STATION_SYSTEM
 from ipoa_mission.link.vehicle import Vehicle
 from ipoa_mission.mission.flight_record import FlightRecord
@@ -16,10 +15,9 @@ from ipoa_mission.mission.items import Mission
 from ipoa_mission.mission.landing_ground import known_ground
 from ipoa_mission.progress import Progress, silent
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot
-from ipoa_mission.simulator.faults import BadPipe, Faults
-from ipoa_mission.simulator.mock_server import PERFECT
+from ipoa_mission.simulator.faults import PERFECT, Faults
 from ipoa_mission.simulator.situation import Conditions
-from ipoa_mission.simulator.station import Station
+from ipoa_mission.simulator.station import Loopback, Station
 from ipoa_mission.wind import CALM, Wind
 
 
@@ -87,6 +85,5 @@ def board(
     conditions = conditions or conditions_for(mission)
     autopilot = BuiltInAutopilot(mission.autopilot, mission.home, mission.parameters, faults.nak_at, conditions)
     station = Station(autopilot)
-    seed = conditions.seed
-    pipes = (None, None) if faults.is_none else (BadPipe(faults, 2 * seed), BadPipe(faults, 2 * seed + 1))
-    return meet(Line(Loopback(station, *pipes), Codec(STATION_SYSTEM, STATION_COMPONENT), log))
+    channel = Loopback(station, faults, conditions.seed)
+    return meet(Line(channel, Codec(STATION_SYSTEM, STATION_COMPONENT), log))

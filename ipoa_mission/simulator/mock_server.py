@@ -7,10 +7,9 @@ from dataclasses import dataclass
 
 from ipoa_mission.errors import BadInput
 from ipoa_mission.link.channel import Channel, Peer
-from ipoa_mission.simulator.faults import BadPipe, Faults
+from ipoa_mission.simulator.faults import PERFECT, Faults, Pipe
 from ipoa_mission.simulator.station import Station
 
-PERFECT = Faults()
 log = logging.getLogger(__name__)
 
 
@@ -44,8 +43,8 @@ class Server:
         self._virtual_s = 0.0
         self._lost_s = 0.0
         self._unread = 0.0  # frames above the allowed rate
-        self._inward: dict[Peer, BadPipe] = {}
-        self._outward: dict[Peer | None, BadPipe] = {}
+        self._inward: dict[Peer, Pipe] = {}
+        self._outward: dict[Peer | None, Pipe] = {}
 
     def run(self, until: Callable[[], bool]) -> None:
         """Run until `until` returns true (asked ten times a second), or Ctrl-C."""
@@ -94,9 +93,9 @@ class Server:
                 log.warning("the machine is too slow for speed %g: the clock is slowed", self._speedup)
             self._lost_s += late_s
 
-    def _pipe(self, pipes: dict[Peer, BadPipe] | dict[Peer | None, BadPipe], peer: Peer, direction: int) -> BadPipe:
+    def _pipe(self, pipes: dict[Peer, Pipe] | dict[Peer | None, Pipe], peer: Peer, direction: int) -> Pipe:
         if peer not in pipes:
             while len(pipes) >= LIMITS.pipes:
                 del pipes[next(iter(pipes))]
-            pipes[peer] = BadPipe(self._faults, self._seed * 1000 + direction * 100 + len(pipes))
+            pipes[peer] = Pipe(self._faults, self._seed * 1000 + direction * 100 + len(pipes))
         return pipes[peer]

@@ -12,7 +12,6 @@ from ipoa_mission.link.codec import Codec, Target
 from ipoa_mission.link.connect import meet
 from ipoa_mission.link.dialogue import SPECIFIED
 from ipoa_mission.link.line import Line
-from ipoa_mission.link.loopback import Loopback
 from ipoa_mission.link.messages import CommandLong, Count, ItemAt, Message
 from ipoa_mission.link.orders import CommandRefused
 from ipoa_mission.link.upload import Replaced
@@ -23,7 +22,7 @@ from ipoa_mission.mission.stored_mission import to_wire
 from ipoa_mission.progress import Progress
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot
 from ipoa_mission.simulator.situation import Conditions
-from ipoa_mission.simulator.station import Station
+from ipoa_mission.simulator.station import Loopback, Station
 from tests.link.suited import suited
 from tests.refused import refuses
 

@@ -12,13 +12,12 @@ from ipoa_mission.geodesy import Geodetic, LocalFrame
 from ipoa_mission.link.codec import Codec, Target
 from ipoa_mission.link.connect import meet
 from ipoa_mission.link.line import Line
-from ipoa_mission.link.loopback import Loopback
 from ipoa_mission.link.messages import CommandLong, Message, Position
 from ipoa_mission.link.vehicle import Vehicle
 from ipoa_mission.mission.flight_record import Deviation, DeviationKind, OnDeviation
 from ipoa_mission.mission.items import Mission, land, takeoff
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as Mock
-from ipoa_mission.simulator.station import Station
+from ipoa_mission.simulator.station import Loopback, Station
 from tests.link_pair import far_end, line_of
 from tests.px4_waypoints import waypoint
 from tests.refused import refuses

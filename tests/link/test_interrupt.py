@@ -14,14 +14,13 @@ from ipoa_mission.link.codec import Codec, Target
 from ipoa_mission.link.connect import meet
 from ipoa_mission.link.dialogue import SPECIFIED, Cancelled, Dialogue, Pause, Tempo
 from ipoa_mission.link.line import Line, converse, noted_interrupts
-from ipoa_mission.link.loopback import Loopback
 from ipoa_mission.link.messages import MissionType
 from ipoa_mission.link.vehicle import ConnectionOptions
 from ipoa_mission.mission.items import FenceCircle, Item, Mission, takeoff, waypoint
 from ipoa_mission.mission.stored_mission import compare
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as Mock
-from ipoa_mission.simulator.faults import BadPipe, Faults
-from ipoa_mission.simulator.station import Station
+from ipoa_mission.simulator.faults import Faults
+from ipoa_mission.simulator.station import Loopback, Station
 from tests.examples import some
 from tests.link_pair import HOME, items_of
 from tests.refused import refuses
@@ -49,7 +48,7 @@ def _press_at(moment: int, number: int) -> None:
 
 def aboard(family: Autopilot, fast: bool = False) -> tuple[Line, Mock, Callable[[tuple[Item, ...]], None]]:
     mock = Mock(family, HOME)
-    line = Line(Loopback(Station(mock), BadPipe(SLOW, 0), BadPipe(SLOW, 1)), Codec(245, 190))
+    line = Line(Loopback(Station(mock), SLOW), Codec(245, 190))
     vehicle = meet(line, options=ConnectionOptions(fast=fast))
     return line, mock, lambda items: vehicle.upload_items(items, MissionType.MISSION)
 

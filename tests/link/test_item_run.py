@@ -13,7 +13,6 @@ from ipoa_mission.link.codec import Codec, Framer, Target
 from ipoa_mission.link.connect import meet
 from ipoa_mission.link.item_run import ItemRun, ItemsRead, ItemsSent
 from ipoa_mission.link.line import Line
-from ipoa_mission.link.loopback import Loopback
 from ipoa_mission.link.messages import ItemAt, Message, MissionType, Request
 from ipoa_mission.link.signing import Signer
 from ipoa_mission.link.upload import Upload
@@ -22,7 +21,7 @@ from ipoa_mission.link.wire import ITEM, item_of, item_payload
 from ipoa_mission.mission.items import Item
 from ipoa_mission.mission.stored_mission import compare, first_number
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as Mock
-from ipoa_mission.simulator.station import Station
+from ipoa_mission.simulator.station import Loopback, Station
 from tests.link_pair import HOME, items_of
 
 US, VEHICLE = Target(245, 190), Target(1, 1)

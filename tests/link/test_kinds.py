@@ -13,13 +13,12 @@ from ipoa_mission.link.connect import meet
 from ipoa_mission.link.dialogue import wait
 from ipoa_mission.link.discovery import scan
 from ipoa_mission.link.line import Line
-from ipoa_mission.link.loopback import Loopback
 from ipoa_mission.link.messages import Count, Heartbeat, Message
 from ipoa_mission.link.vehicle import ConnectionOptions, Vehicle
 from ipoa_mission.link.vehicle_state import NotFlown
 from ipoa_mission.mission.items import Mission, takeoff, waypoint
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as Mock
-from ipoa_mission.simulator.station import Station
+from ipoa_mission.simulator.station import Loopback, Station
 from tests.refused import refuses
 
 HOME = Geodetic(47.4, 8.5, 400.0)

@@ -13,7 +13,6 @@ from ipoa_mission.link.connect import connect, meet, open_line
 from ipoa_mission.link.dialogue import SPECIFIED, NoAnswer
 from ipoa_mission.link.discovery import VERSIONS_S, scan, versions_of
 from ipoa_mission.link.line import Carrier, Line
-from ipoa_mission.link.loopback import Loopback
 from ipoa_mission.link.messages import (
     AutopilotVersion,
     CommandLong,
@@ -28,9 +27,9 @@ from ipoa_mission.link.tlog import TlogWriter, read_tlog
 from ipoa_mission.link.vehicle import ConnectionOptions
 from ipoa_mission.mission.items import Mission, return_to_launch, takeoff, waypoint
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as Mock
-from ipoa_mission.simulator.faults import BadPipe, Faults
+from ipoa_mission.simulator.faults import Faults
 from ipoa_mission.simulator.situation import Conditions
-from ipoa_mission.simulator.station import Station
+from ipoa_mission.simulator.station import Loopback, Station
 from tests.link.suited import suited
 from tests.link_pair import far_end, line_of
 from tests.refused import refuses
@@ -135,7 +134,7 @@ def test_a_vehicle_that_is_not_there_is_an_error(monkeypatch: pytest.MonkeyPatch
 @pytest.mark.parametrize("family", registered())
 def test_an_upload_ends_when_the_user_s_patience_does(family: Autopilot) -> None:
     slow = Faults(delay_s=0.2)
-    line = Line(Loopback(Station(Mock(family, HOME)), BadPipe(slow, 0), BadPipe(slow, 1)), Codec(245, 190))
+    line = Line(Loopback(Station(Mock(family, HOME)), slow), Codec(245, 190))
     vehicle = meet(line, options=ConnectionOptions(patience=replace(SPECIFIED, total_s=5.0), fast=False))
     begun = line.channel.now()
     legs = (waypoint(Geodetic(47.4 + 1e-5 * n, 8.5), 12.0) for n in range(50))

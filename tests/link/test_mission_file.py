@@ -15,7 +15,6 @@ from ipoa_mission.link.connect import meet
 from ipoa_mission.link.conversations import KeepsChanging
 from ipoa_mission.link.dialogue import SPECIFIED, Cancelled, Exchange, Tempo, TimeUp
 from ipoa_mission.link.line import Line, converse
-from ipoa_mission.link.loopback import Loopback
 from ipoa_mission.link.mavftp import (
     LONGEST_DATA,
     MISSION_FILE,
@@ -36,9 +35,9 @@ from ipoa_mission.link.vehicle import ConnectionOptions, Vehicle
 from ipoa_mission.mission.items import Item
 from ipoa_mission.mission.stored_mission import compare
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as Mock
-from ipoa_mission.simulator.faults import BadPipe, Faults
+from ipoa_mission.simulator.faults import Faults
 from ipoa_mission.simulator.file_service import MOST_CLIENTS, FileService
-from ipoa_mission.simulator.station import Station
+from ipoa_mission.simulator.station import Loopback, Station
 from tests.examples import examples
 from tests.link_pair import HOME, items_of, line_of
 from tests.refused import refuses
@@ -49,7 +48,7 @@ CLIENT = Target(245, 190)
 
 def aboard(faults: Faults, seed: int = 0, fast: bool = True, family: Autopilot = ARDUPILOT) -> tuple[Vehicle, Mock]:
     mock = Mock(family, HOME)
-    line = Line(Loopback(Station(mock), BadPipe(faults, 2 * seed), BadPipe(faults, 2 * seed + 1)), Codec(*CLIENT))
+    line = Line(Loopback(Station(mock), faults, seed), Codec(*CLIENT))
     return meet(line, options=ConnectionOptions(fast=fast)), mock
 
 

@@ -10,7 +10,6 @@ from ipoa_mission.link.codec import Codec, Target
 from ipoa_mission.link.connect import meet
 from ipoa_mission.link.flight_order import ORDER_REPEATS, FlightOrder
 from ipoa_mission.link.line import Line
-from ipoa_mission.link.loopback import Loopback
 from ipoa_mission.link.messages import (
     CommandAck,
     CommandLong,
@@ -25,7 +24,7 @@ from ipoa_mission.link.vehicle import Vehicle
 from ipoa_mission.link.vehicle_state import ON_GROUND, SETTLED_S, ModeWatch, VehicleState
 from ipoa_mission.mission.items import Mission, land, takeoff
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as Mock
-from ipoa_mission.simulator.station import Station
+from ipoa_mission.simulator.station import Loopback, Station
 from tests.examples import some
 from tests.link.suited import suited
 from tests.link_pair import far_end, line_of

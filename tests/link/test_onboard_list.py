@@ -11,7 +11,6 @@ from ipoa_mission.link.codec import Codec, Target
 from ipoa_mission.link.connect import meet
 from ipoa_mission.link.dialogue import Dialogue, NoAnswer
 from ipoa_mission.link.line import Line
-from ipoa_mission.link.loopback import Loopback
 from ipoa_mission.link.messages import (
     NO_MISSION,
     AutopilotVersion,
@@ -30,7 +29,7 @@ from ipoa_mission.link.vehicle_state import NotReady
 from ipoa_mission.mission.items import Item, Mission, land, takeoff
 from ipoa_mission.mission.stored_mission import to_wire
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as Mock
-from ipoa_mission.simulator.station import Station
+from ipoa_mission.simulator.station import Loopback, Station
 from tests.link.suited import suited
 from tests.link_pair import far_end, items_of, line_of
 from tests.px4_waypoints import waypoint

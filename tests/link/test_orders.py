@@ -12,7 +12,6 @@ from ipoa_mission.link.codec import Codec
 from ipoa_mission.link.connect import meet
 from ipoa_mission.link.dialogue import SPECIFIED, Dialogue, Exchange, NoAnswer, SendOnce
 from ipoa_mission.link.line import Line
-from ipoa_mission.link.loopback import Loopback
 from ipoa_mission.link.messages import (
     AutopilotVersion,
     CommandAck,
@@ -28,8 +27,8 @@ from ipoa_mission.link.messages import (
     Text,
 )
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as Mock
-from ipoa_mission.simulator.faults import BadPipe, Faults
-from ipoa_mission.simulator.station import Station
+from ipoa_mission.simulator.faults import Faults
+from ipoa_mission.simulator.station import Loopback, Station
 from tests.link.scripted_answers import lead_by
 from tests.refused import refuses
 
@@ -164,7 +163,7 @@ def test_missing_parameters_cost_little_time_and_late_answers_count(
     family: Autopilot, delay_s: float, within_s: float
 ) -> None:
     faults = Faults(delay_s=delay_s)
-    vehicle = meet(Line(Loopback(Station(Mock(family, HOME)), BadPipe(faults, 0), BadPipe(faults, 1)), Codec(245, 190)))
+    vehicle = meet(Line(Loopback(Station(Mock(family, HOME)), faults), Codec(245, 190)))
     there = "WPNAV_SPEED" if family is ARDUPILOT else "MPC_XY_CRUISE"
     begun = vehicle.line.now()
     assert vehicle.parameters(["NO_SUCH_FENCE", "NOR_THIS"]) == {}
@@ -174,8 +173,8 @@ def test_missing_parameters_cost_little_time_and_late_answers_count(
 
 @pytest.mark.parametrize("seed", range(10))
 def test_over_a_bad_radio_what_it_has_is_found_all_the_same(seed: int) -> None:
-    pipes = [BadPipe(Faults(loss=0.2, duplicate=0.1, delay_s=0.3, reorder=0.1), 2 * seed + n) for n in range(2)]
-    vehicle = meet(Line(Loopback(Station(Mock(PX4, HOME)), *pipes), Codec(245, 190)))
+    radio = Faults(loss=0.2, duplicate=0.1, delay_s=0.3, reorder=0.1)
+    vehicle = meet(Line(Loopback(Station(Mock(PX4, HOME)), radio, seed), Codec(245, 190)))
     wanted = ["MPC_XY_CRUISE", "NO_SUCH_NAME", "MPC_ACC_HOR", "GF_ACTION"]
     assert list(vehicle.parameters(wanted)) == ["MPC_XY_CRUISE", "MPC_ACC_HOR", "GF_ACTION"]
 

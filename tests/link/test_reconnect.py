@@ -16,12 +16,11 @@ from ipoa_mission.link.codec import Codec, Target
 from ipoa_mission.link.connect import meet
 from ipoa_mission.link.dialogue import Cancelled, NoAnswer
 from ipoa_mission.link.line import Interrupt, Line
-from ipoa_mission.link.loopback import Loopback
 from ipoa_mission.link.messages import CommandLong, Heartbeat, Message, MissionType, Position
 from ipoa_mission.link.reconnect import GIVE_UP_S, SILENT_S
 from ipoa_mission.mission.items import Mission, land, takeoff
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as Mock
-from ipoa_mission.simulator.station import Station
+from ipoa_mission.simulator.station import Loopback, Station
 from tests.examples import some
 from tests.link.suited import suited
 from tests.px4_waypoints import waypoint

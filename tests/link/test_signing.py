@@ -13,7 +13,6 @@ from ipoa_mission.link.codec import EVERYONE, Codec
 from ipoa_mission.link.connect import meet
 from ipoa_mission.link.dialogue import NoAnswer
 from ipoa_mission.link.line import CAUSE_S, Line
-from ipoa_mission.link.loopback import Loopback
 from ipoa_mission.link.messages import Heartbeat, MissionType, Text
 from ipoa_mission.link.signing import (
     EPOCH_2015_S,
@@ -27,7 +26,7 @@ from ipoa_mission.link.signing import (
 )
 from ipoa_mission.mission.items import Mission, return_to_launch, takeoff, waypoint
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as Mock
-from ipoa_mission.simulator.station import Station
+from ipoa_mission.simulator.station import Loopback, Station
 from tests.link_pair import far_end
 from tests.refused import refuses
 

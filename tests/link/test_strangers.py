@@ -13,14 +13,13 @@ from ipoa_mission.link.codec import EVERYONE, Codec, Target
 from ipoa_mission.link.connect import connect, meet
 from ipoa_mission.link.dialogue import NoAnswer
 from ipoa_mission.link.line import CAUSE_S, Line
-from ipoa_mission.link.loopback import Loopback
 from ipoa_mission.link.messages import Ack, Count, Heartbeat, MavAutopilot, Message, MissionType, Ping, Request, Result
 from ipoa_mission.link.tlog import read_tlog
 from ipoa_mission.link.vehicle import ConnectionOptions
 from ipoa_mission.mission.items import Mission, takeoff, waypoint
 from ipoa_mission.mission.stored_mission import compare, to_wire
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as Mock
-from ipoa_mission.simulator.station import Station
+from ipoa_mission.simulator.station import Loopback, Station
 from tests.link.suited import suited
 from tests.link_pair import line_of
 from tests.refused import refuses

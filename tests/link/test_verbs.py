@@ -20,7 +20,6 @@ from ipoa_mission.link.codec import Codec
 from ipoa_mission.link.connect import connect, meet
 from ipoa_mission.link.dialogue import Dialogue, NoAnswer, Pause, SendOnce, Step, TimeUp
 from ipoa_mission.link.line import Line
-from ipoa_mission.link.loopback import Loopback
 from ipoa_mission.link.messages import AutopilotVersion, Message, MissionType, ParamSet, ParamValue, Request
 from ipoa_mission.link.orders import CommandRefused
 from ipoa_mission.link.signing import MAX_SIGNERS, persistent_signer
@@ -33,8 +32,8 @@ from ipoa_mission.mission.mission_io import read_mission
 from ipoa_mission.progress import Progress
 from ipoa_mission.scenario import parse_scenario
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as Mock
-from ipoa_mission.simulator.faults import BadPipe, Faults
-from ipoa_mission.simulator.station import Station
+from ipoa_mission.simulator.faults import Faults
+from ipoa_mission.simulator.station import Loopback, Station
 from tests.link.suited import suited
 from tests.link_pair import line_of
 from tests.refused import refuses
@@ -143,7 +142,7 @@ def test_a_vehicle_that_is_armed_is_not_on_the_ground_to_be_prepared() -> None:
 
 def test_running_order_ends_after_its_time() -> None:
     slow = Faults(delay_s=0.2)
-    line = Line(Loopback(Station(Mock(Autopilot.PX4, HOME)), BadPipe(slow, 0), BadPipe(slow, 1)), Codec(245, 190))
+    line = Line(Loopback(Station(Mock(Autopilot.PX4, HOME)), slow), Codec(245, 190))
     vehicle = meet(line)
     vehicle.give_up_after(0.3)
     with pytest.raises(TimeUp):

@@ -19,7 +19,6 @@ from ipoa_mission.link.channel import Peer
 from ipoa_mission.link.codec import Codec, Target
 from ipoa_mission.link.connect import meet
 from ipoa_mission.link.line import Line
-from ipoa_mission.link.loopback import Loopback
 from ipoa_mission.link.mavftp import Opcode, unpack
 from ipoa_mission.link.messages import (
     Ack,
@@ -41,6 +40,7 @@ from ipoa_mission.link.tlog import read_tlog
 from ipoa_mission.mission.mission_io import read_mission_file
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as BuiltIn
 from ipoa_mission.simulator.situation import Conditions
+from ipoa_mission.simulator.station import Loopback
 from tests.px4_waypoints import PX4_117
 
 SESSIONS = Path(__file__).resolve().parents[1] / "data" / "sessions"
