@@ -88,30 +88,29 @@ class _View:
         return Closure(tuple(np.array(self.names)[near]), (float(place[0]), float(place[1])), 0.0, 0.0)
 
     def gap(self, share: float) -> Closure | None:
-        """Return the pair that closes at a share of the distance."""
+        """Return the pair that closes at a share of the distance; the edge of the area is a shape like the others."""
         piece = self.piece(share)
-        tree = shapely.STRtree(self.shapes)
-        reach = 2 * float((self.radii + self.required).max()) + DISTANCE_TOLERANCE
-        pairs = tree.query(self.shapes, "dwithin", reach)
+        names = [*self.names, "the edge of the area"]
+        shapes = np.append(self.shapes, self.area.exterior)
+        radii = np.append(self.radii, 0.0)
+        required = np.append(self.required, 0.0)
+        reach = 2 * float((radii + required).max()) + DISTANCE_TOLERANCE
+        pairs = shapely.STRtree(shapes).query(shapes, "dwithin", reach)
         first, second = pairs[:, pairs[0] < pairs[1]]
-        between = shapely.shortest_line(self.shapes[first], self.shapes[second])
-        to_edge = shapely.shortest_line(self.shapes, self.area.exterior)
-        lines = np.concatenate([between, to_edge])
+        lines = shapely.shortest_line(shapes[first], shapes[second])
         lengths = shapely.length(lines)
-        needed = np.concatenate([self.required[first] + self.required[second], self.required])
-        width = lengths - np.concatenate([self.radii[first] + self.radii[second], self.radii])
-        begins = np.concatenate([first, np.arange(len(self.shapes))])
-        ends = [*(self.names[k] for k in second), *["the edge of the area"] * len(self.shapes)]
+        needed = required[first] + required[second]
+        width = lengths - (radii[first] + radii[second])
         missing = np.abs(width - share * needed)
         for k in np.argsort(missing):
             if missing[k] > DISTANCE_TOLERANCE + CIRCLE_ERROR * needed[k]:
                 break
-            body = begins[k]
-            from_begin = self.radii[body] + width[k] * self.required[body] / needed[k]
+            body = first[k]
             begin, end = shapely.get_coordinates(lines[k])
+            from_begin = radii[body] + width[k] * required[body] / needed[k]
             east, north = begin + from_begin / max(float(lengths[k]), DISTANCE_TOLERANCE) * (end - begin)
             if shapely.dwithin(piece, shapely.Point(east, north), DISTANCE_TOLERANCE):
-                pair = tuple(sorted((self.names[body], ends[k])))
+                pair = tuple(sorted((names[body], names[second[k]])))
                 return Closure(pair, (float(east), float(north)), float(width[k]), float(needed[k]))
         return None
 
