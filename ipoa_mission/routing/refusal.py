@@ -124,18 +124,18 @@ def _opposite(place: Points, name: str, needed: float, airspace: Airspace) -> tu
         line = shapely.shortest_line(point, body.horizontal_shape)
         return np.asarray(np.diff(shapely.get_coordinates(line), axis=0)[0])
 
-    ahead = direction_to(tight)
-    least_width = np.inf
-    opposite = None
-    max_cosine = -0.5  # between the directions to both sides of a gap
-    for body in bodies:
+    def is_opposite(body: Obstacle) -> bool:
         direction = direction_to(body)
         lengths = float(np.linalg.norm(direction) * np.linalg.norm(ahead))
-        cosine = float(direction @ ahead) / max(lengths, 1e-9)
-        width = float(shapely.distance(body.horizontal_shape, tight.horizontal_shape))
-        if body is not tight and cosine <= max_cosine and width < least_width:
-            least_width, opposite = width, body.name
-    return least_width, opposite
+        max_cosine = -0.5  # between the directions to both sides of a gap
+        return body is not tight and float(direction @ ahead) / max(lengths, 1e-9) <= max_cosine
+
+    def width(body: Obstacle) -> float:
+        return float(shapely.distance(body.horizontal_shape, tight.horizontal_shape))
+
+    ahead = direction_to(tight)
+    opposite = min(filter(is_opposite, bodies), key=width, default=None)
+    return (np.inf, None) if opposite is None else (width(opposite), opposite.name)
 
 
 def _try_changes(otherwise: str, trials: ChangeTrials) -> tuple[str, str, tuple[Remedy, ...]]:
