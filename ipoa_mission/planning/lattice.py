@@ -21,12 +21,11 @@ from ipoa_mission.world.polygon import Plane
 
 REACH_BEYOND = 1.5  # behind a gap, in cells
 LONGEST_GAP = 20.0  # extent of a gap, in cells
-BATCH_SIZE = 100_000  # places
 LEAST_GAP = 1e-6  # [m]
 
 
 def gap_places(problem: PreparedProblem, widest: float, cell: float, heights: Vector) -> Iterator[Points]:
-    """Yield places (k, 3) before, in and behind the gaps up to `widest` [m]."""
+    """Yield, for each of `heights`, places (k, 3) before, in and behind the gaps up to `widest` [m]."""
     shapes, radii, required, levels = _outlines(problem.task.airspace, problem.limits.obstacle_distance)
     tree = shapely.STRtree(shapely.envelope(shapely.buffer(shapes, radii, quad_segs=4)))
     first, second = tree.query(tree.geometries, "dwithin", widest)
@@ -41,16 +40,16 @@ def gap_places(problem: PreparedProblem, widest: float, cell: float, heights: Ve
     middle = ends[gaps, 0] + across * (radii[first] + (width + required[first] - required[second]) / 2)[:, None]
     ahead = np.column_stack([-across[:, 1], across[:, 0]])
     length = np.minimum(_extent(shapes[first], ahead, radii[first]), _extent(shapes[second], ahead, radii[second]))
-    places_either_way = np.ceil(2 * (np.minimum(length / cell, LONGEST_GAP) + REACH_BEYOND)).astype(int)
-    low, high = np.maximum(levels[first, 0], levels[second, 0]), np.minimum(levels[first, 1], levels[second, 1])
-    gap, level = np.nonzero((low[:, None] <= heights) & (heights <= high[:, None]))
-    count = 2 * places_either_way[gap] + 1
-    for batch in np.split(np.arange(len(gap)), np.nonzero(np.diff(np.cumsum(count) // BATCH_SIZE))[0] + 1):
-        place = np.repeat(batch, count[batch])
-        before = np.cumsum(count[batch]) - count[batch]
-        along = np.arange(len(place)) - np.repeat(before + places_either_way[gap[batch]], count[batch])
-        flat = middle[gap[place]] + 0.5 * cell * along[:, None] * ahead[gap[place]]
-        yield np.column_stack([flat, heights[level[place]]])
+    either_way = np.ceil(2 * (np.minimum(length / cell, LONGEST_GAP) + REACH_BEYOND)).astype(int)
+    lowest = np.maximum(levels[first, 0], levels[second, 0])
+    highest = np.minimum(levels[first, 1], levels[second, 1])
+    count = 2 * either_way + 1
+    gap = np.repeat(np.arange(len(count)), count)
+    along = np.arange(len(gap)) - np.repeat(np.cumsum(count) - count + either_way, count)
+    level_places = middle[gap] + 0.5 * cell * along[:, None] * ahead[gap]
+    for height in heights:
+        crossed = ((lowest <= height) & (height <= highest))[gap]
+        yield np.column_stack([level_places[crossed], np.full(np.count_nonzero(crossed), height)])
 
 
 def _extent(shapes: NDArray[np.object_], ahead: Plane, radii: Vector) -> Vector:
@@ -281,19 +280,18 @@ def _occupy_gaps(
     count = np.round((nodes[-1] - lower) / spacing).astype(int) + 1
     heights = lower[2] + spacing[2] * np.arange(count[2])
     widest = 2 * problem.limits.obstacle_distance + DETAILS.widest_gap * float(spacing[:2].max())
-    slack_before = slack.copy()
-    most = np.full(len(slack), -np.inf)
     for places in gap_places(problem, widest, float(spacing[:2].max()), heights):
         number = np.round((places - lower) / spacing).astype(int)
         inside = ((number >= 0) & (number < count)).all(axis=1)
         places = places[inside]
         node = np.ravel_multi_index(tuple(number[inside].T), tuple(count))
         room, danger = problem.survey(places)
-        better = np.nonzero(((room >= 0) | (room > slack_before[node])) & (room >= most[node]))[0]
-        better = better[np.argsort(room[better], kind="stable")]
+        better = np.nonzero((room >= 0) | (room > slack[node]))[0]
+        better = better[np.argsort(room[better], kind="stable")]  # the last one stays
         node = node[better]
-        nodes[node], slack[node], threat[node] = places[better], room[better], danger[better]
-        most[node] = room[better]
+        nodes[node] = places[better]
+        slack[node] = room[better]
+        threat[node] = danger[better]
 
 
 def _end_node(lattice: Lattice, problem: PreparedProblem, place: Vector) -> int | None:
