@@ -107,7 +107,8 @@ def fly(
 
 
 def _fly_built_in(changes: ChangesMade, seed: int, job: "Job", frames_log: Path) -> "FlownJob":
-    from ipoa_mission.cli.mission_source import FlownJob, landing_remarks
+    from ipoa_mission.cli.mission_source import FlownJob
+    from ipoa_mission.flight.post_flight import landed_elsewhere
     from ipoa_mission.simulator.fly import board, conditions_for, fly_aboard
 
     conditions = conditions_for(job.mission, job.forecast.wind, job.forecast.ground, seed)
@@ -118,12 +119,13 @@ def _fly_built_in(changes: ChangesMade, seed: int, job: "Job", frames_log: Path)
     ):
         record = fly_aboard(vehicle, job.mission, flying=bar)
     changes.note_flown(job.name, record.armed)
-    return FlownJob(job, landing_remarks(job, record), record)
+    return FlownJob(job, landed_elsewhere(job.forecast, record), record)
 
 
 def _fly_on_link(changes: ChangesMade, source: Path, asked: FlyOptions, job: "Job", frames_log: Path) -> "FlownJob":
     """Connect, upload, arm, start, watch; errors have `known` data for JSON."""
-    from ipoa_mission.cli.mission_source import FlownJob, landing_remarks, read_job
+    from ipoa_mission.cli.mission_source import FlownJob, read_job
+    from ipoa_mission.flight.post_flight import landed_elsewhere
 
     on_vehicle, on_link = asked.on_vehicle, asked.on_link
     first = on_vehicle.begin - 1
@@ -150,7 +152,7 @@ def _fly_on_link(changes: ChangesMade, source: Path, asked: FlyOptions, job: "Jo
     left = ("the vehicle is no longer watched", vehicle.link_loss.meanwhile)
     unwatched = ["; ".join(filter(None, left))] if record.armed else []
     noted = remarks if asked.files.as_json else ()  # else printed as they arose
-    return FlownJob(job, (*noted, *unwatched, *landing_remarks(job, record)), record, vehicle.system)
+    return FlownJob(job, (*noted, *unwatched, *landed_elsewhere(job.forecast, record)), record, vehicle.system)
 
 
 def _print_notes(asked: FlyOptions, remarks: "Sequence[str]") -> None:

@@ -11,7 +11,6 @@ from ipoa_mission.checks.unsafe import refuse_errors
 from ipoa_mission.cli.groups import FlownByOptions, SearchOptions
 from ipoa_mission.cli.reading import read_requested
 from ipoa_mission.flight.flight import Flight
-from ipoa_mission.flight.post_flight import landed_at_rally, landed_elsewhere
 from ipoa_mission.forecast.contingency.energy_budget import ReserveNow
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.timing.estimate import Estimate
@@ -52,10 +51,6 @@ class FlownJob(NamedTuple):
     remarks: tuple[str, ...]
     record: FlightRecord
     system: int | None = None
-
-
-def landing_remarks(job: Job, record: FlightRecord) -> tuple[str, ...]:
-    return landed_at_rally(job.mission, record) + landed_elsewhere(job.forecast, record)
 
 
 def read_job(source: Path, flown_by: FlownByOptions, autopilot: Autopilot | None, ignore: Sequence[str]) -> Job:

@@ -1,13 +1,11 @@
 """Compare a flight with its plan: clearance, and landing place."""
 
-import math
 from typing import NamedTuple
 
 import numpy as np
 
 from ipoa_mission.centimeters import ceil_cm, falls_short, floor_cm
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.forecast.itinerary.itinerary import rally_places
 from ipoa_mission.geodesy import Geodetic, apart
 from ipoa_mission.geometry import Points
 from ipoa_mission.mission.flight_record import FlightRecord
@@ -15,21 +13,6 @@ from ipoa_mission.mission.items import Mission
 from ipoa_mission.mission.landing_ground import landing_height, landing_on
 from ipoa_mission.planning.proof import Check
 from ipoa_mission.scenario import Scenario
-
-
-def landed_at_rally(mission: Mission, record: FlightRecord) -> tuple[str, ...]:
-    if not record.completed or not record.path or not mission.rally:
-        return ()
-    end = record.path[-1]
-    place = Geodetic(end.latitude_deg, end.longitude_deg, mission.home.altitude)
-    east, north = map(float, mission.frame.local(place)[:2])
-    distances = [math.dist((east, north), rally[:2]) for rally in rally_places(mission)]
-    distance = min(distances)
-    from_home = math.hypot(east, north)
-    if distance > 10.0 or from_home <= distance:  # [m]
-        return ()
-    bearing = math.degrees(math.atan2(east, north)) % 360.0
-    return (f"it landed at rally point {distances.index(distance) + 1}, {from_home:.0f} m {bearing:.0f}° from home",)
 
 
 def landed_elsewhere(forecast: Forecast, record: FlightRecord) -> tuple[str, ...]:
