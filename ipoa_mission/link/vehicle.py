@@ -7,8 +7,10 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, replace
 from functools import partial
+from typing import Any, Self
 
 from ipoa_mission.autopilot.commands import LAST_NAV
+from ipoa_mission.autopilot.version import Version
 from ipoa_mission.checks.check import check_mission
 from ipoa_mission.checks.firmware_check import check_aboard
 from ipoa_mission.checks.unsafe import begun_at, check_start, refuse_errors
@@ -16,17 +18,29 @@ from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.link import conversations, departure, orders
 from ipoa_mission.link.channel import LinkDown
-from ipoa_mission.link.dialogue import SPECIFIED, Cancelled, Dialogue, NoAnswer, Patience, Silence, TimeUp, until
-from ipoa_mission.link.discovery import FoundVehicle, autopilots_in
+from ipoa_mission.link.codec import Target
+from ipoa_mission.link.dialogue import (
+    SPECIFIED,
+    Cancelled,
+    Dialogue,
+    NoAnswer,
+    Patience,
+    Silence,
+    T,
+    Tempo,
+    TimeUp,
+    until,
+)
+from ipoa_mission.link.discovery import FoundVehicle
 from ipoa_mission.link.flight_order import SHOWN_S, Conformance, FlightOrder, pause, resume, return_to_launch
-from ipoa_mission.link.line import Carrier, noted_interrupts
+from ipoa_mission.link.line import Carrier, Listening, converse, noted_interrupts
 from ipoa_mission.link.logbook import Logbook, Observer, watch
 from ipoa_mission.link.mavftp import FileRefused
-from ipoa_mission.link.messages import Heartbeat, Message, MissionType
+from ipoa_mission.link.mavutil_channel import expect_line, messages_from, payload_of
+from ipoa_mission.link.messages import AUTOPILOT_COMPONENT, AutopilotVersion, Heartbeat, Message, MissionType
 from ipoa_mission.link.mission_upload_file import upload_by_file
 from ipoa_mission.link.onboard_list import OnboardList, ReplacedSince, read_again
 from ipoa_mission.link.reconnect import RETRY_S, SILENT_S, KnownVehicle, LinkLoss
-from ipoa_mission.link.remote_vehicle import RemoteVehicle
 from ipoa_mission.link.upload import ReadBackDiffers, Unflyable, Unplaced, Upload, upload
 from ipoa_mission.link.vehicle_state import ModeWatch, NotReady, VehicleState
 from ipoa_mission.mission import stored_mission
@@ -49,7 +63,7 @@ class ConnectionOptions:
     reading: bool = False
 
 
-class Vehicle(RemoteVehicle):
+class Vehicle:
     """One vehicle on a line, found by `connect`.
 
     Example:
@@ -67,7 +81,18 @@ class Vehicle(RemoteVehicle):
         round_trip_s: float | None = None,
     ) -> None:
         self._options = options or ConnectionOptions()
-        super().__init__(line, heard, self._options.patience, round_trip_s)
+        self._patience = self._options.patience
+        self._tempo = Tempo(self._patience)
+        if round_trip_s is not None:
+            self._tempo.sample(round_trip_s)
+        self.line = line
+        self.system = heard.system
+        self.autopilot = heard.kind.autopilot
+        self.state = VehicleState(self.autopilot, heard.kind, heard.is_ready, heard.armed)
+        self.overhearing: Callable[[Message], None] = lambda message: None
+        """Called with every message of the vehicle while a dialogue is held."""
+        self._about: AutopilotVersion | None = None
+        self._until = math.inf  # of the present verb, on the line's clock
         self._mission: Mission | None = None
         self._onboard_lists: dict[int, OnboardList] = {}
         self._departure: departure.Departure | None = None
@@ -80,6 +105,19 @@ class Vehicle(RemoteVehicle):
         self.link_loss = LinkLoss(line)
         """State of the link to a watched vehicle: lost or not, for how long, and what the vehicle does meanwhile."""
         self._numbers = itertools.count(2 * round(1e3 * line.now()), 2)  # differ from the last session's
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def close(self) -> None:
+        self.line.close()
+
+    def give_up_after(self, seconds: float) -> None:
+        """Raise TimeUp in the present verb after this time, also in a watched flight."""
+        self._until = self.line.now() + seconds
 
     def upload(self, mission: Mission, progress: Progress = silent, checked: bool = True) -> None:
         """Upload a mission, with its fence and rally points, and verify each list.
@@ -344,6 +382,14 @@ class Vehicle(RemoteVehicle):
     def mode(self) -> str:
         return "no mode" if self.state.custom_mode is None else self.autopilot.modes.name(self.state.custom_mode)
 
+    @property
+    def version_heard(self) -> Version | None:
+        return None if self._about is None else Version.of_flight_sw(self._about.flight_sw_version)
+
+    def firmware_version(self) -> Version | None:
+        with self._in_time():
+            return Version.of_flight_sw(self._read_version().flight_sw_version)
+
     def home(self) -> Geodetic | None:
         """Return home; None while unknown."""
         return self._hold(orders.request_home())
@@ -363,15 +409,51 @@ class Vehicle(RemoteVehicle):
         """
         self._tell(orders.set_parameter(name, value, self.autopilot))
 
+    def send(self, message: Any) -> None:
+        """Send a message of pymavlink to its own target; raise BadInput for an unknown dialect."""
+        expect_line(self.line).send_payload(*payload_of(message))
+
+    def messages(self, seconds: float, *names: str) -> list[Any]:
+        """Return the vehicle's messages as pymavlink's; `names`: only those."""
+        return messages_from(expect_line(self.line), self.system, seconds, names, self._overhear)
+
     def _tell_flying(self, order: Callable[[VehicleState], Dialogue[None]]) -> None:
         with self._in_time(), self.state.in_errors():
             self._tell(order(self.state))
 
-    def _handle(self, message: Message) -> None:
+    def _tell(self, dialogue: Dialogue[T]) -> T:
+        """Hold a dialogue that changes something on a supported multicopter; raise NotFlown."""
+        self.state.expect_flown()
+        return self._hold(conversations.observed(dialogue, lambda heard: self.state.expect_flown()))
+
+    def _hold(self, dialogue: Dialogue[T], quiet_s: float = math.inf) -> T:
+        target = Target(self.system, AUTOPILOT_COMPONENT)
+        listening = Listening(self._overhear, self._until, quiet_s)
+        return converse(self.line, target, dialogue, self._tempo, listening)
+
+    @contextmanager
+    def _in_time(self) -> Iterator[None]:
+        before = self._until
+        self._until = min(before, self.line.now() + self._patience.total_s)
+        try:
+            yield
+        finally:
+            self._until = before
+
+    def _overhear(self, message: Message) -> None:
+        self.state.note(message)
+        if not self.state.owns(message):
+            return
         self._logbook.note(message)
         for onboard in self._onboard_lists.values():
             onboard.note(message, self._logbook.armed)
         self._mode_watch.note(message, self.line.now())
+        self.overhearing(message)
+
+    def _read_version(self) -> AutopilotVersion:
+        if self._about is None:
+            self._about = self._hold(orders.request_version()) or AutopilotVersion(0)
+        return self._about
 
     def _checksum_numbers(self) -> Iterator[int] | None:
         if not self.autopilot.protocol_profile.takes_mission_file:
@@ -384,9 +466,7 @@ class Vehicle(RemoteVehicle):
 
     def _await_ready(self) -> None:
         """Wait until an ArduPilot has booted: before, it answers NO_SPACE."""
-        until_s = min(self.line.now() + STARTUP_S, self._until)
-        while self.autopilot.protocol_profile.boots_slowly and not self.state.booted:
-            if self.line.now() >= until_s:
+        if self.autopilot.protocol_profile.boots_slowly:
+            wait_s = min(STARTUP_S, self._until - self.line.now())
+            if not self._hold(until(lambda: self.state.booted, wait_s)):
                 raise NoAnswer("the vehicle has not finished its start-up", code="not-started-up")
-            found = autopilots_in(self.line.receive(until_s)).get(self.system)
-            self.state.booted = found is not None and found.is_ready
