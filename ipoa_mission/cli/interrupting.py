@@ -68,16 +68,14 @@ class ChangesMade:
     def reporting(
         self, if_interrupted: str, hint: str | None = None, after: str = "", change: ChangeKind = ChangeKind.VERB
     ) -> Iterator[None]:
-        """On Ctrl-C raise `if_interrupted`, or a more exact message of the link; note the state `after` at the end."""
+        """On Ctrl-C raise `if_interrupted` after the other states; at the end note the state `after`."""
         before = self.states.get((change, ""), "")
         self.note(change, if_interrupted)
         try:
             yield
-        except KeyboardInterrupt:
-            raise self.report(hint, if_interrupted) from None
-        except MissionError as error:
-            if (ended := self.as_interrupted(error, hint, if_interrupted)) is not error:
-                raise ended from None
+        except (KeyboardInterrupt, MissionError) as error:
+            if _is_ctrl_c(error):
+                raise self.interrupted_by(error, hint, if_interrupted) from None
             raise
         self.note(change, after or before)
 
@@ -118,27 +116,27 @@ class ChangesMade:
 
             yield show_parameters if stage is Stage.PARAMETERS else show
 
-    def report(self, hint: str | None = None, if_interrupted: str = "", exact: str = "") -> Interrupted:
+    def interrupted_by(self, error: BaseException, hint: str | None = None, if_interrupted: str = "") -> Interrupted:
+        """Return all changes as an error; words of the link about the list on the vehicle replace `if_interrupted`."""
+        known = error.known if isinstance(error, MissionError) else {}
         states = [state for state in self.states.values() if state != if_interrupted]
-        if exact and not states:
-            return Interrupted(exact, hint)
-        if last := exact or if_interrupted:
+        last = str(error) if "list_on_vehicle" in known else if_interrupted
+        if last:
             states.append(last)
-        if not states and (count := len(self.files)):
-            return Interrupted(f"stopped; files written: {count}", hint)
-        return Interrupted(f"stopped: {'; '.join(states) or 'nothing was done'}", hint)
+        if states == [str(error)]:
+            words = str(error)
+        elif not states and self.files:
+            words = f"stopped; files written: {len(self.files)}"
+        else:
+            words = f"stopped: {'; '.join(states) or 'nothing was done'}"
+        return Interrupted(words, getattr(error, "hint", None) or hint, known=known)
 
-    def as_interrupted(self, error: MissionError, hint: str | None = None, if_interrupted: str = "") -> MissionError:
-        from ipoa_mission.link.dialogue import Cancelled
 
-        if isinstance(error, Cancelled):
-            exact = "" if error.list_on_vehicle is None else str(error)
-            ended = self.report(error.hint or hint, if_interrupted, exact)
-            ended.known = error.known
-            error = ended
-        if isinstance(error, Interrupted) and (files := self.files):
-            error.known["written"] = files
-        return error
+def _is_ctrl_c(error: BaseException) -> bool:
+    """Return whether Ctrl-C raised it: in Python, in the link (`Cancelled`), or in Typer."""
+    if isinstance(error, SystemExit):
+        return error.code == Interrupted.exit_code
+    return isinstance(error, KeyboardInterrupt) or (isinstance(error, MissionError) and error.code == "cancelled")
 
 
 def interruptible(verb: Callable[Concatenate[ChangesMade, P], None]) -> Callable[P, None]:
@@ -150,12 +148,11 @@ def interruptible(verb: Callable[Concatenate[ChangesMade, P], None]) -> Callable
         with recorded_writes(changes.written):
             try:
                 verb(changes, *arguments, **options)
-            except MissionError as error:
-                raise changes.as_interrupted(error) from None
-            except (KeyboardInterrupt, SystemExit) as ended:
-                if isinstance(ended, SystemExit) and ended.code != Interrupted.exit_code:  # Typer's at Ctrl-C
-                    raise
-                raise changes.as_interrupted(changes.report()) from None
+            except (MissionError, KeyboardInterrupt, SystemExit) as error:
+                ended = changes.interrupted_by(error) if _is_ctrl_c(error) else error
+                if isinstance(ended, Interrupted) and changes.files:
+                    ended.known["written"] = changes.files
+                raise ended from None
 
     _, *parameters = inspect.signature(verb).parameters.values()
     called.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]
