@@ -1,4 +1,3 @@
-from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -151,15 +150,12 @@ def remarks_on(requested: "RequestedMission", forecast: "Forecast") -> tuple[str
     unmeasured = (finding.message for finding in version)
     refused = (finding.message for finding in check_firmware(requested.mission) if finding.severity is Severity.ERROR)
     of_world = () if forecast.scenario is None else forecast.scenario.remarks
-    planned = _planned_otherwise(requested, prediction)
-    return tuple(dict.fromkeys((*requested.remarks, *unmeasured, *refused, *of_world, *prediction.remarks, *planned)))
-
-
-def _planned_otherwise(requested: "RequestedMission", estimate: "Estimate") -> Iterator[str]:
-    if requested.planned is not None and abs(requested.planned[1] - estimate.total_s) > 0.05:  # [s]
-        file, planned_s = requested.planned
+    remarks = [*requested.remarks, *unmeasured, *refused, *of_world, *prediction.remarks]
+    file, planned_s = requested.planned or ("", prediction.total_s)
+    if abs(planned_s - prediction.total_s) > 0.05:  # [s]
         why = "in its scenario's world and wind (--scenario), with its parameters"
-        yield f"{file} has {planned_s:.1f} s for it: {why}"
+        remarks.append(f"{file} has {planned_s:.1f} s for it: {why}")
+    return tuple(dict.fromkeys(remarks))
 
 
 def route_in_words(estimate: "Estimate") -> list[str]:

@@ -22,7 +22,7 @@ from ipoa_mission.maps.map_window import Box, MapWindow
 from ipoa_mission.maps.passed import FAR_FROM_HOME, MOST_NAMED, NOT_READ, MapNotes, PassedOver
 from ipoa_mission.maps.planar import close_as_polygon, polygons_of, simple_parts, to_plane
 from ipoa_mission.maps.tag_heights import foot_of, height_of, is_by_storeys, unread_heights, width_of
-from ipoa_mission.maps.wires import Wire, spans, wire_of
+from ipoa_mission.maps.wires import Wire, spans, volts_of, wire_of
 from ipoa_mission.unread import Unread
 
 # Unreadable values may hide a greater height.
@@ -54,18 +54,16 @@ def _from_home(shape: Any) -> str:
 
 def _kind(tags: Mapping[str, str]) -> str:
     if tags.get("power", "").endswith("line") or tags.get("power") == "cable":
-        volts = [int(part) for part in tags.get("voltage", "").split(";") if part.isdecimal()]
-        return f"{max(volts) / 1000:g} kV line" if volts else "power line"
+        volts = volts_of(tags.get("voltage", ""))
+        return f"{volts / 1000:g} kV line" if volts else "power line"
     if tags.get("generator:source") == "wind":
         return "wind turbine"
-    names = {
-        ("natural", "tree_row"): "row of trees",
-        ("power", "tower"): "power tower",
-        ("power", "pole"): "power pole",
-    }
     for key in ("building", "man_made", "aerialway", "barrier", "power", "natural", "landuse"):
-        if (value := tags.get(key, "no")) not in ("", "yes", "no"):
-            return names.get((key, value), value.replace("_", " "))
+        value = tags.get(key, "no")
+        if key == "power" and value in ("tower", "pole"):
+            return f"power {value}"
+        if value not in ("", "yes", "no"):
+            return "row of trees" if value == "tree_row" else value.replace("_", " ")
     return "building"
 
 
@@ -92,7 +90,6 @@ def search_buildings(path: Path, rules: BuildingRules, frame: LocalFrame, within
 class _Finder:
     def __init__(self, rules: BuildingRules, frame: LocalFrame, path: Path, all_buildings: bool) -> None:
         self._rules = rules
-        self._frame = frame
         self._all_buildings = all_buildings
         self._notes = MapNotes(frame, path)
         self._mistakes = Mistakes()
@@ -101,7 +98,7 @@ class _Finder:
         self._obstacles = list[MapObstacle]()
 
     def find(self, features: Sequence[Feature], around: MapWindow) -> Buildings:
-        shapes, near = to_plane([feature.shape for feature in features], self._frame, around)
+        shapes, near = to_plane([feature.shape for feature in features], self._notes.frame, around)
         for feature, shape, is_near in zip(features, shapes, near.tolist(), strict=True):
             extent = kinds.extent_of(feature.shape)
             why = _why_passed_over(feature, extent, self._rules, self._all_buildings) if is_near else FAR_FROM_HOME
@@ -186,7 +183,7 @@ class _Finder:
             obstacles += [MapObstacle(feature.name, polygon, 0.0, foot, top) for polygon in polygons]
         if over_home:
             altitude = meters(feature.tags[kinds.TOP_AMSL], f"{feature.place}.properties.{kinds.TOP_AMSL}")
-            above = altitude - self._frame.home.altitude
+            above = altitude - self._notes.frame.home.altitude
             return [part._replace(height=above, over_home=True) for part in obstacles]
         self._doubt(feature, shape, doubts, max((part.height for part in obstacles), default=0.0))
         return obstacles

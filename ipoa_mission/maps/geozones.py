@@ -118,41 +118,36 @@ class VerticalLimit(NamedTuple):
     reference: str
 
 
-class NotUnderstood(NamedTuple):
-    subject: str
-    value: str
-
-
 @dataclass(frozen=True)
 class ZoneLimits:
-    """The ends of a zone; None: no limit, or the ground."""
+    """The ends of a zone; None: no limit, or the ground. `not_understood`: subjects and values."""
 
     lower: VerticalLimit | None = None
     upper: VerticalLimit | None = None
-    not_understood: tuple[NotUnderstood, ...] = ()
+    not_understood: tuple[tuple[str, str], ...] = ()
 
 
 def limits_of(tags: Mapping[str, str]) -> ZoneLimits:
     values = {name: next((tags[key].strip() for key in keys if key in tags), "") for name, keys in LIMIT_KEYS.items()}
     odd = [
-        NotUnderstood(f'tag "{key}", which may be a limit', value)
+        (f'tag "{key}", which may be a limit', value)
         for key, value in tags.items()
         if _MAY_LIMIT.fullmatch(key.lower()) and key not in _LIMIT_OF_KEY
     ]
     lower, upper = (_limit(values, side, odd) for side in ("lower", "upper"))
     numbers = [values[side] for side in ("lower", "upper") if _is_number(values[side]) and values[f"{side}Reference"]]
     if numbers and not values["uom"]:
-        odd.append(NotUnderstood("unit of the limits, taken as M", numbers[-1]))
+        odd.append(("unit of the limits, taken as M", numbers[-1]))
     if lower is not None and lower.reference == "AGL" and lower.height <= 0:
         lower = None
     if lower is not None and upper is not None and lower.reference == upper.reference and upper.height <= lower.height:
         words = f"{lower.height:g} m, {upper.height:g} m"
-        odd.append(NotUnderstood("an upper limit that is not above the lower one", words))
+        odd.append(("an upper limit that is not above the lower one", words))
         lower = upper = None
     return ZoneLimits(lower, upper, tuple(odd))
 
 
-def _limit(values: Mapping[str, str], side: str, odd: list[NotUnderstood]) -> VerticalLimit | None:
+def _limit(values: Mapping[str, str], side: str, odd: list[tuple[str, str]]) -> VerticalLimit | None:
     text, unit, reference = (values[key].upper() for key in (side, "uom", f"{side}Reference"))
     if text in {"UNL", "UNLTD", "UNLIMITED"}:
         return None
@@ -163,11 +158,11 @@ def _limit(values: Mapping[str, str], side: str, odd: list[NotUnderstood]) -> Ve
     if name in LENGTH_UNITS and datum in REFERENCES and _is_number(number):
         return VerticalLimit(float(number) * LENGTH_UNITS[name], REFERENCES[datum])
     if _is_number(meters := values[f"{side}Meters"]) and not reference:  # Estonia's, rounded
-        odd.append(NotUnderstood(f"reference of {side}Meters, taken as AGL", meters))
+        odd.append((f"reference of {side}Meters, taken as AGL", meters))
         return VerticalLimit(float(meters), "AGL")
     if text or meters:
         stated = " ".join(filter(None, (text or meters, values["uom"], reference)))
-        odd.append(NotUnderstood(f"{side} limit, so that the zone has none", stated))
+        odd.append((f"{side} limit, so that the zone has none", stated))
     return None
 
 

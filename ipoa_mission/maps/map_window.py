@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ipoa_mission.errors import TooFar, TooLarge
-from ipoa_mission.geodesy import REACH, Geodetic, LocalFrame
+from ipoa_mission.geodesy import REACH, LocalFrame
 
 Box: TypeAlias = tuple[NDArray[np.float64], NDArray[np.float64]]  # lower and upper corner (2,) [m]
 
@@ -27,13 +27,6 @@ class Degrees(NamedTuple):
         level = (south <= self.north) & (north >= self.south)
         turns = (-360.0, 0.0, 360.0)
         return np.asarray(level & np.any([(west <= self.east + t) & (east >= self.west + t) for t in turns], axis=0))
-
-
-def near_home(home: Geodetic) -> Degrees:
-    reach = float(np.degrees(REACH / 6.36e6))  # [m]: a lower bound of the radius of the Earth
-    wide = min(reach / max(float(np.cos(np.radians(home.latitude_deg))), 1e-9), 180.0)
-    longitude, latitude = float(home.longitude_deg), float(home.latitude_deg)
-    return Degrees(longitude - wide, latitude - reach, longitude + wide, latitude + reach)
 
 
 def window_of(box: Box, frame: LocalFrame) -> Degrees:
@@ -65,7 +58,11 @@ class MapWindow:
 
     @classmethod
     def of(cls, frame: LocalFrame, within: Box | None = None) -> Self:
-        near = near_home(frame.home)
+        latitude = float(frame.home.latitude_deg)
+        longitude = float(frame.home.longitude_deg)
+        high = float(np.degrees(REACH / 6.36e6))  # [m]: a lower bound of the radius of the Earth
+        wide = min(high / max(float(np.cos(np.radians(latitude))), 1e-9), 180.0)
+        near = Degrees(longitude - wide, latitude - high, longitude + wide, latitude + high)
         return cls(near if within is None else window_of(within, frame), near)
 
     def are_near(self, boxes: NDArray[np.float64]) -> NDArray[np.bool_]:

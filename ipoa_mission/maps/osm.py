@@ -41,15 +41,15 @@ class Extract:
     boxes: dict[str, Any] = field(default_factory=dict)
     remarks: list[str] = field(default_factory=list)
 
-    def take(self, element: Mapping[str, Any], place: str) -> None:
-        """Take an element as Overpass's JSON has it, which begins at `place`."""
+    def add(self, element: Mapping[str, Any], place: str) -> None:
+        """Add an element of Overpass's JSON, read at `place`."""
         try:
-            self._take(element)
+            self._add(element)
         except (TypeError, ValueError, KeyError, AttributeError) as error:
             words = "expected a node, way or relation with its places in degrees"
             raise BadInput(words, code="not-degrees", place=place) from error
 
-    def _take(self, element: Mapping[str, Any]) -> None:
+    def _add(self, element: Mapping[str, Any]) -> None:
         number = str(element["id"])
         sort = element["type"]
         tags = plain_tags((str(key), str(value)) for key, value in (element.get("tags") or {}).items())
@@ -71,11 +71,8 @@ class Extract:
 
     def _nodes(self, way: Mapping[str, Any]) -> tuple[str, ...]:
         """Return the numbers of nodes; of unnumbered ones the places."""
-        numbers, places = way.get("nodes"), way.get("geometry")
-        if numbers is None:
-            numbers = [""] * len(places or ())
-        if places is None:
-            places = [None] * len(numbers)
+        numbers = way.get("nodes") or [""] * len(way.get("geometry") or ())
+        places = way.get("geometry") or [None] * len(numbers)
         names = list[str]()
         for number, place in zip(numbers, places, strict=True):
             if place is None:
@@ -130,7 +127,7 @@ def _extract(path: Path) -> Extract:
             if element.tag == "remark":
                 extract.remarks.append((element.text or "").strip())
             elif element.get("action") != "delete" and element.get("visible") != "false":
-                extract.take(_as_json(element), f"{path}: {element.tag} {element.get('id')}")
+                extract.add(_as_json(element), f"{path}: {element.tag} {element.get('id')}")
             root.clear()
     return extract
 
@@ -158,15 +155,14 @@ def overpass_features(document: Mapping[str, Any], path: Path) -> tuple[Feature,
         place = f"{path}: elements[{n}]"
         if not isinstance(element, dict) or not isinstance(element.get("type"), str) or "id" not in element:
             raise BadInput("expected an element with a type and an id", place=place)
-        extract.take(element, place)
+        extract.add(element, place)
     return features_of(extract, path)
 
 
 def is_area(tags: Mapping[str, str]) -> bool:
     kind = tags.get("type")
-    return kind in {"multipolygon", "building", "boundary"} or (
-        kind != "route" and not tags.keys().isdisjoint(("building", "building:part"))
-    )
+    is_building = not tags.keys().isdisjoint(("building", "building:part"))
+    return kind in {"multipolygon", "building", "boundary"} or (is_building and kind != "route")
 
 
 def plain_tags(pairs: Iterable[tuple[str, str]]) -> dict[str, str]:

@@ -56,7 +56,10 @@ def _short_way(shape: Any) -> Any:
         return type(shape)([_short_way(part) for part in shape.geoms])
     if shape.geom_type == "Polygon":
         outer = _unwrap_corners(shape.exterior)
-        return shapely.Polygon(outer, [_align_turn(_unwrap_corners(ring), outer) for ring in shape.interiors])
+        holes = [_unwrap_corners(ring) for ring in shape.interiors]
+        for hole in holes:
+            hole[:, 0] += 360.0 * np.round((outer[:, 0].mean() - hole[:, 0].mean()) / 360.0)
+        return shapely.Polygon(outer, holes)
     return shapely.LineString(_unwrap_corners(shape)) if shape.geom_type == "LineString" else shape
 
 
@@ -66,11 +69,6 @@ def _unwrap_corners(line: Any) -> NDArray[np.float64]:
     around = (np.abs(steps) > 180.0) & (np.abs(steps) < 360.0)  # an edge of 360 degrees bounds the whole Earth
     corners[1:, 0] -= 360.0 * np.cumsum(np.where(around, np.round(steps / 360.0), 0.0))
     return np.asarray(corners)
-
-
-def _align_turn(hole: NDArray[np.float64], outer: NDArray[np.float64]) -> NDArray[np.float64]:
-    hole[:, 0] += 360.0 * np.round((outer[:, 0].mean() - hole[:, 0].mean()) / 360.0)
-    return hole
 
 
 def remove_repeats(shape: Any) -> Any:
