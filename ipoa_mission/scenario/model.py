@@ -19,7 +19,7 @@ from ipoa_mission.files import plug_ins
 from ipoa_mission.geodesy import EARTH_RADIUS, REACH, Geodetic, LocalFrame, apart, swap_hint
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.ground import LEVEL, Ground
-from ipoa_mission.maps.passed import PassedCount, PassedOver
+from ipoa_mission.maps.passed import PassedCount, PassedOver, count_passed_over
 from ipoa_mission.rules import expect_ignorable
 from ipoa_mission.scenario.explain import explained
 from ipoa_mission.scenario.flight_sections import WindSection
@@ -283,7 +283,7 @@ class Scenario(Section):
 
     @property
     def passed_counts(self) -> tuple[PassedCount, ...]:
-        return self._surroundings.passed_counts
+        return tuple(count_passed_over(self.passed_over))
 
     @property
     def unread(self) -> tuple[Unread, ...]:

@@ -19,6 +19,7 @@ from ipoa_mission.world.obstacles import Cylinder, Obstacle, Prism, Sphere, Zone
 from ipoa_mission.world.polygon import rings_of
 from ipoa_mission.world.terrain import Grid, SeaLevel, Terrain
 
+NoFlyZone: TypeAlias = tuple[NoFlyMap, MapArea]
 UNLIMITED_HEIGHT = 10_000.0  # of a zone [m]
 MARGIN = 100.0  # around the bounds [m]
 
@@ -140,17 +141,11 @@ def _ring(corners: Points) -> tuple[tuple[float, float], ...]:
 
 
 def no_fly_prisms(
-    no_fly: Sequence[tuple[NoFlyMap, MapArea]],
-    corners: Box,
-    up: tuple[float, float],
-    terrain: Terrain,
-    frame: LocalFrame,
+    no_fly: Sequence[NoFlyZone], corners: Box, up: tuple[float, float], terrain: Terrain, frame: LocalFrame
 ) -> tuple[tuple[Obstacle, ...], tuple[Unread, ...]]:
     """Return the zones as obstacles. One with limits below the ground is unlimited, and reported."""
     prisms, unread = list[Obstacle](), list[Unread]()
     for section, zone in no_fly:
-        if not zone_near(zone, corners):
-            continue
         base, top = _ends(section, zone, corners, terrain, frame)
         if section.base is None and section.top is None and top is not None:
             least = _ground_under(terrain, _box_of(zone, corners))[0]
@@ -212,7 +207,3 @@ def meets(boxes: NDArray[np.float64], box: Box, reach: float) -> NDArray[np.bool
     """Return which boxes (n, 4) are within `reach`."""
     boxes = boxes.reshape(-1, 4)
     return np.asarray((boxes[:, :2] <= box[1] + reach).all(axis=1) & (boxes[:, 2:] >= box[0] - reach).all(axis=1))
-
-
-def zone_near(zone: MapArea, corners: Box) -> bool:
-    return bool(meets(np.array([shapely.bounds(zone.shape)]), corners, MARGIN)[0])

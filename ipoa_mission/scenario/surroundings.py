@@ -3,6 +3,7 @@
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import compress
 from pathlib import Path
 from typing import Any, NamedTuple, Protocol, TypeAlias
 
@@ -16,14 +17,14 @@ from ipoa_mission.errors import BadInput, InvalidRing, NotCovered
 from ipoa_mission.geodesy import LocalFrame
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.ground import LEVEL, Ground
-from ipoa_mission.maps.areas import MapArea, join_zones
+from ipoa_mission.maps.areas import MapArea, Zones, join_zones
 from ipoa_mission.maps.buildings import Buildings
 from ipoa_mission.maps.feature import many_objects
 from ipoa_mission.maps.map_obstacles import MapObstacle, raise_obstacles
 from ipoa_mission.maps.map_window import Box
-from ipoa_mission.maps.passed import PassedCount, PassedOver, count_passed_over
+from ipoa_mission.maps.passed import PassedOver, count_passed_over
 from ipoa_mission.scenario.map_sections import BuildingsMap, ElevationTerrain, FlightAreaMap, MapSection, NoFlyMap
-from ipoa_mission.scenario.obstacles import MARGIN, UNLIMITED_HEIGHT, meets, no_fly_prisms, on_lines, zone_near
+from ipoa_mission.scenario.obstacles import MARGIN, UNLIMITED_HEIGHT, NoFlyZone, meets, no_fly_prisms, on_lines
 from ipoa_mission.scenario.place_sections import FenceSection, FlatTerrain, east_north_of
 from ipoa_mission.unread import Unread, gathered
 from ipoa_mission.world.airspace import Airspace, Bounds
@@ -84,16 +85,15 @@ def forbidden(fences: Sequence[FenceSection], frame: LocalFrame, base: float, to
         if fence.center is not None and fence.radius is not None:
             obstacles.append(RoundZone(name, *fence.center.east_north(frame), fence.radius, base, top))
         else:
-            corners = shapely.get_coordinates(shape.exterior)[:-1]
-            obstacles.append(Zone(name, tuple((float(x), float(y)) for x, y in corners), (), base, top))
+            obstacles.append(Zone(name, *rings_of(shape), base, top))
     return tuple(obstacles)
 
 
 def _shape(fence: FenceSection, frame: LocalFrame, name: str) -> Any:
     if fence.center is not None and fence.radius is not None:
         return shapely.Point(fence.center.east_north(frame)).buffer(fence.radius, quad_segs=16)
-    geodetic, local = fence.polygon_geodetic, fence.polygon
-    shape = shapely.Polygon(local if geodetic is None else east_north_of(geodetic, frame))
+    geodetic = fence.polygon_geodetic
+    shape = shapely.Polygon(fence.polygon if geodetic is None else east_north_of(geodetic, frame))
     if not shape.is_valid or math.isclose(shape.area, 0.0):
         reason = shapely.is_valid_reason(shape).split("[")[0].lower()
         raise InvalidRing(f"expected a polygon with an inside, not with a {reason}", place=name)
@@ -105,91 +105,91 @@ class Surroundings:
     airspace: Airspace
     geofence: tuple[FenceSection, ...]
     passed_over: tuple[PassedOver, ...]
-    passed_counts: tuple[PassedCount, ...]
     unread: tuple[Unread, ...]
     remarks: tuple[str, ...]
 
 
-class _Zones(NamedTuple):
-    no_fly: tuple[tuple[NoFlyMap, MapArea], ...]
+class _MapZones(NamedTuple):
+    """Zones by number of the map; the flight area, and areas that do not touch it."""
+
+    by_map: Mapping[int, Zones]
+    no_fly: Sequence[NoFlyZone]
     area: Any | None
-    area_fenced: bool
-    passed_over: tuple[PassedOver, ...]
-    unread: tuple[Unread, ...]
-    remarks: Mapping[int, tuple[str, ...]]
+    is_area_fenced: bool
+    other_areas: Sequence[PassedOver]
 
 
 @many_objects()
 def surroundings_of(scenario: Site) -> Surroundings:
     frame = scenario.frame
-    maps = _read_zones(scenario)
+    zones = _read_zones(scenario)
     allowed = allowed_area(scenario.fence, frame)
-    buildings, corners = _read_buildings(scenario, maps.area, _things(scenario), allowed)
-    near, beyond = _near(_map_obstacles(scenario, buildings), maps.no_fly, corners)
+    buildings, corners = _read_buildings(scenario, zones.area, allowed)
+    near, no_fly, beyond = _near(_map_obstacles(scenario, buildings), zones.no_fly, corners)
     terrain, terrain_remarks = _terrain(scenario, *corners)
     ground = Ground(terrain)
     tables = enumerate(scenario.obstacles)
     drawn = tuple(table.build(table.name or f"{table.kind} {i}", frame, ground) for i, table in tables)
     raised = raise_obstacles(near, ground)
     lower, upper = scenario.bounds.up or _up(scenario, terrain, corners, (*drawn, *raised))
-    prisms, contrary = no_fly_prisms(maps.no_fly, corners, (lower, upper), terrain, frame)
+    prisms, contrary = no_fly_prisms(no_fly, corners, (lower, upper), terrain, frame)
     exclusions = forbidden(scenario.fence, frame, min(lower, 0.0) - MARGIN, UNLIMITED_HEIGHT)
+
     box = shapely.box(*corners[0], *corners[1])
-    areas = [area for area in (maps.area, allowed) if area is not None and not area.covers(box)]
+    areas = [area for area in (zones.area, allowed) if area is not None and not area.covers(box)]
     footprint = Polygon(*rings_of(_intersect(areas))) if areas else None
     west, south = map(float, corners[0])
     east, north = map(float, corners[1])
     bounds = Bounds((west, south, lower), (east, north, upper), footprint)
     airspace = Airspace(bounds, terrain, (*drawn, *raised, *prisms, *exclusions))
 
-    passed = (*maps.passed_over, *(thing for found in buildings.values() for thing in found.passed_over), *beyond)
-    counts = tuple(count_passed_over(passed))
-    unread = gathered((*maps.unread, *contrary, *(thing for found in buildings.values() for thing in found.unread)))
-    of_maps = {**maps.remarks} | {number: found.remarks for number, found in buildings.items()}
+    found: dict[int, Zones | Buildings] = {**zones.by_map, **buildings}
+    passed = (*(thing for each in found.values() for thing in each.passed_over), *zones.other_areas, *beyond)
+    unread = gathered((*(thing for each in found.values() for thing in each.unread), *contrary))
+    of_maps = [(scenario.maps[number].file.name, found[number].remarks) for number in sorted(found)]
     remarks = (
-        *(f"{scenario.maps[number].file.name}: {remark}" for number in sorted(of_maps) for remark in of_maps[number]),
+        *(f"{name}: {remark}" for name, of_map in of_maps for remark in of_map),
         *terrain_remarks,
-        *(counted.words() for counted in counts),
+        *(counted.words() for counted in count_passed_over(passed)),
         *(thing.words for thing in unread),
     )
-    return Surroundings(airspace, (*scenario.fence, *_geofence(maps, corners)), passed, counts, unread, remarks)
+    return Surroundings(airspace, (*scenario.fence, *_geofence(zones, no_fly)), passed, unread, remarks)
 
 
-def _read_zones(scenario: Site) -> _Zones:
-    no_fly = list[tuple[NoFlyMap, MapArea]]()
+def _read_zones(scenario: Site) -> _MapZones:
+    by_map = dict[int, Zones]()
+    no_fly = list[NoFlyZone]()
     areas = list[Any]()
-    fenced = False
-    passed = list[PassedOver]()
-    unread = list[Unread]()
-    remarks = dict[int, tuple[str, ...]]()
+    is_fenced = False
+    other_areas = list[PassedOver]()
     for number, section in enumerate(scenario.maps):
         if isinstance(section, BuildingsMap):
             continue
         zones = section.read(scenario.frame, scenario.unix_s)
-        passed += zones.passed_over
-        unread += zones.unread
-        remarks[number] = zones.remarks
+        by_map[number] = zones
         if isinstance(section, NoFlyMap):
             no_fly += [(section, zone) for zone in zones.zones]
         else:
             area, others = join_zones(zones.zones)
             areas.append(area)
             why = "an area that does not touch the one around home"
-            passed += [PassedOver(section.file.name, f"area {n}", why, part, False) for n, part in enumerate(others, 2)]
-            fenced |= section.geofence
+            name = section.file.name
+            other_areas += [PassedOver(name, f"area {n}", why, part, False) for n, part in enumerate(others, 2)]
+            is_fenced |= section.geofence
         _expect_home_allowed(section, zones.zones, scenario.frame.home.altitude)
-    return _Zones(tuple(no_fly), _intersect(areas) if areas else None, fenced, tuple(passed), tuple(unread), remarks)
+    return _MapZones(by_map, no_fly, _intersect(areas) if areas else None, is_fenced, other_areas)
 
 
-def _read_buildings(
-    scenario: Site, area: Any | None, things: Box, allowed: Any | None
-) -> tuple[dict[int, Buildings], Box]:
+def _read_buildings(scenario: Site, area: Any | None, allowed: Any | None) -> tuple[dict[int, Buildings], Box]:
     """Return buildings by map number, and the bounds; buildings may extend these, then maps are read again."""
 
     def read(within: Box) -> dict[int, Buildings]:
         sections = ((n, section) for n, section in enumerate(scenario.maps) if isinstance(section, BuildingsMap))
         return {number: section.read(scenario.frame, within) for number, section in sections}
 
+    drawn = [obstacle.build("", scenario.frame, LEVEL) for obstacle in scenario.obstacles]
+    corners = np.vstack([_places(scenario), *(obstacle.bounds[:, :2] for obstacle in drawn)])
+    things = corners.min(axis=0), corners.max(axis=0)
     least, most = _horizontal_bounds(scenario, area, things, np.zeros((0, 4)), allowed)
     reach = _reach(scenario) + WINDOW_MARGIN + MARGIN
     window = np.minimum(least, things[0]) - reach, np.maximum(most, things[1]) + reach
@@ -235,12 +235,6 @@ def _places(scenario: Site) -> NDArray[np.float64]:
     return np.vstack([(0.0, 0.0), *(place.east_north(scenario.frame) for place in places), scenario.added_reach[0]])
 
 
-def _things(scenario: Site) -> Box:
-    drawn = [obstacle.build("", scenario.frame, LEVEL) for obstacle in scenario.obstacles]
-    things = np.vstack([_places(scenario), *(obstacle.bounds[:, :2] for obstacle in drawn)])
-    return things.min(axis=0), things.max(axis=0)
-
-
 def _reach(scenario: Site) -> float:
     return max(scenario.bounds.margin, float(np.linalg.norm(np.ptp(_places(scenario), axis=0))) / 2)
 
@@ -274,19 +268,18 @@ def _boxes(obstacles: Sequence[tuple[Path, MapObstacle]]) -> NDArray[np.float64]
 
 
 def _near(
-    obstacles: Sequence[tuple[Path, MapObstacle]], no_fly: Sequence[tuple[NoFlyMap, MapArea]], corners: Box
-) -> tuple[tuple[MapObstacle, ...], tuple[PassedOver, ...]]:
-    near, beyond = list[MapObstacle](), list[PassedOver]()
-    for (file, thing), counts in zip(obstacles, meets(_boxes(obstacles), corners, MARGIN).tolist(), strict=True):
-        if counts:
-            near.append(thing)
-        else:
-            beyond.append(PassedOver(file.name, thing.name.removeprefix(f"{file}: "), BEYOND, thing.shape, False))
-    for section, zone in no_fly:
-        if not zone_near(zone, corners):
-            name = zone.name.removeprefix(f"{section.file}: ")
-            beyond.append(PassedOver(section.file.name, name, BEYOND, zone.shape, False))
-    return tuple(near), tuple(beyond)
+    obstacles: Sequence[tuple[Path, MapObstacle]], no_fly: Sequence[NoFlyZone], corners: Box
+) -> tuple[list[MapObstacle], list[NoFlyZone], list[PassedOver]]:
+    """Return the obstacles and zones within `MARGIN` of the bounds, and the others."""
+    zone_boxes = shapely.bounds([zone.shape for _, zone in no_fly])
+    is_near = meets(_boxes(obstacles), corners, MARGIN)
+    is_zone_near = meets(zone_boxes, corners, MARGIN)
+    far: list[tuple[Path, MapObstacle | MapArea]] = [*compress(obstacles, ~is_near)]
+    far += [(section.file, zone) for section, zone in compress(no_fly, ~is_zone_near)]
+    beyond = [
+        PassedOver(file.name, thing.name.removeprefix(f"{file}: "), BEYOND, thing.shape, False) for file, thing in far
+    ]
+    return [thing for _, thing in compress(obstacles, is_near)], [*compress(no_fly, is_zone_near)], beyond
 
 
 def _terrain(scenario: Site, lower: Vector, upper: Vector) -> tuple[Terrain, tuple[str, ...]]:
@@ -328,13 +321,12 @@ def _up(scenario: Site, terrain: Terrain, corners: Box, obstacles: tuple[Obstacl
     return float(everything.min()) - scenario.bounds.margin, float(everything.max()) + scenario.bounds.margin
 
 
-def _geofence(maps: _Zones, corners: Box) -> tuple[FenceSection, ...]:
+def _geofence(zones: _MapZones, no_fly: Sequence[NoFlyZone]) -> tuple[FenceSection, ...]:
     fences = []
-    if maps.area is not None and maps.area_fenced:
-        outer, holes = rings_of(maps.area)
+    if zones.area is not None and zones.is_area_fenced:
+        outer, holes = rings_of(zones.area)
         fences += [FenceSection(polygon=outer), *(FenceSection(polygon=hole, inclusion=False) for hole in holes)]
-    for section, zone in maps.no_fly:
-        endless = all(end is None for end in (section.base, section.top, zone.lower, zone.upper))
-        if section.geofence and endless and zone_near(zone, corners):
+    for section, zone in no_fly:
+        if section.geofence and all(end is None for end in (section.base, section.top, zone.lower, zone.upper)):
             fences.append(FenceSection(polygon=rings_of(zone.shape)[0], inclusion=False))
     return tuple(fences)
