@@ -2,8 +2,8 @@
 
 import errno
 import os
+import secrets
 import sys
-import tempfile
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
 from functools import cache
@@ -31,11 +31,9 @@ def write_together(contents: Mapping[Path, str | bytes]) -> None:
     targets = {path: Path(os.path.realpath(path)) for path in contents}
     try:
         for path, content in contents.items():
-            handle, temporary = tempfile.mkstemp(prefix=f".{path.name}.", dir=targets[path].parent)
-            staged[path] = Path(temporary)
-            with os.fdopen(handle, "wb") as file:
+            staged[path] = targets[path].with_name(f".{path.name}.{secrets.token_hex(4)}")
+            with staged[path].open("xb") as file:
                 file.write(content.encode() if isinstance(content, str) else content)
-            staged[path].chmod(0o666 & ~_umask())
             if path.is_dir():
                 raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR))
         for path, target in targets.items():
@@ -44,8 +42,8 @@ def write_together(contents: Mapping[Path, str | bytes]) -> None:
     except OSError as error:
         raise Unwritable(f"cannot be written: {error.strerror}", place=path) from error
     finally:
-        for temporary_path in staged.values():
-            temporary_path.unlink(missing_ok=True)
+        for temporary in staged.values():
+            temporary.unlink(missing_ok=True)
 
 
 @contextmanager
@@ -146,9 +144,3 @@ def copies(part: str) -> Iterator[Path]:
         copy = Path(folder) / package.name
         if copy.is_dir() and copy.resolve() != package.resolve():
             yield copy / part
-
-
-def _umask() -> int:
-    mask = os.umask(0)
-    os.umask(mask)
-    return mask

@@ -126,17 +126,14 @@ def restore_key(key: str, value: str) -> str:
         return key
     if len(key) != CUT:
         return complete(key)
-    letters = _letters(key)
-    begins = letters, re.sub(r"\d{1,2}$", "", letters)  # a second one ends in _1
-    names = [name for name in _NAMES.values() if len(name) > CUT and _letters(name).startswith(begins)]
+    letters = normalize(key).replace("_", "")
+    begins = (letters, re.sub(r"\d{1,2}$", "", letters))  # a second one ends in _1
+    long_names = ((plain, name) for plain, name in _NAMES.items() if len(name) > CUT)
+    names = [name for plain, name in long_names if plain.replace("_", "").startswith(begins)]
     of_kind = [name for name in names if value in TALL.get(name, ())]
     if of_kind or (len(names) == 1 and not key[-1].isdigit()):
         return (of_kind or names)[0]
     return f"{key} {AMBIGUITY_MARK}" if names else complete(key)
-
-
-def _letters(key: str) -> str:
-    return re.sub(r"[\W_]+", "", key).lower()
 
 
 def has_place_for_height(feature: Feature, height_key: str) -> bool:

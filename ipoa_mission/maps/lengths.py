@@ -18,7 +18,7 @@ _UNITS = {
     1852.0: "nm nmi",
     1609.344: "mi mile miles",
 }
-_FACTORS = {name: factor for factor, names in _UNITS.items() for name in names.split()}
+UNIT_FACTORS = {name: factor for factor, names in _UNITS.items() for name in names.split()}
 # Commas, dots or blanks separate thousands. No sign: `12-15` is a range.
 _NUMBER = (
     r"(?:\d{1,3}(?:,\d{3})+(?:\.\d+)?(?!\d)|\d{1,3}(?:\.\d{3})+,\d+|\d{1,3}(?: \d{3})+(?!\d)"
@@ -60,7 +60,7 @@ def length_of(text: str) -> tuple[float | None, bool]:
         end = match.end()
         rest.append(between)
         unit = match[2]
-        factor = _FACTORS.get(unit)
+        factor = UNIT_FACTORS.get(unit)
         if factor is None:  # 22approx, 60agl
             factor = 1.0
             rest.append(unit)

@@ -11,7 +11,7 @@ from typing import Any, TypeAlias
 
 import shapely
 
-from ipoa_mission.errors import Unreadable, WrongSuffix
+from ipoa_mission.errors import WrongSuffix
 from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.maps.feature import Feature, many_objects
 from ipoa_mission.maps.geojson import read_geojson
@@ -67,18 +67,15 @@ def read_features(path: Path, around: MapWindow | None = None) -> Features:
         raise WrongSuffix(words, place=path)
     if around.window == around.near:
         return _read(path, around)
-    try:
-        stat = path.stat()
-    except OSError as error:
-        raise Unreadable(f"cannot be read: {error.strerror}", place=path) from error
-    version = (stat.st_mtime_ns, stat.st_ctime_ns, stat.st_size)
+    stat = path.stat() if path.is_file() else None
+    version = () if stat is None else (stat.st_mtime_ns, stat.st_ctime_ns, stat.st_size)
     features, around.elsewhere = _read_window(path, version, around.window, around.near)
     return features
 
 
 @lru_cache(maxsize=8)  # the studio reads a scenario at every change
 def _read_window(
-    path: Path, version: tuple[int, int, int], window: Degrees | None, near: Degrees | None
+    path: Path, version: tuple[int, ...], window: Degrees | None, near: Degrees | None
 ) -> tuple[Features, int]:
     around = MapWindow(window, near)
     return _read(path, around), around.elsewhere

@@ -3,19 +3,10 @@
 from collections.abc import Callable, Mapping
 
 from ipoa_mission.maps.keys import AMBIGUITY_MARK, Means, keys_of, meaning, normalize
-from ipoa_mission.maps.lengths import FOOT, count_storeys, length_of, storeys_of
+from ipoa_mission.maps.lengths import UNIT_FACTORS, count_storeys, length_of, storeys_of
 
 WIDEST_ROTOR = 170.0  # without a tag [m]
-# Smaller units are ignored, for safety.
-UNITS_IN_NAMES = {
-    "ft": FOOT,
-    "feet": FOOT,
-    "km": 1000.0,
-    "nm": 1852.0,
-    "nmi": 1852.0,
-    "mi": 1609.344,
-    "miles": 1609.344,
-}
+UNITS_IN_KEYS = ("ft", "feet", "km", "nm", "nmi", "mi", "miles")  # smaller ones are ignored, for safety
 Odd = Callable[[str, str], None]  # of a key and value not understood
 
 
@@ -87,7 +78,7 @@ def _top(tags: Mapping[str, str], key: str, storey_height: float, odd: Odd) -> f
 def _length(tags: Mapping[str, str], key: str, odd: Odd) -> float | None:
     length = _read(length_of, tags, key, odd)
     if length is not None and tags[key].replace(".", "", 1).isdecimal():
-        length *= next((UNITS_IN_NAMES[word] for word in normalize(key).split("_") if word in UNITS_IN_NAMES), 1.0)
+        length *= next((UNIT_FACTORS[word] for word in normalize(key).split("_") if word in UNITS_IN_KEYS), 1.0)
     return length
 
 

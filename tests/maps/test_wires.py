@@ -12,7 +12,7 @@ from ipoa_mission.geodesy import LocalFrame
 from ipoa_mission.ground import LEVEL
 from ipoa_mission.maps.building_rules import BuildingRules
 from ipoa_mission.maps.buildings import Buildings, search_buildings
-from ipoa_mission.maps.map_obstacles import raise_obstacles, raise_span
+from ipoa_mission.maps.map_obstacles import MapObstacle, raise_obstacles, raise_span
 from ipoa_mission.maps.wires import spans, volts_of, wire_of
 
 At = Callable[[float, float], list[float]]
@@ -114,7 +114,7 @@ def test_no_rope_sticks_out_of_its_walls(
         away = np.hypot(points[:, 0] - end[0] / 2, points[:, 1] - end[1] / 2)
         return np.asarray(slope * points[:, 0] + hill * np.exp(-((away / 60.0) ** 2)))
 
-    walls = list(raise_span("line", span, reach, height, ground))
+    walls = list(raise_span(MapObstacle("line", span, reach, 0.0, height, hangs=True), ground))
     share = np.linspace(0.0, 1.0, 101)
     places = share[:, None] * np.array(end)
     under = ground(places)
@@ -127,7 +127,8 @@ def test_no_rope_sticks_out_of_its_walls(
 
 
 def test_span_over_level_ground_is_one_wall() -> None:
-    (wall,) = raise_span("line", shapely.LineString([(0, 0), (0, 300)]), 8.0, 40.0, LEVEL)
+    line = MapObstacle("line", shapely.LineString([(0, 0), (0, 300)]), 8.0, 0.0, 40.0, hangs=True)
+    (wall,) = raise_span(line, LEVEL)
     assert wall.bounds.tolist() == [[-8.0, -8.0, 0.0], [8.0, 308.0, 40.0]]
 
 
