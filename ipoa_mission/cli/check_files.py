@@ -15,6 +15,7 @@ from ipoa_mission.errors import Unreadable
 from ipoa_mission.files import MISSIONS
 from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.forecast.forecast import Forecast
+from ipoa_mission.mission.item_words import count_words
 from ipoa_mission.options import expect_mission
 from ipoa_mission.rules import RULES
 from ipoa_mission.terminal import notes, print_lines
@@ -99,8 +100,8 @@ class CheckedFile(NamedTuple):
         if self.forecast is None:
             return f"{self.file}: not checked"
         mission = self.forecast.mission_as_read
-        severities = f"{number_of(self.errors, 'error')}, {number_of(len(self.findings) - self.errors, 'warning')}"
-        items = number_of(len(mission.items), "item")
+        severities = f"{count_words(self.errors, 'error')}, {count_words(len(self.findings) - self.errors, 'warning')}"
+        items = count_words(len(mission.items))
         return f"{self.file}: {severities}, {items} for {mission.autopilot.checked_for(mission.firmware_version)}"
 
 
@@ -115,10 +116,6 @@ def check_file(file: Path, options: ContingencyOptions, world: "Scenario | None"
     remarks = tuple(remark for remark in requested.remarks if remark not in messages)
     remarks += () if world is None else tuple(remark for remark in world.remarks if remark not in messages)
     return CheckedFile(file, findings, remarks, forecast, guarantee, options.contingencies)
-
-
-def number_of(number: int, noun: str) -> str:
-    return f"{number} {noun}{'' if number == 1 else 's'}"
 
 
 def wind_words(wind: "Wind") -> list[str]:

@@ -34,9 +34,10 @@ def check(
     Example: `ipoa-mission check campus.plan --scenario missions/campus.toml`
     """
     from ipoa_mission.checks.unsafe import unreadable
-    from ipoa_mission.cli.check_files import CheckedFile, check_file, missions_in, number_of
+    from ipoa_mission.cli.check_files import CheckedFile, check_file, missions_in
     from ipoa_mission.cli.check_files import sarif as sarif_log
     from ipoa_mission.cli.reading import read_world
+    from ipoa_mission.mission.item_words import count_words
 
     if options.flown_by.air is not None and options.scenario is None:
         words = "needs --scenario"
@@ -66,8 +67,8 @@ def check(
         print_json({"ok": not errors, "files": by_file})
     elif not is_one:
         warnings = sum(len(checked_file.findings) for checked_file in checked) - errors
-        severities = f"{number_of(errors, 'error')}, {number_of(warnings, 'warning')}"
-        print_lines(f"{number_of(len(checked), 'file')}: {severities}")
+        severities = f"{count_words(errors, 'error')}, {count_words(warnings, 'warning')}"
+        print_lines(f"{count_words(len(checked), 'file')}: {severities}")
     if errors:
         raise typer.Exit(BadInput.exit_code if wrong else 1)
 

@@ -1,5 +1,5 @@
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
@@ -23,6 +23,8 @@ if TYPE_CHECKING:
 
 
 class _Row(NamedTuple):
+    """A flight of the log; `compared`: with the forecast of a known mission, `clearance`: in a scenario."""
+
     number: int
     flight: "LoggedFlight"
     record: "FlightRecord"
@@ -98,19 +100,25 @@ def compare(
     landed = (words for row in rows if row.compared for words in landed_elsewhere(row.compared.forecast, row.record))
     remarks += [*flown_by.parameter_remarks, *flown.remarks, *_remarks(rows, log, world), *landed]
     beyond = flown.autopilot.beyond_the_model(flown.version)
-    useless = all(row.compared is None and row.clearance is None for row in rows)
+    is_useless = all(row.compared is None and row.clearance is None for row in rows)
     if not as_json:
         on = f"{flown.autopilot} {flown.version}".strip()
         title = f"{log.name}: {on}" if file is None else f"{file.name} on {flown.autopilot}, as {log.name} has it"
         _report(rows, title, remarks if beyond is None else [*remarks, beyond])
         print_lines(*(f"written: {path}" for path in drawn))
-    elif not useless:
+    elif not is_useless:
         flights = [_as_json(row) for row in rows]
+        for row in rows:
+            flight = f"flight {row.number}: " if len(rows) > 1 else ""
+            remarks += [f"{flight}{words}" for words in (row.compared.remarks if row.compared else ())]
         about = {"autopilot": flown.autopilot.name, "version": flown.version, "model": beyond, "written": drawn}
-        about["remarks"] = [*remarks, *_flights_remarks(rows)]
-        print_json({**next(entry for entry in flights if entry.get("legs") or world), **about, "flights": flights})
-    if useless:
-        raise LogUseless(_useless(rows, log), hint="compare FILE LOG with the flown mission", place=log)
+        first = next(entry for entry in flights if entry.get("legs") or world)
+        print_json({**first, **about, "remarks": remarks, "flights": flights})
+    if is_useless:
+        words = f"nothing in it was flown in {flown.autopilot.firmware_name}'s mission mode"
+        if any(row.flight.in_mission for row in rows):
+            words = _no_mission(log)
+        raise LogUseless(words, hint="compare FILE LOG with the flown mission", place=log)
     if any(row.clearance is not None and not row.clearance.kept for row in rows):
         raise typer.Exit(1)
 
@@ -158,12 +166,6 @@ def _no_mission(log: Path) -> str:
     return "the log holds no upload or download of the mission" if written is None else written.no_mission
 
 
-def _useless(rows: list[_Row], log: Path) -> str:
-    if any(row.flight.in_mission for row in rows):
-        return _no_mission(log)
-    return f"nothing in it was flown in {rows[0].flight.autopilot.firmware_name}'s mission mode"
-
-
 def _remarks(rows: list[_Row], log: Path, world: "Scenario | None") -> list[str]:
     several = len(rows) > 1
     alone = [row for row in rows if row.compared is None and row.flight.in_mission]
@@ -172,12 +174,6 @@ def _remarks(rows: list[_Row], log: Path, world: "Scenario | None") -> list[str]
         remarks += list(world.remarks)
         remarks += [f"flight {row.number}: no path near {world.name}'s home" for row in rows if row.clearance is None]
     return remarks
-
-
-def _flights_remarks(rows: list[_Row]) -> Iterator[str]:
-    for row in rows:
-        flight = f"flight {row.number}: " if len(rows) > 1 else ""
-        yield from (f"{flight}{words}" for words in (row.compared.remarks if row.compared else ()))
 
 
 def _draw(compared: "ComparedFlight", picture: Path, title: str) -> None:
@@ -192,9 +188,10 @@ def _draw(compared: "ComparedFlight", picture: Path, title: str) -> None:
 
 def _as_json(row: _Row) -> dict[str, Any]:
     result: dict[str, Any] = {"flight": row.number, **picked(row.flight, "armed_s", "in_mission")}
-    result |= (
-        {"flown_s": round_finite(row.record.total_s, 4)} if row.compared is None else _compared_as_json(row.compared)
-    )
+    if row.compared is None:
+        result["flown_s"] = round_finite(row.record.total_s, 4)
+    else:
+        result |= _compared_as_json(row.compared)
     if row.clearance is not None:
         result["clearance"] = _clearance_as_json(row.clearance)
     return result

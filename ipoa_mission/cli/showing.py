@@ -25,8 +25,8 @@ def show(file: FileArgument, options: WorldOptions, as_json: JsonOption = False)
     """
     from dataclasses import asdict
 
-    from ipoa_mission.cli.check_files import number_of
     from ipoa_mission.cli.reading import read_forecast
+    from ipoa_mission.mission.item_words import count_words
     from ipoa_mission.mission.positions import refusals
     from ipoa_mission.report.table import rows_of
     from ipoa_mission.unread import unread_as_json
@@ -44,8 +44,8 @@ def show(file: FileArgument, options: WorldOptions, as_json: JsonOption = False)
         unread = unread_as_json(() if forecast.scenario is None else forecast.scenario.unread)
         print_json({"items": items, "remarks": list(remarks), "unread": unread})
         return
-    count = number_of(len(mission.items), "item")
-    print_lines(f"{file.name}: {count} for {mission.autopilot.checked_for(mission.firmware_version)}")
+    firmware = mission.autopilot.checked_for(mission.firmware_version)
+    print_lines(f"{file.name}: {count_words(len(mission.items))} for {firmware}")
     home = mission.home
     place = f"home {home.latitude_deg:.6f}, {home.longitude_deg:.6f}, {home.altitude:.1f} m AMSL"
     columns = ["item", "command", "leg\nm", "hdg\n°", "climb\nm", "height\nm", "above\nground", "done\ns", ""]

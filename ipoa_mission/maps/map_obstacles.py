@@ -68,6 +68,7 @@ def _upright(obstacle: MapObstacle, base: float, top: float) -> Obstacle:
 
 def raise_span(obstacle: MapObstacle, ground: Callable[[NDArray[np.float64]], Vector]) -> Iterator[Prism]:
     """Yield walls under a span: several if its top rises or falls."""
+    name = obstacle.called or obstacle.name
     span = obstacle.shape
     reach = obstacle.reach
     begin, end = shapely.get_coordinates(span)
@@ -85,6 +86,4 @@ def raise_span(obstacle: MapObstacle, ground: Callable[[NDArray[np.float64]], Ve
     for first, last in pairwise(cuts.tolist()):
         piece = slice(first, last + 1)
         outline = shapely.LineString(along[[first, last]]).buffer(reach, cap_style="square")
-        yield Prism(
-            obstacle.called or obstacle.name, *rings_of(outline), float(low[piece].min()), float(top[piece].max())
-        )
+        yield Prism(name, *rings_of(outline), float(low[piece].min()), float(top[piece].max()))
