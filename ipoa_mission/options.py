@@ -151,18 +151,19 @@ def read_wind_option(text: str | None) -> "Wind | None":
         return None
     speed_text, _, from_text = text.partition("@")
     try:
-        speed, from_deg = float(speed_text), float(from_text)
-        if not (0 <= speed < math.inf and abs(from_deg) <= 360):
-            raise ValueError
+        wind = Wind(float(speed_text), float(from_text))
     except ValueError:
+        wind = Wind(math.nan)
+    if not (0 <= wind.speed < math.inf and abs(wind.from_deg) <= 360):
         words = "expected a speed [m/s] and the direction it comes from [deg, to 360], like 6@270"
-        raise BadInput(words, place=f"--wind {text}") from None
-    return Wind(speed, from_deg)
+        raise BadInput(words, place=f"--wind {text}")
+    return wind
 
 
 def read_parameter_options(texts: list[str] | None, file: Path | None) -> tuple[dict[str, float], tuple[str, ...]]:
     """Return the file's parameters, overridden by the command line's, and remarks."""
-    parameters, remarks = dict[str, float](), tuple[str, ...]()
+    parameters = dict[str, float]()
+    remarks = tuple[str, ...]()
     if file is not None:
         from ipoa_mission.mission.parameter_file import read_parameter_file
 
@@ -170,12 +171,13 @@ def read_parameter_options(texts: list[str] | None, file: Path | None) -> tuple[
         parameters.update(read.parameters)
         remarks = tuple(thing.words for thing in read.unread)
     for text in texts or ():
-        name, equals, value = text.partition("=")
+        name, _, value = text.partition("=")
         try:
-            if not (name.strip() and equals and abs(number := float(value)) <= SINGLE_MAX):
-                raise ValueError
+            number = float(value)
         except ValueError:
-            raise BadInput("expected NAME=VALUE with a number, like WPNAV_ACCEL=250", place=f"--param {text}") from None
+            number = math.nan
+        if not (name.strip() and abs(number) <= SINGLE_MAX):
+            raise BadInput("expected NAME=VALUE with a number, like WPNAV_ACCEL=250", place=f"--param {text}")
         parameters[_known(name.strip().upper())] = number
     return parameters, remarks
 
@@ -187,8 +189,8 @@ def _known(name: str) -> str:
     try:
         expect_known([name])
     except BadInput as error:
-        error.place, error.hint = f"--param {error.place}", error.hint or "--param-file takes any parameter"
-        raise error from None
+        error.place = f"--param {error.place}"
+        raise error.at(hint=error.hint or "--param-file takes any parameter") from None
     return name
 
 

@@ -171,7 +171,8 @@ RULES: Mapping[str, Rule] = {
 
 def expect_ignorable(codes: Iterable[str]) -> frozenset[str]:
     """Raise BadInput if a code is unknown, or a crash may follow from its finding."""
-    for code in (codes := tuple(codes)):
+    chosen = tuple(codes)
+    for code in chosen:
         if code not in RULES:
             near = get_close_matches(code, RULES, 1)
             words = "expected the code of a finding"
@@ -179,4 +180,4 @@ def expect_ignorable(codes: Iterable[str]) -> frozenset[str]:
         if RULES[code].crash:
             words = "expected a code that may be ignored: a crash may follow from this finding"
             raise BadInput(words, place=code)
-    return frozenset(codes)
+    return frozenset(chosen)

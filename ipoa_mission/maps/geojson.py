@@ -75,12 +75,7 @@ def _features_of(document: Any, path: Path, place: str) -> tuple[Feature, ...]:
     elif isinstance(kind, str) and kind in {*SHAPES, "GeometryCollection"}:
         placed = [(f"{place}: feature", {"type": "Feature", "geometry": document})]
     else:
-        cityjson = (
-            "CityJSON is not read: export footprints with a `height` [m] as GeoJSON or GeoPackage, for example with "
-            "QGIS; cjio writes neither"
-        )
-        usual = "a map is GeoJSON (one value, or one a line) or Overpass's JSON"
-        hint = cityjson if str(kind).startswith("CityJSON") else usual
+        hint = "a map is GeoJSON (one value, or one a line) or Overpass's JSON; QGIS exports footprints of CityJSON"
         raise WrongFormat(f"expected 'FeatureCollection', not {kind!r:.40}", hint=hint, place=f"{place}: type")
     to_degrees = _coordinate_system(document.get("crs"), path)
     apart = ((place, part, to_degrees) for place, feature in placed for part in layers_apart(feature))
@@ -95,8 +90,8 @@ def _number(feature: Any) -> str:
 def _feature(place: str, feature: Any, to_degrees: ToDegrees) -> Feature:
     if not isinstance(feature, dict) or feature.get("type") != "Feature":
         raise BadInput("expected a Feature", place=place)
-    geometry, properties = feature.get("geometry"), feature.get("properties")
-    properties = properties if isinstance(properties, dict) else {}
+    geometry = feature.get("geometry")
+    properties = feature["properties"] if isinstance(feature.get("properties"), dict) else {}
     tags = dict(tags_of(properties)) | dict(zone_tags(properties))
     if isinstance(feature.get("id"), str | int):
         tags.setdefault("@id", str(feature["id"]))

@@ -50,7 +50,7 @@ def _features(osmium: Any, path: Path, around: MapWindow) -> Iterator[Feature]:
     relations = _areas(osmium, file)
     numbers = {int(number) for relation in relations.values() for number, _ in ways_of(relation)}
     members = dict[str, Any]()  # ways of relations, with or without tags of their own
-    nodes, ways = dict[int, Any](), dict[int, Any]()
+    wanted: dict[Any, dict[int, Any]] = {osm.NODE: {}, osm.WAY: {}}
     elements = _located(osmium, file, path)
     while batch := list(islice(elements, BATCH)):
         shapes = shapely.from_wkb([element.wkb for element in batch])
@@ -62,8 +62,8 @@ def _features(osmium: Any, path: Path, around: MapWindow) -> Iterator[Feature]:
         tagged = np.flatnonzero([element.has_tags for element in batch])
         is_wanted = around.wants(shapely.bounds(shapes[tagged]).reshape(-1, 4))
         for n in tagged[is_wanted].tolist():
-            (nodes if batch[n].is_node else ways)[batch[n].number] = shapes[n]
-    for sort, wanted_shapes in ((osm.NODE, nodes), (osm.WAY, ways)):
+            wanted[osm.NODE if batch[n].is_node else osm.WAY][batch[n].number] = shapes[n]
+    for sort, wanted_shapes in wanted.items():
         of_these = osmium.filter.IdFilter(wanted_shapes)  # not kept alive by the iterator
         for element in osmium.FileProcessor(file, sort).with_filter(of_these) if wanted_shapes else ():
             tags = _tags(element)

@@ -20,7 +20,8 @@ def explained(error: ValidationError, table: Mapping[str, Any], model: type[Base
     of_keys = {"missing", "extra_forbidden", "union_tag_invalid", "union_tag_not_found"}
     asks_keys = any(problem["type"] in of_keys for problem in problems)
     hint = "`ipoa-mission schema` prints every key that a scenario may have" if asks_keys else None
-    first, kind = problems[0], problems[0]["type"]
+    first = problems[0]
+    kind = first["type"]
     cause = getattr(first.get("ctx", {}).get("error"), "__cause__", None)
     codes = {"missing": "missing", "union_tag_not_found": "missing", "extra_forbidden": "unknown-key"}
     code = cause.code if isinstance(cause, MissionError) else codes.get(kind)
@@ -34,6 +35,8 @@ _EXPECTED = {
     "greater_than_equal": "a number of at least {ge:g}",
     "less_than_equal": "a number of at most {le:g}",
     "finite_number": "a finite number",
+    "too_short": "at least {min_length} entries",
+    "too_long": "{max_length} entries",
     **dict.fromkeys(("model_type", "model_attributes_type", "dict_type"), "a table"),
     **dict.fromkeys(("list_type", "tuple_type"), "a list"),
 }
@@ -52,14 +55,17 @@ def _explain(problem: Any, table: Mapping[str, Any], model: type[BaseModel]) -> 
             key = str(problem["loc"][-1])
             keys = _known_keys(problem["loc"], model)
             near = [known for known in keys if key in known.split("_")] or difflib.get_close_matches(key, keys, n=1)
-            if others := [] if near else _tables_with(key, model):
+            others = [] if near else _tables_with(key, model)
+            if others:
                 return f"{place}: unknown key; {key} belongs {_or(others)}"
             return f"{place}: unknown key" + (f"; did you mean {_or(near)}?" if near else "")
         case _ if kind in _EXPECTED:
             wanted = _EXPECTED[kind].format(**limits)
+            value = len(value) if kind.startswith("too_") else value
         case "enum" | "literal_error" | "union_tag_invalid":
             if kind == "union_tag_invalid":
-                place, value = f"{place}.kind", limits["tag"]
+                place += ".kind"
+                value = limits["tag"]
             wanted = limits.get("expected") or limits["expected_tags"]
         case "union_tag_not_found":
             return f"{place}.kind: expected, but not there"
@@ -70,9 +76,6 @@ def _explain(problem: Any, table: Mapping[str, Any], model: type[BaseModel]) -> 
             return f"{place}: {limits['error']}" if place else str(limits["error"])
         case "string_pattern_mismatch":
             wanted = "a valid file name" if place == "name" else "letters, digits and underscores"
-        case "too_short" | "too_long":
-            too_short = f"at least {limits['min_length']} entries" if kind == "too_short" else ""
-            wanted, value = too_short or f"{limits['max_length']} entries", len(value)
         case _ if kind.startswith(("float", "int")):
             wanted = "a whole number" if kind.startswith("int") else "a number"
         case _:
@@ -87,7 +90,8 @@ def _is_consequence(problem: Any) -> bool:
 
 def _place(location: Sequence[int | str], table: Any) -> str:
     """Return `obstacles[0].radius` for ("obstacles", 0, "sphere", "radius")."""
-    place, here = "", table
+    place = ""
+    here = table
     for step in location:
         if isinstance(step, int):
             place += f"[{step}]"

@@ -214,7 +214,8 @@ class Scenario(Section):
         )
 
     def expect_here(self, home: Geodetic) -> None:
-        if (elsewhere := self.why_elsewhere(home)) is not None:
+        elsewhere = self.why_elsewhere(home)
+        if elsewhere is not None:
             raise elsewhere
 
     def read_maps(self) -> None:
@@ -357,7 +358,8 @@ def added_sections() -> dict[str, type[AddedSection]]:
 def _with_added(table: dict[str, Any], context: Any) -> dict[str, Any]:
     """Read added tables; `_expect_added` raises their errors."""
     for name, section in added_sections().items():
-        if (raw := table.pop(name, None)) is None:
+        raw = table.pop(name, None)
+        if raw is None:
             continue
         parsed: AddedSection | ValidationError
         try:

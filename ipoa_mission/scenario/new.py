@@ -73,7 +73,8 @@ def new_scenario(
 
 def _free_places(path: Path) -> tuple[tuple[float, float], tuple[float, float]]:
     """Return places south-west and north-east, at most 200 m from the middle [deg]."""
-    frame, farthest = LocalFrame(_middle(path)), 200.0
+    frame = LocalFrame(_middle(path))
+    farthest = 200.0
     within = np.full(2, -farthest - 2 * FREE_RADIUS), np.full(2, farthest + 2 * FREE_RADIUS)
     buildings = search_buildings(path, BuildingRules(), frame, within)
     if not buildings.obstacles:

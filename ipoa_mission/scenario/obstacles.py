@@ -79,8 +79,9 @@ class BoxSection(Horizontal):
 
     def build(self, name: str, frame: LocalFrame, ground: Ground) -> Obstacle:
         corners = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)]) * (self.width / 2, self.depth / 2)
-        c, s = np.cos(np.radians(self.heading_deg)), np.sin(np.radians(self.heading_deg))
-        corners = corners @ np.array([(c, -s), (s, c)]) + self.east_north(frame)
+        heading = np.radians(self.heading_deg)
+        turn = np.array([(np.cos(heading), -np.sin(heading)), (np.sin(heading), np.cos(heading))])
+        corners = corners @ turn + self.east_north(frame)
         return Prism(name, _ring(corners), (), *_vertical_extent(self.base, self.height, ground, corners))
 
 
@@ -104,8 +105,8 @@ class PrismSection(Section):
     @field_validator("footprint", "footprint_geodetic")
     @classmethod
     def _crosses_nothing(cls, ring: Ring | None) -> Ring | None:
-        if ring is not None and not (shape := shapely.Polygon(ring)).is_valid:
-            why = shapely.is_valid_reason(shape)
+        if ring is not None and not shapely.Polygon(ring).is_valid:
+            why = shapely.is_valid_reason(shapely.Polygon(ring))
             raise ValueError(f"expected a ring that does not cross itself, not one with {why}")
         return ring
 
@@ -144,7 +145,8 @@ def no_fly_prisms(
     no_fly: Sequence[NoFlyZone], corners: Box, up: tuple[float, float], terrain: Terrain, frame: LocalFrame
 ) -> tuple[tuple[Obstacle, ...], tuple[Unread, ...]]:
     """Return the zones as obstacles. One with limits below the ground is unlimited, and reported."""
-    prisms, unread = list[Obstacle](), list[Unread]()
+    prisms = list[Obstacle]()
+    unread = list[Unread]()
     for section, zone in no_fly:
         base, top = _ends(section, zone, corners, terrain, frame)
         if section.base is None and section.top is None and top is not None:
@@ -168,7 +170,8 @@ def _box_of(zone: MapArea, corners: Box) -> Box:
 def _ends(
     section: NoFlyMap, zone: MapArea, corners: Box, terrain: Terrain, frame: LocalFrame
 ) -> tuple[float | None, float | None]:
-    base, top = section.base, section.top
+    base = section.base
+    top = section.top
     if zone.lower is None and zone.upper is None:
         return base, top
     box = _box_of(zone, corners)

@@ -58,7 +58,8 @@ class Limits:
 
         `places` (k, 3) remain valid; the ceiling is never below the floor.
         """
-        least, ceiling = self.height_above_ground + above, self.ceiling_above_ground
+        least = self.height_above_ground + above
+        ceiling = self.ceiling_above_ground
         return replace(
             self,
             height_above_ground=least,
@@ -68,7 +69,8 @@ class Limits:
 
 
 def without_repeats(start: Vector, via: Points, goal: Vector) -> Points:
-    same_place, stops = 1e-3, [start]  # [m]
+    same_place = 1e-3  # [m]
+    stops = [start]
     for place in via:
         if np.linalg.norm(place - stops[-1]) > same_place:
             stops.append(place)

@@ -243,8 +243,7 @@ def _horizontal_bounds(
     scenario: Site, area: Any | None, things: Box, boxes: NDArray[np.float64], allowed: Any | None
 ) -> Box:
     if area is not None:
-        west, south, east, north = shapely.bounds(area)
-        least, most = np.array([west, south]), np.array([east, north])
+        least, most = shapely.bounds(area).reshape(2, 2)
     else:
         around = boxes[meets(boxes, things, _reach(scenario))].reshape(-1, 2)
         margin = scenario.bounds.margin
@@ -254,8 +253,9 @@ def _horizontal_bounds(
         if side is not None:
             least[axis], most[axis] = side
     if allowed is not None:
-        west, south, east, north = shapely.bounds(allowed)
-        least, most = np.maximum(least, (west, south)), np.minimum(most, (east, north))
+        allowed_least, allowed_most = shapely.bounds(allowed).reshape(2, 2)
+        least = np.maximum(least, allowed_least)
+        most = np.minimum(most, allowed_most)
     return least, most
 
 

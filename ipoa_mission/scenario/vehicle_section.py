@@ -150,7 +150,8 @@ class VehicleSection(Section):
     @model_validator(mode="after")
     def _not_too_fast(self) -> "VehicleSection":
         for key in ("cruise_speed", "climb_speed", "descent_speed"):
-            if why := self.autopilot.parameter_table.why_too_fast(getattr(self, key) or 0.0, self.parameters):
+            why = self.autopilot.parameter_table.why_too_fast(getattr(self, key) or 0.0, self.parameters)
+            if why:
                 raise ValueError(f"{key}: {why}")
         return self
 
