@@ -55,7 +55,7 @@ def clearance_is_known(mission: Mission) -> bool:
 def test_command_is_modeled_or_harmless_or_clearance_is_unknown(autopilot: Autopilot, firmware: Firmware) -> None:
     known, plain = autopilot.command_effects, Mission(HOME, (takeoff(HOME, 20.0), FIRST, LAST), autopilot)
     newest = autopilot.firmware().version
-    straight = Forecast(plain).predicted(noise_free=True, fast=False).track.points
+    straight = Forecast(plain).predicted(noise_free=True).track.points
     for command in sorted({*firmware.placed, *firmware.plain} - JUMPS):
         placed = command in firmware.placed
         item = Item(command, Frame.GLOBAL_RELATIVE_ALT if placed else Frame.MISSION, (3.0, 3.0, 3.0, 0.0))
@@ -66,7 +66,7 @@ def test_command_is_modeled_or_harmless_or_clearance_is_unknown(autopilot: Autop
         mission = replace(plain, items=(plain.items[0], FIRST, item, LAST), firmware_version=firmware.version)
         assert clearance_is_known(mission) == (known.why_unknown(command, item.params) is None), command
         if command in known.still and firmware.version == newest:
-            flown = Forecast(mission).predicted(noise_free=True, fast=False).track.points
+            flown = Forecast(mission).predicted(noise_free=True).track.points
             nearest = np.linalg.norm(flown[:, None] - straight, axis=2).min(axis=1)
             assert nearest.max() < STOPS_FOR_IT, command
 

@@ -100,7 +100,7 @@ def test_the_circle_of_the_law_is_the_one_that_the_target_is_on(
 def test_the_leg_of_a_circle_lies_where_it_is_flown(turns: float, radius: float) -> None:
     flight = forecast(circle(turns, radius))
     legs = np.vstack([leg.points for leg in flight.legs])
-    track = flight.predicted(noise_free=True, fast=False).track
+    track = flight.predicted(noise_free=True).track
     aside = shapely.distance(shapely.points(track.points[:, :2]), shapely.LineString(legs[:, :2]))
     assert aside.max() < 2.0  # where it begins to turn, and where it stops
     assert np.quantile(aside, 0.9) < 0.7

@@ -52,7 +52,7 @@ def test_the_path_is_the_one_that_was_flown(folder: Path) -> None:
     last = forecast.mission.items[-1].command == Command.NAV_RETURN_TO_LAUNCH
     end = begins.get(len(forecast.mission.items), np.inf) if last else np.inf
     flown = trace[(trace[:, 0] > begins[2]) & (trace[:, 0] < end) & (trace[:, 3] > 0.5), 1:]
-    track = forecast.predicted(noise_free=True, fast=False).track
+    track = forecast.predicted(noise_free=True).track
     most = SPLINES_WITHIN if folder.name.startswith("spline") else WITHIN
     assert apart(flown, track.points).max() < most
 
