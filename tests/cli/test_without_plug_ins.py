@@ -4,7 +4,9 @@ import json
 import os
 import subprocess
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -13,9 +15,9 @@ from tests.cli.conftest import Outcome
 from tests.cli.test_surveying import SCENARIO
 
 REPOSITORY = Path(__file__).parents[2]
-#: Runs the command of each line of its input.
+#: Runs the command of each line of its input, in the folder that the line names.
 GONE = """
-import contextlib, io, json, sys
+import contextlib, io, json, os, sys
 ROOM = sys.argv.pop(1)
 
 class Gone:
@@ -32,30 +34,48 @@ files.plug_ins = lambda group: [
 from ipoa_mission.cli.app import main
 from tests.quick_search import search_quickly
 search_quickly()
-for words in sys.stdin:
+for line in sys.stdin:
+    folder, words = json.loads(line)
+    os.chdir(folder)
     sys.argv[1:], said = words.split(), (io.StringIO(), io.StringIO())
     with contextlib.redirect_stdout(said[0]), contextlib.redirect_stderr(said[1]):
         try:
             main()
         except SystemExit as ended:
             code = ended.code or 0
-    print(json.dumps([code, *(stream.getvalue() for stream in said)]))
+    print(json.dumps([code, *(stream.getvalue() for stream in said)]), flush=True)
 """
 
 Run = Callable[..., list[Outcome]]
 
 
+@pytest.fixture(scope="module")
+def without() -> Iterator[Callable[[str], subprocess.Popen[str]]]:
+    """Start a process without a room, once for all tests."""
+    with ExitStack() as started:
+
+        @cache
+        def process(room: str) -> subprocess.Popen[str]:
+            command = [sys.executable, "-c", GONE, room]
+            pipe, seen = subprocess.PIPE, os.environ | {"PYTHONPATH": str(REPOSITORY)}
+            return started.enter_context(subprocess.Popen(command, stdin=pipe, stdout=pipe, env=seen, text=True))
+
+        yield process
+
+
 @pytest.fixture
-def run(tmp_path: Path) -> Run:
-    """Run commands without a room, in one process."""
+def run(tmp_path: Path, without: Callable[[str], subprocess.Popen[str]]) -> Run:
+    """Run commands without a room."""
 
-    def without(room: str, *commands: str) -> list[Outcome]:
-        lines, seen = "".join(f"{words}\n" for words in commands), os.environ | {"PYTHONPATH": str(REPOSITORY)}
-        command = [sys.executable, "-c", GONE, room]
-        done = subprocess.check_output(command, input=lines, env=seen, cwd=tmp_path, text=True)
-        return [Outcome(*json.loads(line)) for line in done.splitlines()]
+    def run_without(room: str, *commands: str) -> list[Outcome]:
+        process = without(room)
+        assert process.stdin is not None
+        assert process.stdout is not None
+        process.stdin.writelines(json.dumps([str(tmp_path), words]) + "\n" for words in commands)
+        process.stdin.flush()
+        return [Outcome(*json.loads(process.stdout.readline())) for _ in commands]
 
-    return without
+    return run_without
 
 
 @pytest.mark.parametrize("room", ["learn", "paper", "studio", "survey"])

@@ -1,5 +1,5 @@
 import asyncio
-from collections.abc import Awaitable, Callable
+from collections.abc import Awaitable, Callable, Iterator
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -16,18 +16,19 @@ from tests.studio.conftest import MEADOW
 WORDS = ("one", "two\n\u2028", "three")
 
 
-def run(test: Callable[[Process], Awaitable[None]]) -> None:
-    async def whole() -> None:
-        process = Process("tests.studio.echo_worker", Trouble(of="plan", message="it died"))
-        try:
-            await asyncio.wait_for(test(process), 60)
-        finally:
-            await process.close()
-
-    asyncio.run(whole())
+Ask = Callable[[Callable[[Process], Awaitable[None]]], None]
 
 
-def test_requests_are_answered_in_order() -> None:
+@pytest.fixture(scope="module")
+def run() -> Iterator[Ask]:
+    """Run a test with one process for all: it needs most of a second to begin."""
+    process = Process("tests.studio.echo_worker", Trouble(of="plan", message="it died"))
+    with asyncio.Runner() as runner:
+        yield lambda test: runner.run(asyncio.wait_for(test(process), 60))
+        runner.run(process.close())
+
+
+def test_requests_are_answered_in_order(run: Ask) -> None:
     async def test(process: Process) -> None:
         heard: list[dict[str, Any]] = []
         asked = [
@@ -39,16 +40,18 @@ def test_requests_are_answered_in_order() -> None:
     run(test)
 
 
-def test_a_refusal_is_told_and_the_worker_lives() -> None:
+def test_a_refusal_is_told_and_the_worker_lives(run: Ask) -> None:
     async def test(process: Process) -> None:
         heard: list[dict[str, Any]] = []
         await process.ask({"job": "refuse"}, heard.append)
         assert (heard[0]["kind"], heard[0]["message"], heard[0]["hint"]) == ("trouble", "no", "try yes")
+        assert await process.ask({"job": "echo", "words": "alive"}, heard.append)
+        assert heard[1]["words"] == "alive"
 
     run(test)
 
 
-def test_obsolete_requests_are_broken_off() -> None:
+def test_obsolete_requests_are_broken_off(run: Ask) -> None:
     async def test(process: Process) -> None:
         begun = asyncio.Event()
         sleeping = asyncio.create_task(process.ask({"job": "sleep"}, lambda answer: begun.set()))
@@ -63,7 +66,7 @@ def test_obsolete_requests_are_broken_off() -> None:
     run(test)
 
 
-def test_one_that_dies_is_replaced() -> None:
+def test_one_that_dies_is_replaced(run: Ask) -> None:
     async def test(process: Process) -> None:
         heard: list[dict[str, Any]] = []
         assert not await process.ask({"job": "die"}, heard.append)
