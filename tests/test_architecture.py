@@ -12,6 +12,7 @@ import pytest
 import ipoa_mission
 from ipoa_mission.cli.app import VERBS
 from tests.conftest import LONGEST
+from tools.census import nodes, tree
 
 PACKAGE = Path(ipoa_mission.__file__).parent
 ON_GEOMETRY = {"geodesy", "ground"}
@@ -80,16 +81,6 @@ def room_of(name: str) -> str:
 
 def module(path: Path) -> str:
     return ".".join(path.relative_to(PACKAGE.parent).with_suffix("").parts).removesuffix(".__init__")
-
-
-@cache
-def tree(path: Path) -> ast.Module:
-    return ast.parse(path.read_text(encoding="utf-8"))
-
-
-@cache
-def nodes(path: Path) -> tuple[ast.AST, ...]:
-    return tuple(ast.walk(tree(path)))
 
 
 @cache

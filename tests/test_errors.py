@@ -7,6 +7,7 @@ from pathlib import Path
 import ipoa_mission
 from ipoa_mission.errors import CODES, MissionError, Remedy
 from ipoa_mission.rules import RULES
+from tools.census import nodes
 
 PACKAGE = Path(ipoa_mission.__file__).parent
 
@@ -14,13 +15,12 @@ PACKAGE = Path(ipoa_mission.__file__).parent
 def raised() -> Iterator[str]:
     """Yield the codes of classes, and those given by name."""
     errors = {"MissionError"}
-    trees = [ast.parse(path.read_text(encoding="utf-8")) for path in PACKAGE.rglob("*.py")]
-    nodes = [node for tree in trees for node in ast.walk(tree)]
-    classes = [node for node in nodes if isinstance(node, ast.ClassDef)]
+    package = [node for path in PACKAGE.rglob("*.py") for node in nodes(path)]
+    classes = [node for node in package if isinstance(node, ast.ClassDef)]
     while more := {node.name for node in classes if {ast.unparse(base) for base in node.bases} & errors} - errors:
         errors |= more
     yield from (re.sub(r"\B(?=[A-Z])", "-", name).lower() for name in errors)
-    for node in nodes:
+    for node in package:
         if isinstance(node, ast.keyword) and node.arg == "code" and isinstance(node.value, ast.Constant):
             yield str(node.value.value)
 

@@ -35,13 +35,18 @@ ASIDE = {"lab", "reproduction", "reproduction.md"}  # of the docs
 
 
 @cache
-def trees() -> dict[Path, ast.Module]:
-    return {path: ast.parse(path.read_text(encoding="utf-8")) for path in sorted(PACKAGE.rglob("*.py"))}
+def tree(path: Path) -> ast.Module:
+    return ast.parse(path.read_text(encoding="utf-8"))
 
 
 @cache
 def nodes(path: Path) -> tuple[ast.AST, ...]:
-    return tuple(ast.walk(trees()[path]))
+    return tuple(ast.walk(tree(path)))
+
+
+@cache
+def trees() -> dict[Path, ast.Module]:
+    return {path: tree(path) for path in sorted(PACKAGE.rglob("*.py"))}
 
 
 @cache

@@ -12,6 +12,7 @@ from ipoa_mission.mission.items import Mission, takeoff, waypoint
 from ipoa_mission.rules import RULES
 from ipoa_mission.scenario import Scenario
 from tests.refused import refuses
+from tools.census import nodes
 from tools.generate import findings
 
 PACKAGE = Path(ipoa_mission.__file__).parent
@@ -23,7 +24,7 @@ MAKERS = {"Finding", "error", "warning", "report"}
 def codes_given() -> set[str]:
     codes = set()
     for path in [*PACKAGE.glob("checks/*.py"), *PACKAGE.glob("mission/*.py"), *PACKAGE.glob("maps/*.py")]:
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        for node in nodes(path):
             if isinstance(node, ast.Call) and ast.unparse(node.func).rpartition(".")[-1] in MAKERS:
                 first = node.args[0]
                 if not (path.name == "items.py" and isinstance(first, ast.Name)):
