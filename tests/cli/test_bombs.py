@@ -5,6 +5,7 @@ import random
 import sys
 import zipfile
 from collections.abc import Callable
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -26,14 +27,22 @@ KML = b"<kml><Placemark><Polygon>%s</Polygon></Placemark></kml>"
 
 def zipped(content: bytes, repeats: int) -> bytes:
     file = io.BytesIO()
-    with zipfile.ZipFile(file, "w", zipfile.ZIP_DEFLATED) as archive, archive.open("doc.kml", "w") as inner:
+    with (
+        zipfile.ZipFile(file, "w", zipfile.ZIP_DEFLATED, compresslevel=1) as archive,
+        archive.open("doc.kml", "w") as inner,
+    ):
         for _ in range(repeats):
             inner.write(content)
     return file.getvalue()
 
 
+@cache
+def random_bytes() -> bytes:
+    return random.Random(1).randbytes(3_000_000)
+
+
 def noise(begins: bytes = b"") -> bytes:
-    return begins + random.Random(1).randbytes(3_000_000)
+    return begins + random_bytes()
 
 
 def nested(opening: str, times: int, closing: str = "") -> bytes:
