@@ -339,13 +339,23 @@ def _waves(inner: int) -> Matrix:
 
 
 def via_indices(guide: Points, via: Points) -> list[int]:
-    indices = list[int]()
-    after = 1
+    """Return ascending indices of inner points (n, 3) that are nearest to places (m, 3) in the sum of distances.
+
+    >>> way = np.array([(0, 0, 0), (9, 0, 0), (9, 1, 0), (0, 1, 0), (1, 9, 0)], float)
+    >>> via_indices(way, np.array([(1, 1, 0), (0, 2, 0)], float))
+    [2, 3]
+    """
+    least = np.zeros(len(guide) - 2)
+    sums = list[Vector]()
     for place in via:
-        after += int(np.argmin(np.linalg.norm(guide[after:-1] - place, axis=1)))
-        indices.append(after)
-        after += 1
-    return indices
+        sums.append(np.linalg.norm(guide[1:-1] - place, axis=1) + least)
+        least = np.append(np.inf, np.minimum.accumulate(sums[-1])[:-1])
+    indices = list[int]()
+    end = len(guide) - 2
+    for distances in reversed(sums):
+        end = int(np.argmin(distances[:end]))
+        indices.append(1 + end)
+    return indices[::-1]
 
 
 def _nodes(task: PathTask) -> int:

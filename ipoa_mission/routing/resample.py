@@ -13,6 +13,7 @@ from ipoa_mission.forecast.timing.bound import values as cubic_values
 from ipoa_mission.forecast.timing.track import thinned
 from ipoa_mission.geometry import Points, Vector, arc_lengths
 from ipoa_mission.planning.path_problem import PathTask
+from ipoa_mission.planning.problem import via_indices
 from ipoa_mission.planning.proof import Check, prove
 from ipoa_mission.planning.spline import Spline
 from ipoa_mission.world.airspace import Airspace
@@ -181,11 +182,7 @@ def is_far(points: Points, line: Points, most: float) -> NDArray[np.bool_]:
 
 def through(samples: Points, via: Points) -> tuple[Points, list[int]]:
     """Move the nearest sample to each via point; return samples and indices."""
-    stops: list[int] = []
-    for place, left in zip(via, range(len(via), 0, -1), strict=True):
-        first = stops[-1] + 1 if stops else 1
-        away = np.linalg.norm(samples[first : len(samples) - left] - place, axis=1)
-        stops.append(first + int(np.argmin(away)))
+    stops = via_indices(samples, via)
     samples[stops] = via
     return samples, stops
 
