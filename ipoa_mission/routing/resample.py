@@ -16,7 +16,7 @@ from ipoa_mission.planning.path_problem import PathTask
 from ipoa_mission.planning.problem import via_indices
 from ipoa_mission.planning.proof import Check, prove
 from ipoa_mission.planning.spline import Spline
-from ipoa_mission.world.airspace import Airspace
+from ipoa_mission.world.airspace import ROUNDING, Airspace
 
 PUSHES = 30
 OVERSHOOT = 0.01  # of a moved leg [m]
@@ -58,7 +58,7 @@ def push_clear(waypoints: Points, task: PathTask) -> Points:
     moved = waypoints.copy()
     is_free = ~(waypoints[:, None] == task.places).all(axis=2).any(axis=1)
     is_free[[0, -1]] = False
-    moved_legs = set(_broken_legs(moved, task))  # since their last proof
+    moved_legs = set(_doubtful_legs(moved, task).tolist())  # not proved since
     for _ in range(PUSHES):
         for leg in range(len(moved) - 1):
             if leg not in moved_legs:
@@ -75,13 +75,17 @@ def push_clear(waypoints: Points, task: PathTask) -> Points:
     return moved
 
 
-def _broken_legs(waypoints: Points, task: PathTask, first: int = 0) -> list[int]:
-    if not _broken(waypoints, task):
-        return []
-    if len(waypoints) == 2:
-        return [first]
-    middle = len(waypoints) // 2
-    return _broken_legs(waypoints[: middle + 1], task, first) + _broken_legs(waypoints[middle:], task, first + middle)
+def _doubtful_legs(waypoints: Points, task: PathTask) -> NDArray[np.intp]:
+    """Return the legs that may break a limit, by bounds of all legs at once."""
+    starts = waypoints[:-1]
+    ends = waypoints[1:]
+    airspace = task.airspace
+    required = task.limits.obstacle_distance + ROUNDING
+    near = airspace.legs_clearance(starts, ends, required)[0] < required
+    low = airspace.terrain.legs_height(starts, ends) < task.limits.height_above_ground + ROUNDING
+    margins = airspace.bounds.box_margin(waypoints)
+    outside = np.minimum(margins[:-1], margins[1:]) < ROUNDING
+    return np.flatnonzero(near | low | outside | (airspace.bounds.footprint is not None))
 
 
 def _broken(legs: Points, task: PathTask) -> list[Check]:
