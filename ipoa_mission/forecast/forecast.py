@@ -170,13 +170,13 @@ class Forecast:
         model = self.mission.autopilot.part(FlightModel)
         if noise_free and fast is None and model.is_always_noise_free:
             return self.expected  # a long flight is large
-        return model.predicted(self.itinerary, self.mission, self.wind, fast, noise_free)
+        return model.predicted(self.itinerary, self.wind, fast, noise_free)
 
     def timed(self, fast: bool | None = None) -> "Estimate":
         from ipoa_mission.forecast.timing.estimate import times_of
 
         expected = self.expected if fast is None else self.predicted(noise_free=False, fast=fast)
-        times = times_of(self.mission, self.itinerary, expected)
+        times = times_of(self.itinerary, expected)
         unknown = (f"item {item.seq}: {item.why}: the time after it is unknown" for item in self.unknown)
         return replace(times, remarks=(*times.remarks, *unknown))
 
@@ -213,7 +213,7 @@ class Forecast:
         task = clearance_task(self.world, self.mission.autopilot)
         predicted = self.predicted(noise_free=True)
         model = self.mission.autopilot.part(FlightModel)
-        spread = None if task.chance is None else model.spread(self.itinerary, self.mission, self.wind, predicted)
+        spread = None if task.chance is None else model.spread(self.itinerary, self.wind, predicted)
         return clearance_guarantee_of(PredictedFlight(self.itinerary, predicted, task, spread))
 
     def expect_known_path(self) -> None:

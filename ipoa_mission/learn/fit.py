@@ -59,7 +59,7 @@ class Evidence:
         if not self.visits:
             return np.empty(0)
         forecast = Forecast(replace(self.mission, vehicle=vehicle))
-        done = self.mission.autopilot.part(FlightModel).median_times(forecast.itinerary, forecast.mission)
+        done = self.mission.autopilot.part(FlightModel).median_times(forecast.itinerary)
         return np.diff(done[list(self.visits)], prepend=0.0)
 
 

@@ -28,7 +28,7 @@ from ipoa_mission.forecast.timing.bound import Kinematics
 from ipoa_mission.forecast.timing.flight_model import FlightModel, Prediction
 from ipoa_mission.forecast.timing.track import Track
 from ipoa_mission.geometry import Place, Vector
-from ipoa_mission.mission.items import Item, Mission
+from ipoa_mission.mission.items import Item
 from ipoa_mission.mission.program import Program
 from ipoa_mission.simulator.mock_profile import MockProfile
 from ipoa_mission.simulator.situation import STEP_S, FlightMode, SimulatedVehicle, Situation
@@ -78,9 +78,7 @@ class Model(FlightModel):
     scatter = (0.1, 0.01, 0.1)
     simulated_lag = 0.05
 
-    def predicted(
-        self, route: Itinerary, mission: Mission, wind: Wind, fast: bool | None, noise_free: bool
-    ) -> Prediction:
+    def predicted(self, route: Itinerary, wind: Wind, fast: bool | None, noise_free: bool) -> Prediction:
         here, clock, speed = (0.0, 0.0, 0.0), 0.0, SPEED
         times, points, done = [0.0], [here], []
         for n, visit in enumerate(route.visits):

@@ -27,7 +27,6 @@ from ipoa_mission.forecast.contingency.contingencies import (
 )
 from ipoa_mission.forecast.contingency.contingency_paths import ContingencyPaths
 from ipoa_mission.forecast.contingency.contingency_samples import SAMPLING
-from ipoa_mission.forecast.timing.flight_model import OrderedContingency
 from ipoa_mission.mission.items import FenceCircle, Item
 from ipoa_mission.vehicles.arducopter.braking import Shaping
 from ipoa_mission.vehicles.px4_multicopter.flight_model import Flights
@@ -179,11 +178,11 @@ def lose_noisy_flights(monkeypatch: pytest.MonkeyPatch, lost: range) -> list[int
     """Lose the flights of these seeds that have a contingency; return the list of seeds that are not lost."""
     flown, ended = Flights.flown_with, list[int]()
 
-    def flown_with(self: Flights, ordered: OrderedContingency, seed: int | None) -> Any:
+    def flown_with(self: Flights, contingency: Contingency, time: float, seed: int | None) -> Any:
         if seed in lost:
             raise MissionError("the vehicle circles", code="unreachable")
         ended.extend([seed] if seed else [])
-        return flown(self, ordered, seed)
+        return flown(self, contingency, time, seed)
 
     monkeypatch.setattr(Flights, "flown_with", flown_with)
     return ended

@@ -20,7 +20,7 @@ from ipoa_mission.autopilot.autopilot import autopilot_named
 from ipoa_mission.autopilot.returning import Contingency, FlightStage
 from ipoa_mission.autopilot.version import Version
 from ipoa_mission.forecast.contingency.contingencies import Contingencies
-from ipoa_mission.forecast.timing.flight_model import FlightModel, OrderedContingency
+from ipoa_mission.forecast.timing.flight_model import FlightModel
 
 Row = dict[str, str]
 ROWS: list[Row] = list(csv.DictReader(Path("docs/data/returns.csv").read_text(encoding="utf-8").splitlines()))
@@ -209,7 +209,7 @@ def test_the_model_still_foretells_what_was_flown(row: Row) -> None:
     assert predicted.grade.name.lower() == (row["grade"] or predicted.grade.name.lower())
     if contingency in (Contingency.RTL, Contingency.LAND) and row["did"] == contingency:
         mission, forecast = contingencies.mission, contingencies.forecast
-        model, order = mission.autopilot.part(FlightModel), OrderedContingency(second, contingency)
-        prediction = model.predict_contingency(forecast.itinerary, mission, forecast.wind, order)
+        model = mission.autopilot.part(FlightModel)
+        prediction = model.predict_contingency(forecast.itinerary, forecast.wind, contingency, second)
         share, seconds = OFF[row["autopilot"]]
         assert float(prediction.done[-1]) - second == pytest.approx(float(row["flown_s"]), rel=share, abs=seconds)

@@ -29,7 +29,7 @@ def forecast_of(name: str) -> Forecast:
 @pytest.fixture(scope="module")
 def flights() -> Flights:
     forecast = forecast_of("sitl")
-    return Flights(forecast.itinerary, forecast.mission, forecast.wind)
+    return Flights(forecast.itinerary, forecast.wind)
 
 
 def numbers(state: Any) -> Iterator[float]:

@@ -65,5 +65,6 @@ def test_a_waypoint_without_a_radius_of_its_own_is_reached_at_10_m() -> None:
     items = (replace(item, params=(*item.params[:1], 0.0, *item.params[2:])) for item in mission.items)
     itinerary = Forecast(replace(mission, items=tuple(items)), None).itinerary
     missions = (replace(mission, firmware_version=version) for version in (VERSION, Version(1, 17)))
-    radii = [{order.radius for order in Flights(itinerary, mission).mission_orders.orders[2:4]} for mission in missions]
+    flights = [Flights(replace(itinerary, mission=mission)) for mission in missions]
+    radii = [{order.radius for order in each.mission_orders.orders[2:4]} for each in flights]
     assert radii == [{10.0}, {2.0}]

@@ -24,7 +24,7 @@ PLACE = 245.0  # east of home, 24 m past the crest [m]
 @pytest.fixture(scope="module")
 def flights() -> Flights:
     mission = replace(read_mission(FOLDER / "mission.plan", Autopilot.PX4), firmware_version=Version(1, 17))
-    return Flights(Forecast(mission, None).itinerary, mission)
+    return Flights(Forecast(mission, None).itinerary)
 
 
 def slowest(track: Points) -> float:

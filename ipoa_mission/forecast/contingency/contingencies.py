@@ -19,7 +19,7 @@ from ipoa_mission.errors import MissionError, NotModeled
 from ipoa_mission.forecast.contingency.contingency_paths import ContingencyPaths
 from ipoa_mission.forecast.contingency.contingency_samples import GROUND, ContingencySamples, StoppingPoints
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.forecast.timing.flight_model import FlightModel, OrderedContingency
+from ipoa_mission.forecast.timing.flight_model import FlightModel
 from ipoa_mission.geometry import Vector
 from ipoa_mission.world.airspace import Clearance
 
@@ -172,8 +172,7 @@ def predict_contingency(forecast: Forecast, contingency: Contingency, time: floa
     if contingency not in TIMED:
         raise NotModeled(f"the duration of {contingency} is not modeled")
     model = forecast.mission.autopilot.part(FlightModel)
-    ordered = OrderedContingency(time, contingency)
-    prediction = model.predict_contingency(forecast.itinerary, forecast.mission, forecast.wind, ordered)
+    prediction = model.predict_contingency(forecast.itinerary, forecast.wind, contingency, time)
     lasts = max(float(prediction.low[-1]) - time, 0.0), max(float(prediction.high[-1]) - time, 0.0)
     touches = None
     if prediction.touched is not None and np.isfinite(prediction.touched[0]):

@@ -2,7 +2,8 @@
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import NamedTuple
 
 from ipoa_mission.autopilot.commands import FLOWN_TO, LAST_NAV, Command
@@ -25,22 +26,38 @@ CONDITIONS = frozenset({Command.CONDITION_DELAY, Command.CONDITION_DISTANCE})
 
 @dataclass(frozen=True)
 class Itinerary:
-    """The items in the order flown, numbered as in the mission; `parameters` by their older names."""
+    """A mission's items in the order flown, numbered as in the mission; `over_terrain`: numbers of such items."""
 
+    mission: Mission
     visits: tuple[Numbered, ...]
     program: Program
     over_terrain: tuple[int, ...]
-    ground: Ground = LEVEL
-    rally: tuple[Place, ...] = ()
-    parameters: Parameters = field(default_factory=dict)
+    ground: Ground
+
+    @cached_property
+    def start_height(self) -> float | None:
+        """Return the first height [m] of a mission without a take-off."""
+        for (_, item), place in zip(self.visits, self.program.places, strict=True):
+            if item.command <= LAST_NAV and item.command != Command.NAV_DELAY:
+                return None if item.is_takeoff or math.isnan(place[0]) else max(0.0, float(place[2]))
+        return None
+
+    @cached_property
+    def parameters(self) -> Parameters:
+        """The mission's and its version's, by their older names."""
+        return self.mission.autopilot.known_parameters(self.mission.parameters, self.mission.firmware_version)
+
+    @cached_property
+    def rally(self) -> tuple[Place, ...]:
+        return rally_places(self.mission)
 
     def goal_of_return(self, here: Place) -> Place:
-        rally = self._route_of_return(here).rally
+        rally = self.route_of_return(here).rally
         return HOME if rally is None else self.rally[rally]
 
-    def _route_of_return(self, here: Place, landing: MissionLanding | None = None) -> ReturnRoute:
-        program = self.program
-        return program.autopilot.return_route(self.parameters, ReturnOrder(here, self.rally, landing, program.version))
+    def route_of_return(self, here: Place, landing: MissionLanding | None = None) -> ReturnRoute:
+        order = ReturnOrder(here, self.rally, landing, self.mission.firmware_version)
+        return self.mission.autopilot.return_route(self.parameters, order)
 
     def _visited_landing(self, n: int, here: Place) -> MissionLanding | None:
         lands = next((k for k, visit in enumerate(self.visits) if visit.item.command == Command.NAV_LAND), None)
@@ -50,7 +67,7 @@ class Itinerary:
     def returns_by(self) -> ReturnBy:
         """Return how RTL returns when ordered over the mission's landing."""
         landing = self._visited_landing(0, HOME)
-        return self._route_of_return(HOME if landing is None else landing.place, landing).by
+        return self.route_of_return(HOME if landing is None else landing.place, landing).by
 
     def places_of_return(self, n: int, here: Place) -> tuple[Place, ...] | None:
         """Return the places of a return back along the mission to over home; None: straight.
@@ -58,7 +75,7 @@ class Itinerary:
         Raises:
             MissionError: it returns to a landing of its own, which is not modeled.
         """
-        by = self._route_of_return(here, self._visited_landing(n, here)).by
+        by = self.route_of_return(here, self._visited_landing(n, here)).by
         if by is ReturnBy.DIRECT:
             return None
         if by is not ReturnBy.MISSION_REVERSED:
@@ -80,24 +97,14 @@ def itinerary(mission: Mission, ground: Ground = LEVEL) -> Itinerary:
     items = as_flown(replace(mission, items=tuple(mission.items[n] for n in order))).items
     visits = tuple(Numbered(n + 1, item) for n, item in zip(order, items, strict=True))
     over_terrain = sorted({seq for seq, item in visits if item.is_over_terrain and item.has_position})
-    version = mission.firmware_version
-    program = Program(items, mission.frame, mission.autopilot, version=version)
-    parameters = mission.autopilot.known_parameters(mission.parameters, version)
-    return Itinerary(visits, program, tuple(over_terrain), ground, rally_places(mission), parameters)
+    program = Program(items, mission.frame, mission.autopilot, version=mission.firmware_version)
+    return Itinerary(mission, visits, program, tuple(over_terrain), ground)
 
 
 def rally_places(mission: Mission) -> tuple[Place, ...]:
     frame, altitude = mission.frame, mission.home.altitude
     places = (frame.local(Geodetic(at.latitude_deg, at.longitude_deg, altitude)) for at in mission.rally)
     return tuple((float(p[0]), float(p[1]), at.altitude) for p, at in zip(places, mission.rally, strict=True))
-
-
-def flying_already(route: Itinerary) -> float | None:
-    """Return the first height [m] of a mission without a take-off."""
-    for (_, item), place in zip(route.visits, route.program.places, strict=True):
-        if item.command <= LAST_NAV and item.command != Command.NAV_DELAY:
-            return None if item.is_takeoff or math.isnan(place[0]) else max(0.0, float(place[2]))
-    return None
 
 
 def _unrolled(mission: Mission) -> list[int]:

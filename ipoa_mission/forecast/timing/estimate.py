@@ -10,7 +10,7 @@ import numpy as np
 from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.autopilot.commands import WAYPOINTS, Command
 from ipoa_mission.autopilot.parameters import Parameters
-from ipoa_mission.forecast.itinerary.itinerary import CONDITIONS, Itinerary, flying_already
+from ipoa_mission.forecast.itinerary.itinerary import CONDITIONS, Itinerary
 from ipoa_mission.forecast.timing.bound import Kinematics, least_time
 from ipoa_mission.forecast.timing.flight_model import NEVER_MISSED, FlightModel, Missed, Prediction
 from ipoa_mission.forecast.timing.track import Track, interpolate
@@ -50,25 +50,25 @@ def kinematics(autopilot: Autopilot, parameters: Parameters, speed: float | None
     return autopilot.part(FlightModel).kinematics(parameters, speed)
 
 
-def route_time(
-    route: Itinerary, done: Sequence[float] | Vector, track: Track, autopilot: Autopilot, parameters: Parameters
-) -> RouteTime:
-    ends = [n for n, visit in enumerate(route.visits) if visit.item.is_waypoint]
-    starts = [n for n, visit in enumerate(route.visits) if visit.item.command in WAYPOINTS | {Command.NAV_TAKEOFF}]
+def route_time(itinerary: Itinerary, prediction: Prediction) -> RouteTime:
+    autopilot, parameters, visits = itinerary.mission.autopilot, itinerary.mission.parameters, itinerary.visits
+    ends = [n for n, visit in enumerate(visits) if visit.item.is_waypoint]
+    starts = [n for n, visit in enumerate(visits) if visit.item.command in WAYPOINTS | {Command.NAV_TAKEOFF}]
     if not ends or starts[0] == ends[-1]:
         return NO_ROUTE
-    begin, end = float(done[starts[0]]), float(done[ends[-1]])
+    begin = float(prediction.done[starts[0]])
+    end = float(prediction.done[ends[-1]])
     standard = kinematics(autopilot, parameters).speed
-    limits = kinematics(autopilot, parameters, _most_asked(route, ends[0], ends[-1], standard))
-    path = _smoothed(track.between(begin, end).points)
+    limits = kinematics(autopilot, parameters, _most_asked(itinerary, ends[0], ends[-1], standard))
+    path = _smoothed(prediction.track.between(begin, end).points)
     return NO_ROUTE if len(path) < 2 else RouteTime(end - begin, path, limits)
 
 
-def _most_asked(route: Itinerary, first: int, last: int, standard: float) -> float:
+def _most_asked(itinerary: Itinerary, first: int, last: int, standard: float) -> float:
     """Return the highest level speed in force between two visits [m/s]; the one before counts as well."""
     asked = [
         (n, visit.item.params[1])
-        for n, visit in enumerate(route.visits[:last])
+        for n, visit in enumerate(itinerary.visits[:last])
         if visit.item.command == Command.DO_CHANGE_SPEED and visit.item.params[0] < 2 and visit.item.params[1] > 0
     ]
     begun = standard if not asked or asked[0][0] > first else 0.0
@@ -164,25 +164,25 @@ class Estimate:
         return f"<Estimate: {self.total_s:.1f} s, {between}; {len(self.items)} items>"
 
 
-def times_of(mission: Mission, route: Itinerary, prediction: Prediction) -> Estimate:
-    items = _item_times(route, prediction)
+def times_of(itinerary: Itinerary, prediction: Prediction) -> Estimate:
+    items = _item_times(itinerary, prediction)
     remarks = prediction.remarks
-    if route.over_terrain:
-        remarks = (*remarks, f"{name_items(route.over_terrain)}: height over terrain taken as height over home")
-    conditions = [visit.seq for visit in route.visits if visit.item.command in CONDITIONS]
+    if itinerary.over_terrain:
+        remarks = (*remarks, f"{name_items(itinerary.over_terrain)}: height over terrain taken as height over home")
+    conditions = [visit.seq for visit in itinerary.visits if visit.item.command in CONDITIONS]
     if conditions:
         remarks = (*remarks, f"{name_items(conditions)}: the delayed action counts as done at once")
-    knows_clock = mission.autopilot.guidance.waits_until_clock
-    waits = [(visit.seq, visit.item.clock) for visit in route.visits if knows_clock and visit.item.clock]
+    knows_clock = itinerary.mission.autopilot.guidance.waits_until_clock
+    waits = [(visit.seq, visit.item.clock) for visit in itinerary.visits if knows_clock and visit.item.clock]
     remarks += tuple(f"item {seq}: the wait until {until} is not in the times" for seq, until in waits)
-    if flying_already(route) is not None:
+    if itinerary.start_height is not None:
         remarks = (*remarks, "the mission has no take-off: the time starts over home, at the height of its first place")
     return Estimate(
         total_s=items[-1].done_s if items else 0.0,
         low_s=items[-1].low_s if items else 0.0,
         high_s=items[-1].high_s if items else 0.0,
-        qgroundcontrol_s=qgroundcontrol_time(mission),
-        route=route_time(route, prediction.done, prediction.track, mission.autopilot, mission.parameters),
+        qgroundcontrol_s=qgroundcontrol_time(itinerary.mission),
+        route=route_time(itinerary, prediction),
         items=items,
         track=prediction.track.local(),
         remarks=tuple(dict.fromkeys(remarks)),
@@ -190,13 +190,13 @@ def times_of(mission: Mission, route: Itinerary, prediction: Prediction) -> Esti
     )
 
 
-def _item_times(route: Itinerary, prediction: Prediction) -> tuple[ItemTime, ...]:
+def _item_times(itinerary: Itinerary, prediction: Prediction) -> tuple[ItemTime, ...]:
     items, begun = [], 0.0
     times = (map(float, values) for values in (prediction.done, prediction.low, prediction.high))
-    risks = prediction.missed or (NEVER_MISSED,) * len(route.visits)
+    risks = prediction.missed or (NEVER_MISSED,) * len(itinerary.visits)
     track = prediction.track  # NumPy would copy strided axes for each item
     clock, speeds, *axes = map(np.ascontiguousarray, (track.times, track.speeds, *track.points.T))
-    for visit, done, low, high, reason, missed in zip(route.visits, *times, prediction.reasons, risks, strict=True):
+    for visit, done, low, high, reason, missed in zip(itinerary.visits, *times, prediction.reasons, risks, strict=True):
         length, peak = _flown(clock, axes, speeds, begun, done)
         lasted = done - begun
         items.append(

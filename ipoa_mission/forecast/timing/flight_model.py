@@ -14,7 +14,6 @@ from ipoa_mission.forecast.itinerary.itinerary import Itinerary, turn_deg
 from ipoa_mission.forecast.timing.bound import Kinematics
 from ipoa_mission.forecast.timing.track import Track
 from ipoa_mission.geometry import Place, Points, Vector
-from ipoa_mission.mission.items import Mission
 from ipoa_mission.wind import CALM, Wind
 
 
@@ -88,12 +87,6 @@ class SlowedByAir(Protocol):
         """Return the deceleration by the air (n, 3) [m/s^2], at velocity (n, 3) [m/s] and axes (n, 3, 3)."""
 
 
-@dataclass(frozen=True)
-class OrderedContingency:
-    time: float
-    contingency: Contingency
-
-
 class FlightModel(ABC):
     scatter: ClassVar[tuple[float, float, float]]
     """Standard deviations of an item's time about the model's: seconds, share, and seconds of a landing."""
@@ -104,9 +97,7 @@ class FlightModel(ABC):
     """True where `noise_free` has no effect."""
 
     @abstractmethod
-    def predicted(
-        self, itinerary: Itinerary, mission: Mission, wind: Wind, fast: bool | None, noise_free: bool
-    ) -> Prediction:
+    def predicted(self, itinerary: Itinerary, wind: Wind, fast: bool | None, noise_free: bool) -> Prediction:
         """Predict the flight; `fast` and `noise_free` as in `Forecast.predicted`.
 
         Raises:
@@ -114,7 +105,7 @@ class FlightModel(ABC):
             MissionError: the vehicle makes no progress.
         """
 
-    def spread(self, itinerary: Itinerary, mission: Mission, wind: Wind, predicted: Prediction) -> Points | None:
+    def spread(self, itinerary: Itinerary, wind: Wind, predicted: Prediction) -> Points | None:
         """Return the deviation due to this route, beyond the deviation law, (n, 3) as in `Pieces`; None: nowhere."""
         return None
 
@@ -123,14 +114,14 @@ class FlightModel(ABC):
         """Return the limits that parameters set; `speed` is that of DO_CHANGE_SPEED [m/s]."""
 
     def predict_contingency(
-        self, itinerary: Itinerary, mission: Mission, wind: Wind, ordered: OrderedContingency
+        self, itinerary: Itinerary, wind: Wind, contingency: Contingency, time: float
     ) -> Prediction:
-        """Predict the flight up to the order, then the contingency; `done` has only its end.
+        """Predict the flight until a contingency is ordered at `time` [s], then that; `done` has only its end.
 
         Raises:
             MissionError: as `predicted`; or the model has no such flights.
         """
-        raise NotModeled(f"{mission.autopilot.model} has no model of returns: their duration is unknown")
+        raise NotModeled(f"{itinerary.mission.autopilot.model} has no model of returns: their duration is unknown")
 
     def never_lands(self, words: str) -> MissionError:
         """Return the error of a contingency without an end; a mission's is `EndlessFlight`."""
@@ -140,5 +131,5 @@ class FlightModel(ABC):
         """Return the simulated airframe at an altitude [m AMSL]; raise MissionError if drag cannot be learned."""
         raise NotModeled("this flight model has no airframe: drag cannot be learned")
 
-    def median_times(self, itinerary: Itinerary, mission: Mission) -> Vector:
-        return self.predicted(itinerary, mission, CALM, True, False).done
+    def median_times(self, itinerary: Itinerary) -> Vector:
+        return self.predicted(itinerary, CALM, True, False).done

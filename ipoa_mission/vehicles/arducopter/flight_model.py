@@ -11,19 +11,12 @@ from ipoa_mission.autopilot.parameters import Parameters
 from ipoa_mission.autopilot.returning import Contingency
 from ipoa_mission.errors import BadInput, EndlessFlight, MissionError
 from ipoa_mission.forecast.deviation.law import DeviationLaw, Quantiles
-from ipoa_mission.forecast.itinerary.itinerary import UNTIMED, Itinerary, flying_already
+from ipoa_mission.forecast.itinerary.itinerary import UNTIMED, Itinerary
 from ipoa_mission.forecast.timing.bound import Kinematics
-from ipoa_mission.forecast.timing.flight_model import (
-    FlightModel,
-    LegSpeeds,
-    OrderedContingency,
-    Prediction,
-    SlowedByAir,
-    corner_deg,
-)
+from ipoa_mission.forecast.timing.flight_model import FlightModel, LegSpeeds, Prediction, SlowedByAir, corner_deg
 from ipoa_mission.forecast.timing.track import Track
 from ipoa_mission.geometry import Place, Points
-from ipoa_mission.mission.items import Item, Mission
+from ipoa_mission.mission.items import Item
 from ipoa_mission.vehicles.arducopter.dynamics import procedures
 from ipoa_mission.vehicles.arducopter.dynamics.copter import Copter, airframe_of
 from ipoa_mission.vehicles.arducopter.dynamics.legs import limits_along
@@ -63,10 +56,8 @@ class ArduCopterModel(FlightModel):
     is_always_noise_free = True
     simulated_lag = ARDUPILOT_SIMULATOR.lag
 
-    def predicted(
-        self, itinerary: Itinerary, mission: Mission, wind: Wind, fast: bool | None, noise_free: bool
-    ) -> Prediction:
-        flight = _Flight(itinerary, mission, wind, fast)
+    def predicted(self, itinerary: Itinerary, wind: Wind, fast: bool | None, noise_free: bool) -> Prediction:
+        flight = _Flight(itinerary, wind, fast)
         times = list[float]()
         reasons = list[str]()
         for n, visit in enumerate(itinerary.visits):
@@ -87,17 +78,18 @@ class ArduCopterModel(FlightModel):
         return Prediction(done, low, high, tuple(reasons), track, tuple(flight.remarks))
 
     def predict_contingency(
-        self, itinerary: Itinerary, mission: Mission, wind: Wind, ordered: OrderedContingency
+        self, itinerary: Itinerary, wind: Wind, contingency: Contingency, time: float
     ) -> Prediction:
         """Predict the time with a contingency; the track has a sample at its order."""
-        flight = _Flight(itinerary, mission, wind, None)
-        flight.until = ordered.time
+        flight = _Flight(itinerary, wind, None)
+        flight.until = time
         for n in range(len(itinerary.visits)):
             if flight.is_aborted:
                 break
             flight.visit(n)
-        flight.until, copter = math.inf, flight.copter
-        returns = ordered.contingency is Contingency.RTL
+        flight.until = math.inf
+        copter = flight.copter
+        returns = contingency is Contingency.RTL
         if returns and copter.limits.rtl_final > 0.0:
             raise self.never_lands("with an RTL_ALT_FINAL above 0 it waits over its goal and does not land")
         if returns:
@@ -105,9 +97,9 @@ class ArduCopterModel(FlightModel):
         else:
             flight.go(procedures.land(copter, None))
         done = np.array([copter.state.time])
-        doubt = UNCERTAINTY.contingency_s + UNCERTAINTY.contingency_share * (done - ordered.time)
+        doubt = UNCERTAINTY.contingency_s + UNCERTAINTY.contingency_share * (done - time)
         touched = flight.touched
-        off = UNCERTAINTY.contingency_s + UNCERTAINTY.contingency_share * (touched - ordered.time)
+        off = UNCERTAINTY.contingency_s + UNCERTAINTY.contingency_share * (touched - time)
         track = Track.joined(flight.samples)
         between = touched - off, touched, touched + off
         return Prediction(done, done - doubt, done + doubt, ("",), track, touched=between)
@@ -122,11 +114,13 @@ class ArduCopterModel(FlightModel):
 
 
 class _Flight:
-    def __init__(self, itinerary: Itinerary, mission: Mission, wind: Wind, fast: bool | None) -> None:
-        self.itinerary, self.wind = itinerary, wind
+    def __init__(self, itinerary: Itinerary, wind: Wind, fast: bool | None) -> None:
+        mission = itinerary.mission
+        self.itinerary = itinerary
+        self.wind = wind
         self.limits = copter_limits(mission.parameters, mission.firmware_version)
         self.airframe = airframe_of(mission.vehicle).at_altitude(mission.home.altitude)
-        height = flying_already(itinerary)
+        height = itinerary.start_height
         self.copter = Copter(self.limits, wind, self.airframe, fast, itinerary.ground)
         self.copter.start_at((0.0, 0.0, height or 0.0))
         self.airborne = height is not None
@@ -142,7 +136,8 @@ class _Flight:
 
     def visit(self, n: int) -> str:
         visit = self.itinerary.visits[n]
-        command, params = visit.item.command, visit.item.params
+        command = visit.item.command
+        params = visit.item.params
         legs = procedures.legs_of(self.copter, self.itinerary.program, n, self.here(n))
         if legs is not None:
             if command == Command.NAV_LOITER_TO_ALT and visit.seq in self.itinerary.over_terrain:
@@ -223,7 +218,8 @@ class _Flight:
             if self.is_aborted:
                 return
         if self.copter.this.kind == Kind.DESCENT:
-            self.touched, delay = self.copter.state.time, self.airframe.landing_delay
+            self.touched = self.copter.state.time
+            delay = self.airframe.landing_delay
             self.wait_on_ground(max(LANDED_S + self.copter.limits.spool_up + delay, 0.0))
             self.airborne = False
 

@@ -29,7 +29,9 @@ class Px4Controller:
         limits = px4_limits(parameters, conditions.version)
         airframe = navigator.airframe_of(conditions.vehicle)
         self._limits = limits._replace(spool_up=max(limits.spool_up + airframe.lift_delay, 0.0))
-        self._vehicle, self._now, self._ground = vehicle, situation, conditions.ground
+        self._vehicle = vehicle
+        self._now = situation
+        self._ground = conditions.ground
         self._parameters = parameters
         self._law = navigator.simulation_constants(self._limits, airframe, SIH_SENSES, conditions.wind, STEP_S)
         seeds = (float(chance.randrange(1, 2_000_000_000)), float(chance.randrange(1, 2_000_000_000)))
@@ -59,7 +61,7 @@ class Px4Controller:
         here = self._over_home()
         limits = self._limits
         top = self._here = here._replace(up=height)
-        rise = navigator.leg(here, top, None, limits, limits.cruise)
+        rise = navigator.leg(limits, here, top)
         if self._now.landed:
             rise = navigator.take_off(top, limits)
         self._carry_out([rise, *navigator.stay(top, limits, math.inf)])
@@ -72,7 +74,7 @@ class Px4Controller:
         height = self._state.body.place.up if math.isnan(up) else up
         self._here = Enu(level.east, level.north, max(height, self._ground.at(level.east, level.north)))
         cruise = speed if speed > 0.0 else self._cruise
-        order = navigator.leg(self._state.body.place, self._here, None, self._limits, cruise)
+        order = navigator.leg(self._limits, self._state.body.place, self._here, cruise=cruise)
         self._carry_out([order._replace(hold_s=math.inf, follows_home=False)])
 
     @property
@@ -80,7 +82,8 @@ class Px4Controller:
         return self._now.mode is FlightMode.HOLD and len(self._orders) > 1
 
     def step(self) -> None:
-        now, state = self._now, self._state
+        now = self._now
+        state = self._state
         if not now.armed:
             self._fall()
         elif not self._orders or (now.landed and now.time_s - now.armed_s < self._limits.spool_up):
@@ -125,7 +128,8 @@ class Px4Controller:
             now.done(now.current, announced=not hidden)
 
     def _fall(self) -> None:
-        state, place = self._state, self._state.body.place
+        state = self._state
+        place = self._state.body.place
         ground = self._ground.at(place.east, place.north)
         if place.up > ground:
             no_thrust = Enu(0.0, 0.0, -GRAVITY)
@@ -135,8 +139,10 @@ class Px4Controller:
         self._state = state
 
     def _show(self) -> None:
-        vehicle, body = self._vehicle, self._state.body
-        vehicle.place, vehicle.motion = body.place, body.speed
+        vehicle = self._vehicle
+        body = self._state.body
+        vehicle.place = body.place
+        vehicle.motion = body.speed
         vehicle.tilt_accel = body.thrust.east, body.thrust.north
         vehicle.yaw = self._state.nose.yaw % (2.0 * math.pi)
         vehicle.on_ground = body.on_ground
@@ -148,7 +154,8 @@ class Px4Controller:
             now.mode = FlightMode.HOLD
             self._brake()
         elif item.command == Command.NAV_RETURN_TO_LAUNCH:
-            now.mission, now.mode = MissionState.COMPLETE, FlightMode.RETURN
+            now.mission = MissionState.COMPLETE
+            now.mode = FlightMode.RETURN
             now.done(now.current)
             self._return()
         else:
@@ -173,7 +180,7 @@ class Px4Controller:
             climb = [navigator.take_off(start, limits)]
         onward = self._now.program.onward(index)
         beyond = None if onward is None else Enu(*self._now.program.place(onward, goal))
-        order = navigator.waypoint(item, navigator.leg(start, goal, beyond, limits, cruise), limits)
+        order = navigator.waypoint(item, navigator.leg(limits, start, goal, beyond=beyond, cruise=cruise), limits)
         if item.command == Command.NAV_LOITER_UNLIM:
             order = order._replace(hold_s=math.inf, beyond=goal)
         return [*climb, order]
@@ -197,7 +204,7 @@ class Px4Controller:
     def _brake(self) -> None:
         here = self._state.body.place
         self._here = self._stopping_place(here)
-        order = navigator.leg(here, self._here, None, self._limits, self._cruise)
+        order = navigator.leg(self._limits, here, self._here, cruise=self._cruise)
         self._fly([order._replace(hold_s=math.inf, follows_home=False)])
 
     def _fly(self, orders: list[Order]) -> None:

@@ -6,7 +6,6 @@ Noisy heights shift home for two minutes: a run without noise gives the path, ma
 import math
 from bisect import bisect_right
 from collections.abc import Callable
-from dataclasses import replace
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
@@ -17,20 +16,18 @@ from ipoa_mission.autopilot.returning import Contingency, ReturnBy
 from ipoa_mission.compiled import jit_if_faster, records
 from ipoa_mission.errors import MissionError, NotModeled
 from ipoa_mission.forecast.deviation.law import DeviationLaw, Quantiles
-from ipoa_mission.forecast.itinerary.itinerary import Itinerary, flying_already
+from ipoa_mission.forecast.itinerary.itinerary import Itinerary
 from ipoa_mission.forecast.timing.bound import Kinematics
 from ipoa_mission.forecast.timing.flight_model import (
     FlightModel,
     LegSpeeds,
     Missed,
-    OrderedContingency,
     Prediction,
     SlowedByAir,
     corner_deg,
 )
 from ipoa_mission.forecast.timing.track import Track
 from ipoa_mission.geometry import Points, Vector
-from ipoa_mission.mission.items import Mission
 from ipoa_mission.vehicles.px4_multicopter.dynamics import navigator
 from ipoa_mission.vehicles.px4_multicopter.dynamics import state as px4
 from ipoa_mission.vehicles.px4_multicopter.dynamics.flight import at_start, fly
@@ -72,10 +69,8 @@ class Px4Model(FlightModel):
     scatter = (0.7, 0.02, 2.0)
     simulated_lag = px4.SIH.lag
 
-    def predicted(
-        self, itinerary: Itinerary, mission: Mission, wind: Wind, fast: bool | None, noise_free: bool
-    ) -> Prediction:
-        flights = Flights(itinerary, mission, wind, px4.KNOWS if noise_free else px4.SIH_SENSES)
+    def predicted(self, itinerary: Itinerary, wind: Wind, fast: bool | None, noise_free: bool) -> Prediction:
+        flights = Flights(itinerary, wind, px4.KNOWS if noise_free else px4.SIH_SENSES)
         orders = flights.mission_orders.orders
         ends = list(flights.mission_orders.done)
         remarks = list(flights.mission_orders.remarks)
@@ -97,11 +92,11 @@ class Px4Model(FlightModel):
         return Prediction(done, low, high, reasons, track, tuple(remarks), _missed(itinerary, times))
 
     def predict_contingency(
-        self, itinerary: Itinerary, mission: Mission, wind: Wind, ordered: OrderedContingency
+        self, itinerary: Itinerary, wind: Wind, contingency: Contingency, time: float
     ) -> Prediction:
         """Noisy runs give the duration; one without noise, ordered where they were in the mean, gives the path."""
-        flights = Flights(itinerary, mission, wind)
-        if ordered.contingency is Contingency.RTL:
+        flights = Flights(itinerary, wind)
+        if contingency is Contingency.RTL:
             if flights.limits.land_delay < 0.0:
                 raise self.never_lands("with an RTL_LAND_DELAY below 0 it waits over its goal forever")
             if (by := itinerary.returns_by) is not ReturnBy.DIRECT:
@@ -112,17 +107,17 @@ class Px4Model(FlightModel):
         remarks = list[str]()
 
         def once(seed: int) -> Vector:
-            at_order, at_end = flights.flown_with(ordered, seed)
+            at_order, at_end = flights.flown_with(contingency, time, seed)
             current = min(len(at_order.done), len(orders)) - 1  # index of the order in progress
-            in_progress_s = min(ordered.time - at_order.done[current], exact_steps[current])
+            in_progress_s = min(time - at_order.done[current], exact_steps[current])
             exact_order_time = exact_times[current] + in_progress_s
             end = at_end.done[-1]
             time_on_ground = end - at_end.progress.touched  # from touchdown until it disarms
-            return np.array([exact_order_time, time_on_ground, end - ordered.time])
+            return np.array([exact_order_time, time_on_ground, end - time])
 
         exact_order_times, times_on_ground, durations = _noisy_times(once, RUNS.contingency_share, remarks).T
         duration = float(np.mean(durations))
-        end = ordered.time + duration
+        end = time + duration
         doubt = RUNS.doubt_s**2 + (RUNS.doubt_share * duration) ** 2
         half_width = RUNS.contingency_deviations * math.sqrt(float(np.var(durations)) + doubt + RUNS.landing_s**2)
 
@@ -131,20 +126,20 @@ class Px4Model(FlightModel):
         touched_half_width = RUNS.contingency_deviations * math.sqrt(float(np.var(until_touched)) + doubt)
 
         mean_order_time = float(np.mean(exact_order_times))
-        _, exact_run = flights.flown_with(replace(ordered, time=mean_order_time), None)
+        _, exact_run = flights.flown_with(contingency, mean_order_time, None)
         samples = exact_run.samples
         return Prediction(
             done=np.array([end]),
             low=np.array([end - half_width]),
             high=np.array([end + half_width]),
             reasons=("",),
-            track=Track.of(samples, samples[:, 0] + ordered.time - mean_order_time),
+            track=Track.of(samples, samples[:, 0] + time - mean_order_time),
             remarks=tuple(remarks),
             touched=(touched - touched_half_width, touched, touched + touched_half_width),
         )
 
-    def spread(self, itinerary: Itinerary, mission: Mission, wind: Wind, predicted: Prediction) -> Points | None:
-        flights = Flights(itinerary, mission, wind)
+    def spread(self, itinerary: Itinerary, wind: Wind, predicted: Prediction) -> Points | None:
+        flights = Flights(itinerary, wind)
         if flights.limits.splits_axes or not itinerary.visits:  # it stops at each waypoint (docs/lab/kept.md)
             return None
         orders = flights.mission_orders.orders
@@ -170,8 +165,8 @@ class Px4Model(FlightModel):
     def airframe(self, altitude: float) -> SlowedByAir:
         return px4.SIH
 
-    def median_times(self, itinerary: Itinerary, mission: Mission) -> Vector:
-        flights = Flights(itinerary, mission)
+    def median_times(self, itinerary: Itinerary) -> Vector:
+        flights = Flights(itinerary)
         orders = flights.mission_orders.orders
         steps = RUNS.of_median * sum(order.patience for order in orders) / RUNS.step_s
         fly_on = flights.simulation(orders, noisy=True, fast=True, steps=steps)
@@ -268,10 +263,11 @@ class FlyOn(Protocol):
 
 
 class Flights:
-    def __init__(
-        self, itinerary: Itinerary, mission: Mission, wind: Wind = CALM, senses: px4.SensorModel = px4.SIH_SENSES
-    ) -> None:
-        self.itinerary, self.airframe, self.wind = itinerary, navigator.airframe_of(mission.vehicle), wind
+    def __init__(self, itinerary: Itinerary, wind: Wind = CALM, senses: px4.SensorModel = px4.SIH_SENSES) -> None:
+        mission = itinerary.mission
+        self.itinerary = itinerary
+        self.airframe = navigator.airframe_of(mission.vehicle)
+        self.wind = wind
         limits = px4_limits(mission.parameters, mission.firmware_version)
         self.limits = limits._replace(spool_up=max(limits.spool_up + self.airframe.lift_delay, 0.0))
         self.mission_orders = navigator.orders_of_itinerary(itinerary, self.limits, self.airframe.landing_delay)
@@ -279,13 +275,13 @@ class Flights:
         with_noise = navigator.simulation_constants(self.limits, self.airframe, senses, wind, RUNS.step_s)
         self.noise_free_constants = with_noise._replace(noisy=False, turns=turns)
 
-    def flown_with(self, ordered: OrderedContingency, seed: int | None) -> tuple[FlownOnce, FlownOnce]:
+    def flown_with(self, contingency: Contingency, time: float, seed: int | None) -> tuple[FlownOnce, FlownOnce]:
         """Return a flight at an order and at its end, with a seed's noise or none."""
         noisy = seed is not None
-        steps = RUNS.most * ordered.time / RUNS.step_s
+        steps = RUNS.most * time / RUNS.step_s
         fly_mission = self.simulation(self.mission_orders.orders, noisy=noisy, steps=steps, sampled=True)
-        until = fly_mission(self.at_start(seed or 0), ordered.time)
-        onward = navigator.contingency_orders(ordered.contingency, until.samples[-1], self.itinerary, self.limits)
+        until = fly_mission(self.at_start(seed or 0), time)
+        onward = navigator.contingency_orders(contingency, until.samples[-1], self.itinerary, self.limits)
         orders = tuple(navigator.with_patience(onward, onward[0].start, self.limits, self.airframe.landing_delay))
         begins = until._replace(done=until.done[-1:], progress=until.progress._replace(steps=px4.NOT_BEGUN))
         return until, self.simulation(orders, noisy=noisy, steps=steps)(begins)
@@ -336,7 +332,7 @@ class Flights:
         return f"item {self.itinerary.visits[bisect_right(self.mission_orders.done, n)].seq}, {place}"
 
     def at_start(self, seed: int) -> FlownOnce:
-        height = flying_already(self.itinerary) or 0.0
+        height = self.itinerary.start_height or 0.0
         return FlownOnce(np.zeros(1), np.array([[0.0, 0.0, 0.0, height, 0.0, 0.0, 0.0]]), at_start(height, seed))
 
     def why_slow(self, n: int, done: Vector, clock: Vector, samples: Points) -> str:

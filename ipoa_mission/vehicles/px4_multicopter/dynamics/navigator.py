@@ -8,7 +8,7 @@ from ipoa_mission.autopilot.commands import HOLDING, LAST_NAV, Command, Frame, p
 from ipoa_mission.autopilot.learned import LearnedVehicle
 from ipoa_mission.autopilot.returning import Contingency
 from ipoa_mission.errors import EndlessFlight
-from ipoa_mission.forecast.itinerary.itinerary import UNTIMED, Itinerary, flying_already
+from ipoa_mission.forecast.itinerary.itinerary import UNTIMED, Itinerary
 from ipoa_mission.geometry import GRAVITY, Enu, Vector
 from ipoa_mission.mission.items import Item
 from ipoa_mission.vehicles.px4_multicopter.dynamics import state as px4
@@ -45,14 +45,15 @@ def simulation_constants(
     return px4.SimulationConstants(limits, airframe, senses, wind_table(wind), *steps, turns=True, noisy=True)
 
 
-def leg(start: Enu, goal: Enu, beyond: Enu | None, limits: Px4Limits, cruise: float) -> Order:
-    most = min(cruise, limits.most_speed)
-    return Order(px4.GO, start, goal, goal if beyond is None else beyond, limits.radius, limits.height_radius, most)
+def leg(limits: Px4Limits, start: Enu, goal: Enu, *, beyond: Enu | None = None, cruise: float | None = None) -> Order:
+    """Return a leg on to `beyond`, or with a stop; `cruise` [m/s] is by default MPC_XY_CRUISE."""
+    fastest = min(limits.cruise if cruise is None else cruise, limits.most_speed)
+    return Order(px4.GO, start, goal, beyond or goal, limits.radius, limits.height_radius, fastest)
 
 
 def take_off(top: Enu, limits: Px4Limits) -> Order:
     """Return a climb above home at that time."""
-    return leg(top, top, None, limits, limits.cruise)._replace(kind=px4.TAKE_OFF, follows_home=False)
+    return leg(limits, top, top)._replace(kind=px4.TAKE_OFF, follows_home=False)
 
 
 def waypoint(item: Item, order: Order, limits: Px4Limits) -> Order:
@@ -70,16 +71,16 @@ def waypoint(item: Item, order: Order, limits: Px4Limits) -> Order:
 
 
 def stay(place: Enu, limits: Px4Limits, seconds: float) -> list[Order]:
-    order = leg(place, place, None, limits, limits.cruise)
+    order = leg(limits, place, place)
     return [order._replace(radius=ANY_RADIUS, height_radius=ANY_RADIUS, hold_s=seconds)] if seconds > 0 else []
 
 
 def landing_orders(start: Enu, ground: Enu, limits: Px4Limits, cruise: float, hold_s: float) -> list[Order]:
     """Return a landing's orders, first to over the place if beyond the acceptance radius; `hold_s`: on the ground."""
     over = ground._replace(up=start.up)
-    legs = [leg(start, over, None, limits, cruise)] if math.dist(start, over) > limits.radius else []
+    legs = [leg(limits, start, over, cruise=cruise)] if math.dist(start, over) > limits.radius else []
     ground = ground if legs else start._replace(up=ground.up)
-    return [*legs, leg(ground, ground, None, limits, cruise)._replace(kind=px4.LAND, hold_s=hold_s)]
+    return [*legs, leg(limits, ground, ground, cruise=cruise)._replace(kind=px4.LAND, hold_s=hold_s)]
 
 
 def stopping_place(place: Enu, speed: Level, limits: Px4Limits) -> Enu:
@@ -96,15 +97,14 @@ def return_orders(here: Enu, limits: Px4Limits, home: Enu, up: float = 0.0) -> l
     """
     far = math.hypot(here.east - home.east, here.north - home.north)
     height = up + limits.returning.height(here.up - up, far)
-    cruise = limits.cruise
     top = here._replace(up=height) if height > here.up + limits.height_radius else here
-    climb = [leg(top, top, None, limits, cruise)._replace(radius=ANY_RADIUS)] if top != here else []
-    *legs, down = landing_orders(top, home, limits, cruise, limits.disarm_delay)
+    climb = [leg(limits, top, top)._replace(radius=ANY_RADIUS)] if top != here else []
+    *legs, down = landing_orders(top, home, limits, limits.cruise, limits.disarm_delay)
     # PX4's return has no previous waypoint: from wherever it turns home it flies straight, and keeps to no line.
     legs = [order._replace(start=order.goal) for order in legs]
     over = down.goal._replace(up=top.up)
     low = over._replace(up=max(min(top.up, up + limits.land_delay_height), home.up))
-    waits = [leg(over, low, None, limits, cruise), *stay(low, limits, limits.land_delay)] if limits.land_delay else []
+    waits = [leg(limits, over, low), *stay(low, limits, limits.land_delay)] if limits.land_delay else []
     return [*climb, *legs, *waits, down]
 
 
@@ -113,7 +113,7 @@ def contingency_orders(contingency: Contingency, row: Vector, itinerary: Itinera
     speed = Level(float(row[4]), float(row[5]))
     ground = itinerary.ground
     if contingency is Contingency.RTL:
-        goal = Enu(*itinerary.goal_of_return((here.east, here.north, here.up)))
+        goal = Enu(*itinerary.goal_of_return(here))
         return return_orders(here, limits, goal._replace(up=ground.at(goal.east, goal.north)), goal.up)
     stop = stopping_place(here, speed, limits)
     down = stop._replace(up=ground.at(stop.east, stop.north))
@@ -126,9 +126,9 @@ def orders_along(start: Enu, places: Sequence[Enu], limits: Px4Limits, ground: E
     for n, place in enumerate(places):
         beyond = places[n + 1] if n + 1 < len(places) else None
         if math.dist(leg_start, place) > limits.radius:
-            legs.append(leg(leg_start, place, beyond, limits, limits.cruise))
+            legs.append(leg(limits, leg_start, place, beyond=beyond))
             leg_start = place
-    return [*legs, leg(ground, ground, None, limits, limits.cruise)._replace(kind=px4.LAND, hold_s=limits.disarm_delay)]
+    return [*legs, leg(limits, ground, ground)._replace(kind=px4.LAND, hold_s=limits.disarm_delay)]
 
 
 class Planned(NamedTuple):
@@ -169,26 +169,31 @@ def with_patience(orders: Sequence[Order], start: Enu, limits: Px4Limits, landin
 
 class _Navigator:
     def __init__(self, itinerary: Itinerary, limits: Px4Limits) -> None:
-        self.itinerary, self.limits, self.cruise = itinerary, limits, limits.cruise
-        height = flying_already(itinerary)
+        self.itinerary = itinerary
+        self.limits = limits
+        self.cruise = limits.cruise
+        height = itinerary.start_height
         self.here = Enu(0.0, 0.0, height or 0.0)
         self.airborne = height is not None
         self.remarks: list[str] = []
 
     def visit(self, n: int) -> list[Order]:
         visit = self.itinerary.visits[n]
-        command, params = visit.item.command, visit.item.params
+        command = visit.item.command
+        params = visit.item.params
         if command in FLOWN_TO:
-            start, self.here = self.here, self.target(n)
+            start = self.here
+            self.here = self.target(n)
             if command == Command.NAV_SPLINE_WAYPOINT:
                 self.remarks.append(f"item {visit.seq}: PX4 knows no splines, flown straight")
-            order = leg(start, self.here, self.onward(n), self.limits, self.cruise)
+            order = leg(self.limits, start, self.here, beyond=self.onward(n), cruise=self.cruise)
             return [waypoint(visit.item, order, self.limits)]
         if command == Command.NAV_TAKEOFF:
-            start, self.here = self.here._replace(up=self.target(n).up), self.target(n)
-            climb = [] if self.airborne else [take_off(start, self.limits)]
+            top = self.here._replace(up=self.target(n).up)
+            climb = [] if self.airborne else [take_off(top, self.limits)]
             self.airborne = True
-            return [*climb, leg(start, self.here, self.onward(n), self.limits, self.cruise)]
+            self.here = self.target(n)
+            return [*climb, leg(self.limits, top, self.here, beyond=self.onward(n), cruise=self.cruise)]
         if command == Command.NAV_LOITER_UNLIM:
             raise EndlessFlight("loiters without end, so the flight has no time", place=f"item {visit.seq}")
         if command == Command.NAV_DELAY:
@@ -197,12 +202,12 @@ class _Navigator:
             if self.limits.land_delay < 0.0:
                 raise EndlessFlight("with an RTL_LAND_DELAY below 0 RTL never lands", place=f"item {visit.seq}")
             self.cruise = self.limits.cruise
-            places = self.itinerary.places_of_return(n, (self.here.east, self.here.north, self.here.up))
+            places = self.itinerary.places_of_return(n, self.here)
             if places is not None:
                 self.remarks.append(f"item {visit.seq}: it returns back along the mission, timed to a sixth only")
                 back = [Enu(*place) for place in places]
                 return self.down(orders_along(self.here, back, self.limits, self.ground(back[-1])))
-            goal = Enu(*self.itinerary.goal_of_return((self.here.east, self.here.north, self.here.up)))
+            goal = Enu(*self.itinerary.goal_of_return(self.here))
             return self.down(return_orders(self.here, self.limits, self.ground(goal), goal.up))
         if command == Command.NAV_LAND:
             return self.down(landing_orders(self.here, self.ground(self.target(n)), self.limits, self.cruise, 0.0))
