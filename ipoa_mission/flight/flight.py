@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any
 
 from threadpoolctl import threadpool_limits
 
-from ipoa_mission.autopilot.energy import Consumption
 from ipoa_mission.checks.check import check
 from ipoa_mission.checks.unsafe import expect_plannable, refuse_errors, refuse_unclear_returns
 from ipoa_mission.errors import BadInput
@@ -18,6 +17,7 @@ from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.flight.flight_parts import split_flight
 from ipoa_mission.forecast.contingency.energy_budget import Budget, budget_of, refusal_of
 from ipoa_mission.forecast.deviation.clearance_guarantee import ClearanceGuarantee
+from ipoa_mission.forecast.flight_energy import Consumption
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.timing.estimate import COUNTED_TERMS, Estimate
 from ipoa_mission.mission.items import Mission

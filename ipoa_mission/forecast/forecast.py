@@ -23,8 +23,8 @@ from ipoa_mission.mission.landing_ground import known_ground, landing_over
 from ipoa_mission.wind import CALM, Wind
 
 if TYPE_CHECKING:
-    from ipoa_mission.autopilot.energy import Consumption
     from ipoa_mission.forecast.deviation.clearance_guarantee import ClearanceGuarantee
+    from ipoa_mission.forecast.flight_energy import Consumption
     from ipoa_mission.forecast.timing.estimate import Estimate
     from ipoa_mission.forecast.timing.flight_model import Prediction
     from ipoa_mission.forecast.timing.track import Track
@@ -196,11 +196,9 @@ class Forecast:
     def energy_of(self, track: "Track") -> "Consumption | None":
         if (self.scenario is None and self.mission.vehicle is None) or not np.diff(track.times).any():
             return None
-        from ipoa_mission.autopilot.energy import TimedPath
         from ipoa_mission.forecast.flight_energy import flight_energy
 
-        path = TimedPath(track.times, track.points, track.speeds)
-        return flight_energy(self.scenario, path, self.mission.vehicle, self.wind)
+        return flight_energy(self.scenario, track, self.mission.vehicle, self.wind)
 
     @cached_property
     def guarantee(self) -> "ClearanceGuarantee":

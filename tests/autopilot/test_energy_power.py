@@ -4,7 +4,6 @@ from scipy.optimize import brentq
 
 from ipoa_mission.autopilot.energy import KAPPA, PowerModel, air_density, induced_speed, power
 from ipoa_mission.geometry import GRAVITY
-from tests.refused import refuses
 
 SEA_LEVEL = np.array([1.225])
 QUAD = PowerModel(mass_kg=2.4, disc_area=0.342, drag_area=0.09)
@@ -88,11 +87,3 @@ def test_thin_air_takes_more_power_to_hover_in() -> None:
 def test_the_air_is_the_standard_atmospheres(altitude: float, density: float) -> None:
     """U.S. Standard Atmosphere 1976, by geopotential altitude, kg/m^3."""
     assert float(air_density(np.array([altitude]))[0]) == pytest.approx(density, abs=2e-5)
-
-
-@pytest.mark.parametrize(
-    "wrong", [{"mass_kg": 0.0}, {"disc_area": -1.0}, {"figure_of_merit": 0.95}, {"drive_efficiency": 1.2}]
-)
-def test_an_impossible_airframe_is_refused(wrong: dict[str, float]) -> None:
-    with refuses("bad-input"):
-        PowerModel(**({"mass_kg": 2.0, "disc_area": 0.3, "drag_area": 0.05} | wrong))

@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 
 from ipoa_mission.autopilot.commands import Command
-from ipoa_mission.autopilot.energy import TimedPath
 from ipoa_mission.centimeters import floor_cm
 from ipoa_mission.flight.flight import write_report
 from ipoa_mission.forecast.flight_energy import flight_energy
@@ -271,7 +270,7 @@ def test_the_energy_stands_beside_the_reserve_and_too_little_is_marked(
     text = scenario.model_dump(mode="json")
     text["vehicle"]["airframe"] = {"mass_kg": 2.4, "rotor_diameter": 0.33}
     flown = Scenario.model_validate(text)
-    consumed = flight_energy(flown, TimedPath(timed.track.times, timed.track.points, timed.track.speeds))
+    consumed = flight_energy(flown, timed.track)
     assert consumed is not None
     used = consumed.energy_wh
     assert f"{used:.1f}\N{NO-BREAK SPACE}Wh" in page_of(Forecast(mission, flown))

@@ -4,10 +4,11 @@ import numpy as np
 import pytest
 
 from ipoa_mission.autopilot.autopilot import Autopilot
-from ipoa_mission.autopilot.energy import NotEnoughBattery, TimedPath, power, shortage
+from ipoa_mission.autopilot.energy import NotEnoughBattery, power, shortage
 from ipoa_mission.autopilot.learned import Learned, LearnedVehicle
 from ipoa_mission.errors import BadInput
 from ipoa_mission.forecast.flight_energy import battery_of, flight_energy
+from ipoa_mission.forecast.timing.track import Track
 from ipoa_mission.scenario import Scenario, parse_scenario
 from ipoa_mission.scenario.model import PROFILES
 from tests.refused import refuses
@@ -80,7 +81,7 @@ def test_the_document_says_what_a_profile_sets(name: str) -> None:
 
 
 AIRFRAME = "mass_kg = 2.4, rotors = 6, rotor_diameter = 0.3"
-MINUTE = TimedPath(np.array([0.0, 60.0]), np.zeros((2, 3)), np.zeros(2))
+MINUTE = Track(np.array([0.0, 60.0]), np.zeros((2, 3)), np.zeros(2))
 
 
 def test_energy_needs_an_airframe() -> None:
@@ -107,7 +108,7 @@ def test_a_hover_power_that_was_learned_sets_the_level() -> None:
     used = flight_energy(flown_by, MINUTE)
     assert used is not None
     assert used.energy_wh == pytest.approx(6.0)
-    fast = TimedPath(MINUTE.times, np.array([[0.0, 0, 0], [600.0, 0, 0]]), np.full(2, 10.0))
+    fast = Track(MINUTE.times, np.array([[0.0, 0, 0], [600.0, 0, 0]]), np.full(2, 10.0))
     plain, scaled = flight_energy(scenario, fast), flight_energy(flown_by, fast)
     hovers = flight_energy(scenario, MINUTE)
     assert plain is not None
@@ -145,6 +146,23 @@ def test_a_battery_gives_what_its_age_and_its_temperature_leave(battery: str, gi
 def test_a_battery_has_one_capacity(battery: str) -> None:
     with refuses("bad-input", "here.toml: vehicle.battery", "capacity_wh", "capacity_mah"):
         read(f"vehicle = {{ airframe = {{ {AIRFRAME} }}, battery = {{ {battery} }} }}")
+
+
+@pytest.mark.parametrize(
+    ("wrong", "place"),
+    [
+        ("airframe = { mass_kg = 0.0, rotor_diameter = 0.3 }", "airframe.mass_kg"),
+        ("airframe = { mass_kg = 2.0, rotor_diameter = -1.0 }", "airframe.rotor_diameter"),
+        (f"airframe = {{ {AIRFRAME}, figure_of_merit = 0.95 }}", "airframe.figure_of_merit"),
+        (f"airframe = {{ {AIRFRAME}, drive_efficiency = 1.2 }}", "airframe.drive_efficiency"),
+        ("battery = { capacity_wh = 0.0 }", "battery.capacity_wh"),
+        ("battery = { capacity_wh = 100.0, reserve = 1.0 }", "battery.reserve"),
+        ("battery = { capacity_wh = 100.0, reserve = -0.1 }", "battery.reserve"),
+    ],
+)
+def test_an_impossible_airframe_or_battery_is_refused(wrong: str, place: str) -> None:
+    with refuses("bad-input", f"here.toml: vehicle.{place}"):
+        read(f"vehicle = {{ {wrong} }}")
 
 
 def test_a_flight_beyond_the_battery_is_refused_and_wind_counts() -> None:

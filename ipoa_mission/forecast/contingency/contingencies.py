@@ -11,13 +11,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ipoa_mission.autopilot.energy import Consumption
 from ipoa_mission.autopilot.failsafe import Failsafe
 from ipoa_mission.autopilot.returning import COMPUTED, TIMED, Contingency
 from ipoa_mission.centimeters import ceil_cm, floor_cm
 from ipoa_mission.errors import MissionError, NotModeled
 from ipoa_mission.forecast.contingency.contingency_paths import ContingencyPaths
 from ipoa_mission.forecast.contingency.contingency_samples import GROUND, ContingencySamples, StoppingPoints
+from ipoa_mission.forecast.flight_energy import Consumption
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.timing.flight_model import FlightModel
 from ipoa_mission.geometry import Vector

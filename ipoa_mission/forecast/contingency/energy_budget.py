@@ -7,11 +7,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ipoa_mission.autopilot.energy import LIFTED_DISTANCE, Battery, Consumption, Interval, NotEnoughBattery, shortage
+from ipoa_mission.autopilot.energy import Battery, Interval, NotEnoughBattery, shortage
 from ipoa_mission.autopilot.returning import Contingency
 from ipoa_mission.errors import MissionError
 from ipoa_mission.forecast.contingency.contingencies import predict_contingency
-from ipoa_mission.forecast.flight_energy import battery_of
+from ipoa_mission.forecast.flight_energy import LIFTED_DISTANCE, Consumption, battery_of
 from ipoa_mission.forecast.forecast import Forecast
 
 RETURN_HINT = 'a rally point near there, a shorter way, a larger battery, less wind; or [safety] returns = "warn"'
@@ -62,7 +62,7 @@ class Budget:
         return Interval(*(1.0 - wh / self.battery.capacity_wh for wh in (taken.high, taken.likely, taken.low)))
 
     def taken(self, time: float, ended: Consumption) -> Interval:
-        return Interval(*(now + then for now, then in zip(self.used.until(time), ended.between, strict=True)))
+        return self.used.until(time).plus(ended.between)
 
     def against_plan(self, left: float, time: float) -> ReserveNow | None:
         if self.battery is None:
@@ -77,11 +77,11 @@ class Budget:
 
     @cached_property
     def items(self) -> tuple[ItemEnergy, ...]:
-        items, before = [], Interval(0.0, 0.0, 0.0)
+        items = list[ItemEnergy]()
+        before = Interval(0.0, 0.0, 0.0)
         for item in self.forecast.estimate.items:
             after = self.used.until(item.done_s)
-            takes = Interval(*(now - then for now, then in zip(after, before, strict=True)))
-            items.append(ItemEnergy(item.seq, takes, self.left(after)))
+            items.append(ItemEnergy(item.seq, after.minus(before), self.left(after)))
             before = after
         return tuple(items)
 

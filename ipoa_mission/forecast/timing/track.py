@@ -36,6 +36,10 @@ class Track:
         samples = np.concatenate(parts)
         return cls.of(samples[np.concatenate([[True], np.diff(samples[:, 0]) > 1e-9])])
 
+    def without_repeated_times(self) -> "Track":
+        is_last = np.append(np.diff(self.times) > 0, True)
+        return Track(self.times[is_last], self.points[is_last], self.speeds[is_last])
+
     def at(self, times: Vector) -> Points:
         return interpolate(times, self.times, self.points)
 
