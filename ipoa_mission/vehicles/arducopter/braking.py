@@ -88,6 +88,4 @@ def flown_circle(limits: CopterLimits, radius: float, speed: float, turn: float)
         flown = radius * math.cos(back) / math.cos(aside)
         behind = aside + back
     pace = spin * flown
-    near = accel / limits.p_position**2
-    runs_on = pace / limits.p_position if pace <= near else near / 2.0 + pace**2 / (2.0 * accel)
-    return FlownCircle(flown, behind, runs_on, limits.circle_sense)
+    return FlownCircle(flown, behind, float(limits.stopping_distance(pace)), limits.circle_sense)

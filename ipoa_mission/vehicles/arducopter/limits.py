@@ -9,6 +9,8 @@ from collections.abc import Iterator
 from enum import IntEnum
 from typing import Annotated, NamedTuple
 
+import numpy as np
+
 from ipoa_mission.autopilot.failsafe import FenceLimit, OwnFence
 from ipoa_mission.autopilot.parameters import (
     INT8,
@@ -20,7 +22,7 @@ from ipoa_mission.autopilot.parameters import (
     parameters_of_fields,
 )
 from ipoa_mission.autopilot.version import Version
-from ipoa_mission.geometry import GRAVITY
+from ipoa_mission.geometry import GRAVITY, Vector
 
 CENTI = 0.01  # cm, cm/s, cm/s^2, centidegrees
 
@@ -230,6 +232,12 @@ class CopterLimits(NamedTuple):
     rtl_turns: bool
     sees_ground: bool
     brakes_climb: bool
+
+    def stopping_distance(self, speed: Vector | float) -> Vector:
+        """Return the level distance from `speed` [m/s] to a stop [m] (inv_sqrt_controller)."""
+        linear = speed / self.p_position
+        beyond = self.accel / self.p_position**2 / 2 + speed**2 / (2 * self.accel)
+        return np.where(speed <= self.accel / self.p_position, linear, beyond)
 
     @property
     def lift_off_s(self) -> float:

@@ -6,8 +6,6 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import ClassVar
 
-import numpy as np
-
 from ipoa_mission.autopilot import guidance_profile as profile
 from ipoa_mission.autopilot import returning
 from ipoa_mission.autopilot.autopilot import Autopilot
@@ -246,9 +244,7 @@ class ArduCopter(Autopilot):
         >>> ArduCopter().braking_distance({"WPNAV_ACCEL": 250.0}, np.array([10.0]), np.zeros(1)).round(2)
         array([21.25])
         """
-        limits = copter_limits(parameters)
-        near = limits.accel / limits.p_position**2
-        return np.where(speed <= near, speed / limits.p_position, near / 2 + speed**2 / (2 * limits.accel))
+        return copter_limits(parameters).stopping_distance(speed)
 
     def stopping_offset(
         self, parameters: Parameters, velocity: Points, accel: Points, contingency: Contingency

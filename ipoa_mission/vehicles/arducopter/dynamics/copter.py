@@ -95,7 +95,10 @@ class Copter:
         fast: bool | None = False,
         ground: Ground = LEVEL,
     ) -> None:
-        self.limits, self._tuning, self._wind, self._ground = limits, tuning(limits, airframe, wind), wind, ground
+        self.limits = limits
+        self._tuning = tuning(limits, airframe, wind)
+        self._wind = wind
+        self._ground = ground
         self._slowest = SLOWEST if wind.speed > 0 else math.inf
         self.speeds = MotionLimits(limits.speed, limits.climb, limits.descent)
         self._fly_leg = jit_if_faster(fly_leg, fast, 0.0)
@@ -120,12 +123,10 @@ class Copter:
         return this.target if self.passed and self.following is NO_LEG and not moves else self.stopping_place()
 
     def stopping_place(self) -> Place:
-        state, limits = self.state, self.limits
+        state = self.state
         speed = math.hypot(state.velocity.real, state.velocity.imag)
-        near = limits.accel / limits.p_position**2
-        way = speed if speed <= near else near / 2 + speed**2 / (2 * limits.accel)
-        share = way / speed if speed > STANDING else 0.0
-        up = state.vz * abs(state.vz) / (2 * limits.accel_z)
+        share = float(self.limits.stopping_distance(speed)) / speed if speed > STANDING else 0.0
+        up = state.vz * abs(state.vz) / (2 * self.limits.accel_z)
         end = state.place + state.velocity * share
         return end.real, end.imag, max(state.z + up, self._ground.at(end.real, end.imag))
 
@@ -201,7 +202,8 @@ class Copter:
         slew = self.limits.yaw_rate * STEP if turns else 0.0
         if slew != self._tuning.slew:
             self._tuning = self._tuning._replace(slew=slew)
-        planned, state = self.following, self.state
+        planned = self.following
+        state = self.state
         if self.passed and planned is not NO_LEG and planned.target == stop.place:
             straight = self.this.kind == Kind.STRAIGHT
             state.clock_before, state.clock = state.clock, state.clock_next if straight else 0.0
@@ -223,7 +225,8 @@ class Copter:
 
     def _unplanned(self, stop: Stop) -> CopterLeg:
         """Return a leg from `here`, at rest or at the speed of an unfinished spline; never an arc."""
-        before, here = self.this, self.here
+        before = self.this
+        here = self.here
         if self.passed and before.kind == Kind.SPLINE and before.leave > 0.0:
             if stop.spline:
                 return self._leg(stop, here, before)
