@@ -26,7 +26,9 @@ class ArduCopterController:
         self, body: SimulatedVehicle, situation: Situation, parameters: Parameters, chance: random.Random
     ) -> None:
         """Ignore `chance`: SITL flights repeat to a tenth of a second."""
-        self._body, self._now, self._parameters = body, situation, parameters
+        self._body = body
+        self._now = situation
+        self._parameters = parameters
         conditions = body.conditions
         limits = copter_limits(parameters, conditions.version)
         airframe = airframe_of(conditions.vehicle).at_altitude(situation.program.frame.home.altitude)
@@ -182,7 +184,8 @@ class ArduCopterController:
             self._copter.hold(math.inf)
 
     def _update_body(self) -> None:
-        body, state = self._body, self._copter.state
+        body = self._body
+        state = self._copter.state
         body.yaw = state.yaw % (2.0 * math.pi)
         body.place = self._copter.place
         body.motion = state.velocity.real, state.velocity.imag, state.vz

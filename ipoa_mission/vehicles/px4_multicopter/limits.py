@@ -70,6 +70,13 @@ AFFECTING = (
     Parameter("LNDMC_Z_VEL_MAX", 0.25),
     Parameter("SIH_DISTSNSR_OVR", -1.0),
 )
+#: Of failsafes; only their type is known.
+_TYPED = (
+    "CBRK_FLIGHTTERM", "COM_ACT_FAIL_ACT", "COM_ARM_ODID", "COM_DLL_EXCEPT", "COM_DL_LOSS_T", "COM_FLTT_LOW_ACT",
+    "COM_FLT_TIME_MAX", "COM_GNSSLOSS_ACT", "COM_IMB_PROP_ACT", "COM_PARACHUTE", "COM_POS_FS_ACT",
+    "COM_POS_LOW_ACT", "COM_RCL_EXCEPT", "COM_TRAFF_AVOID", "COM_WIND_MAX_ACT", "NAV_TRAFF_AVOID",
+    "SYS_HAS_NUM_GNSS",
+)  # fmt: skip
 FURTHER = (
     Parameter("MAV_SYS_ID", 1.0, INT32, meaning="system id"),
     Parameter("SYS_AUTOSTART", 4001.0, INT32),
@@ -82,23 +89,7 @@ FURTHER = (
     Parameter("COM_DISARM_PRFLT", 10.0),
     Parameter("COM_RC_IN_MODE", 1.0, INT32),
     Parameter("NAV_DLL_ACT", 0.0, INT32),
-    Parameter("CBRK_FLIGHTTERM", None, INT32),
-    Parameter("COM_ACT_FAIL_ACT", None, INT32),
-    Parameter("COM_ARM_ODID", None, INT32),
-    Parameter("COM_DLL_EXCEPT", None, INT32),
-    Parameter("COM_DL_LOSS_T", None, INT32),
-    Parameter("COM_FLTT_LOW_ACT", None, INT32),
-    Parameter("COM_FLT_TIME_MAX", None, INT32),
-    Parameter("COM_GNSSLOSS_ACT", None, INT32),
-    Parameter("COM_IMB_PROP_ACT", None, INT32),
-    Parameter("COM_PARACHUTE", None, INT32),
-    Parameter("COM_POS_FS_ACT", None, INT32),
-    Parameter("COM_POS_LOW_ACT", None, INT32),
-    Parameter("COM_RCL_EXCEPT", None, INT32),
-    Parameter("COM_TRAFF_AVOID", None, INT32),
-    Parameter("COM_WIND_MAX_ACT", None, INT32),
-    Parameter("NAV_TRAFF_AVOID", None, INT32),
-    Parameter("SYS_HAS_NUM_GNSS", None, INT32),
+    *(Parameter(name, None, INT32) for name in _TYPED),
 )
 
 _INPUTS = (

@@ -34,7 +34,8 @@ POSITIONS = ("vehicle_global_position", "vehicle_local_position")
 BATTERY, ATTITUDE = "battery_status", "vehicle_attitude"
 TOPICS = [*POSITIONS, "vehicle_status", "mission_result", "home_position", "navigator_mission_item", BATTERY, ATTITUDE]
 
-HEADER, MESSAGE = 16, Struct("<HB")  # bytes before messages; head: size and kind
+HEADER = 16  # bytes before messages; head: size and kind
+MESSAGE = Struct("<HB")
 
 Event = tuple[float, Message]
 
@@ -57,17 +58,17 @@ def _log(path: Path, log: Any) -> Log:
     topics = {topic.name: topic.data for topic in reversed(log.data_list)}
     topics = {name: data for name, data in topics.items() if len(data["timestamp"])}
     if "vehicle_status" not in topics:
-        wrong = "expected a PX4 log with the topic vehicle_status"
-        raise BadInput(wrong, code="log-incomplete", place=path)
+        words = "expected a PX4 log with the topic vehicle_status"
+        raise BadInput(words, code="log-incomplete", place=path)
     if not topics.keys() & set(POSITIONS):
-        wrong = f"expected a PX4 log with one of the topics {', '.join(POSITIONS)}"
-        raise BadInput(wrong, code="log-incomplete", place=path)
+        words = f"expected a PX4 log with one of the topics {', '.join(POSITIONS)}"
+        raise BadInput(words, code="log-incomplete", place=path)
     status = topics["vehicle_status"]
     kinds = status.get("vehicle_type", status.get("is_rotary_wing"))  # before 1.9
     rotary_wing = 1
     if kinds is not None and not (np.asarray(kinds) == rotary_wing).all():
-        wrong = "expected the log of a multicopter, not of another kind of vehicle"
-        raise BadInput(wrong, code="other-vehicle", place=path)
+        words = "expected the log of a multicopter, not of another kind of vehicle"
+        raise BadInput(words, code="other-vehicle", place=path)
     fixes = _fixes(topics)
     if not len(fixes.times):
         words = "expected positions on the Earth, but PX4's local positions have no reference"
@@ -145,12 +146,16 @@ def _parameters(log: Any, begins: float) -> Iterator[Event]:
             yield time, ParamValue(name, float(value), REAL32, 0, 0)
 
 
+def _records(topic: Any | None, *names: str) -> Iterator[tuple[Any, ...]]:
+    """Yield the time [s] and the named fields of each record; none without the topic."""
+    columns = [] if topic is None else [topic[name] for name in ("timestamp", *names)]
+    for stamp, *values in zip(*columns, strict=True):
+        yield float(stamp) / 1e6, *values
+
+
 def _homes(home: Any | None) -> Iterator[Event]:
-    if home is not None:
-        for time, latitude, longitude, altitude in zip(
-            home["timestamp"], home["lat"], home["lon"], home["alt"], strict=True
-        ):
-            yield float(time) / 1e6, HomePosition(float(latitude), float(longitude), float(altitude))
+    for time, *place in _records(home, "lat", "lon", "alt"):
+        yield time, HomePosition(*map(float, place))
 
 
 def _states(status: Any, opened_by_arming: float | None) -> Iterator[Event]:
@@ -158,12 +163,10 @@ def _states(status: Any, opened_by_arming: float | None) -> Iterator[Event]:
 
     A log that starts armed was opened by arming, if the logger is configured so.
     """
-    armed_times = status.get("armed_time", np.zeros(len(status["timestamp"])))
+    status = {"armed_time": np.zeros(len(status["timestamp"])), **status}
     before: tuple[bool, int] | None = None
-    columns = (status["timestamp"], status["arming_state"], status["nav_state"], armed_times)
-    for stamp, arming, nav_state, armed_time in zip(*columns, strict=True):
+    for time, arming, nav_state, armed_time in _records(status, "arming_state", "nav_state", "armed_time"):
         state = (int(arming) == ARMED, MODES.get(int(nav_state), 0))
-        time = float(stamp) / 1e6
         if state == before:
             continue
         if state[0] and not (before and before[0]):
@@ -192,17 +195,16 @@ def _attitude(data: Any | None) -> Points:
 
 
 def _items(result: Any | None) -> Iterator[Event]:
-    if result is None:
-        return
-    reached, turned = -1, (-1, False)
-    columns = (result[name] for name in ("timestamp", "seq_reached", "seq_current", "seq_total", "finished"))
-    for time, seq_reached, seq_current, total, finished in zip(*columns, strict=True):
-        time_s = float(time) / 1e6
+    reached = -1
+    turned = (-1, False)
+    columns = ("seq_reached", "seq_current", "seq_total", "finished")
+    for time, seq_reached, seq_current, total, finished in _records(result, *columns):
         if seq_reached != reached and seq_reached >= 0:
-            yield time_s, Reached(int(seq_reached))
+            yield time, Reached(int(seq_reached))
         if (seq_current, finished) != turned:
-            yield time_s, Current(int(seq_current), int(total), COMPLETE if finished else 0)
-        reached, turned = seq_reached, (seq_current, finished)
+            yield time, Current(int(seq_current), int(total), COMPLETE if finished else 0)
+        reached = seq_reached
+        turned = (seq_current, finished)
 
 
 def _fixes(topics: dict[str, Any]) -> Fixes:

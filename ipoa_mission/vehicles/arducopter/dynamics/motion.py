@@ -13,7 +13,8 @@ from ipoa_mission.vehicles.arducopter.limits import CopterLimits
 from ipoa_mission.wind import Wind, WindTable, wind_table
 
 STEP = 0.02  # [s]
-ASTRAY, ASTRAY_S = 30.0, 3.0  # lag in calm air: [m], plus [s] of flight
+ASTRAY = 30.0  # lag in calm air: [m], plus [s] of flight
+ASTRAY_S = 3.0
 STANDING_SHARE = 0.05  # of the speed: a slower target does not turn the yaw
 
 

@@ -44,7 +44,8 @@ def on_way(
     The place is relative to the origin, or with the length as `way_back` to the target.
     """
     if leg.turn == 0.0:
-        level, up = complex(leg.direction.east, leg.direction.north), leg.direction.up
+        level = complex(leg.direction.east, leg.direction.north)
+        up = leg.direction.up
         s -= way_back
         return s * level, s * up, v * level, v * up, a * level, a * up
     center = complex(leg.center.east, leg.center.north)

@@ -142,7 +142,8 @@ def along_spline(state: State, this: CopterLeg, h: float) -> bool:
     speed = max(speed - most * h, top) if speed > top else min(speed + most * h, top)
     if state.share >= 1.0:  # waits for the vehicle
         speed = 0.0
-    state.target, state.target_z = complex(place.east, place.north), place.up
+    state.target = complex(place.east, place.north)
+    state.target_z = place.up
     state.aim = complex(speed * direction.east, speed * direction.north)
     state.aim_z = speed * direction.up
     state.push = 0j
@@ -171,11 +172,14 @@ def upright(state: State, this: CopterLeg, tuning: Tuning) -> bool:
     if this.leave > 0.0:
         shape_to_rest(state, tuning)
     else:
-        state.target, state.aim, state.push = complex(this.target.east, this.target.north), 0j, 0j
+        state.target = complex(this.target.east, this.target.north)
+        state.aim = 0j
+        state.push = 0j
     state.rate = 1.0
     if this.kind == Kind.HOLD:
         state.clock += STEP
-        state.target_z, state.aim_z = top, 0.0
+        state.target_z = top
+        state.aim_z = 0.0
         return state.clock >= this.lasts
     gain = tuning.limits.jerk_z / tuning.limits.accel_z
     if this.kind == Kind.CLIMB and tuning.limits.brakes_climb:
@@ -209,7 +213,8 @@ def control(state: State, tuning: Tuning) -> None:
     integral = state.integral + limits.i_velocity * error * STEP
     if dot(setpoint, setpoint) > tuning.most_lean**2:
         setpoint = within_lean(setpoint, state.aim, tuning.most_lean)
-        grown, integrated = math.sqrt(square(integral)), math.sqrt(square(state.integral))
+        grown = math.sqrt(square(integral))
+        integrated = math.sqrt(square(state.integral))
         if dot(error, setpoint) > 0.0 and grown > integrated:  # anti-windup
             integral = integral * integrated / grown
     state.error, state.integral, state.setpoint = error, integral, setpoint

@@ -36,7 +36,10 @@ def control_velocity(
 
     A take-off ramps up the climb limit, without acceleration feed-forward.
     """
-    limits, body, before, dt = constants.limits, state.body, state.control, constants.dt
+    limits = constants.limits
+    body = state.body
+    before = state.control
+    dt = constants.dt
     velocity = level_velocity(trajectory, body, limits, dt)
     east = velocity.east - body.speed.east - body.acceleration.east * dt
     north = velocity.north - body.speed.north - body.acceleration.north * dt
@@ -185,7 +188,9 @@ def step(state: State, order: Order, constants: px4.SimulationConstants) -> Stat
 
 def track_setpoint(state: State, order: Order, constants: px4.SimulationConstants, velocity: Enu) -> px4.Trajectory:
     """Return the trajectory a step later, stretched while the vehicle lags."""
-    limits, place, before = constants.limits, state.body.place, state.trajectory
+    limits = constants.limits
+    place = state.body.place
+    before = state.trajectory
     low = is_low_take_off(state, order, limits)
     climb = climb_limits(state.guidance.rising, low, limits)
     if low:
@@ -248,7 +253,8 @@ def at_rest(place: Enu, time: float, yaw: float, errors: px4.Errors, on_ground: 
 
 
 def begin(state: State, order: Order) -> State:
-    trajectory, body = state.trajectory, state.body
+    trajectory = state.trajectory
+    body = state.body
     on_ground = body.on_ground and order.kind == px4.TAKE_OFF
     if on_ground:
         trajectory = px4.Trajectory(trajectory.east, trajectory.north, px4.Axis(trajectory.up.place, -GROUND_SINK, 0.0))
@@ -265,7 +271,8 @@ def begin(state: State, order: Order) -> State:
 def past_cruise(state: State, order: Order, constants: px4.SimulationConstants) -> State:
     """Skip the steady middle of a long level leg; sensor errors stay."""
     x, y, body = state.trajectory.east, state.trajectory.north, state.body
-    speed, since = math.sqrt(x.speed * x.speed + y.speed * y.speed), body.airborne_since
+    speed = math.sqrt(x.speed * x.speed + y.speed * y.speed)
+    since = body.airborne_since
     is_on_line = order.kind == px4.GO and state.guidance.side == px4.ON_LINE
     if not is_on_line or state.time - state.begun < SETTLED_S or speed < 0.1:
         return state
@@ -308,7 +315,8 @@ def fly(
     """
     constants = laws[0]
     state = flight.state
-    steps, touched = flight.steps, flight.touched
+    steps = flight.steps
+    touched = flight.touched
     done = np.zeros(len(orders))
     samples = np.zeros((64, 7))
     taken = 0

@@ -178,7 +178,8 @@ def as_tuple(place: Enu) -> Enu:
 def normal(first: float, second: float) -> tuple[float, float, float, float]:
     """Return the next seeds, and two normal deviates (Box and Muller)."""
     first, second = remainder(first * FACTOR, MODULUS), remainder(second * FACTOR_2, MODULUS_2)
-    size, angle = math.sqrt(-2.0 * math.log(first / MODULUS)), 2.0 * math.pi * second / MODULUS_2
+    size = math.sqrt(-2.0 * math.log(first / MODULUS))
+    angle = 2.0 * math.pi * second / MODULUS_2
     return first, second, size * math.cos(angle), size * math.sin(angle)
 
 
@@ -223,7 +224,10 @@ def add_sensor_errors(state: State, constants: SimulationConstants) -> Errors:
 
 
 def integrate(state: State, setpoint: Enu, constants: SimulationConstants, is_held: bool) -> Body:
-    body, drift, dt, drag = state.body, state.errors.drift, constants.dt, constants.airframe.drag
+    body = state.body
+    drift = state.errors.drift
+    dt = constants.dt
+    drag = constants.airframe.drag
     lean_east = body.setpoint.east + (setpoint.east - body.setpoint.east) * constants.leaning
     lean_north = body.setpoint.north + (setpoint.north - body.setpoint.north) * constants.leaning
     thrust = Enu(
