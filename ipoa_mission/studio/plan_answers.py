@@ -9,7 +9,7 @@ import numpy as np
 from ipoa_mission import Airspace, Bounds, Command, Flat, Flight, Forecast, Scenario
 from ipoa_mission.autopilot.returning import TIMED, Contingency
 from ipoa_mission.centimeters import ceil_cm, floor_cm
-from ipoa_mission.forecast.contingency.contingencies import Contingencies, ContingencyBar, Grade, PredictedContingency
+from ipoa_mission.forecast.contingency.contingencies import Contingencies, ContingencyRow, Grade, PredictedContingency
 from ipoa_mission.forecast.contingency.contingencies_now import DURATIONS
 from ipoa_mission.forecast.contingency.energy_budget import Budget, budget_of
 from ipoa_mission.forecast.deviation.clearance_guarantee import ClearanceGuarantee
@@ -199,7 +199,7 @@ def _limits(flight: Flight) -> Iterator[answers.Limit]:
 
 def strips_of(forecast: Forecast, flight: int) -> Iterator[answers.ContingencyStrip]:
     """Yield the strip at once, and again with costs, which take simulated flights."""
-    bars = () if forecast.scenario is None else contingency_bars(forecast)
+    bars = {} if forecast.scenario is None else contingency_bars(forecast)
     if not bars:
         yield answers.ContingencyStrip(flight=flight, reserve=None, bars=())
         return
@@ -208,16 +208,18 @@ def strips_of(forecast: Forecast, flight: int) -> Iterator[answers.ContingencySt
     reserve = None if budget is None or budget.battery is None else budget.battery.reserve
     course = course_of(forecast)
     drawn = [
-        answers.StripBar(contingency=bar.contingency, stretches=_stretches(bar, course, forecast.world), costs=())
-        for bar in bars
+        answers.StripBar(contingency=contingency, stretches=_stretches(rows, course, forecast.world), costs=())
+        for contingency, rows in bars.items()
     ]
     yield answers.ContingencyStrip(flight=flight, reserve=reserve, bars=tuple(drawn))
-    costs = [tuple(_costs(bar, forecast, budget)) for bar in bars]
+    costs = [tuple(_costs(rows, forecast, budget)) for rows in bars.values()]
     full = (bar.model_copy(update={"costs": cost}) for bar, cost in zip(drawn, costs, strict=True))
     yield answers.ContingencyStrip(flight=flight, reserve=reserve, bars=tuple(full))
 
 
-def _stretches(bar: ContingencyBar, course: SampledTrack, scenario: Scenario) -> tuple[answers.StripStretch, ...]:
+def _stretches(
+    rows: tuple[ContingencyRow, ...], course: SampledTrack, scenario: Scenario
+) -> tuple[answers.StripStretch, ...]:
     return tuple(
         answers.StripStretch(
             look=GRADE_LOOKS[row.grade],
@@ -227,14 +229,14 @@ def _stretches(bar: ContingencyBar, course: SampledTrack, scenario: Scenario) ->
             ends=round(ends, 1),
             words=without_folders(row.in_full, scenario),
         )
-        for row, begins, ends in stretches(bar, course)
+        for row, begins, ends in stretches(rows, course)
     )
 
 
-def _costs(bar: ContingencyBar, forecast: Forecast, budget: Budget | None) -> Iterator[answers.StripCost]:
-    if bar.contingency not in TIMED or bar.rows[0].grade is Grade.UNKNOWN:
+def _costs(rows: tuple[ContingencyRow, ...], forecast: Forecast, budget: Budget | None) -> Iterator[answers.StripCost]:
+    if rows[0].contingency not in TIMED or rows[0].grade is Grade.UNKNOWN:
         return
-    for time, predicted in sorted(_sampled_costs(bar.contingency, forecast.cached(Contingencies)).items()):
+    for time, predicted in sorted(_sampled_costs(rows[0].contingency, forecast.cached(Contingencies)).items()):
         low, high = predicted.duration_s
         used = predicted.used
         left = None if budget is None or used is None else budget.left(budget.taken(time, used))

@@ -208,8 +208,8 @@ def test_the_model_still_foretells_what_was_flown(row: Row) -> None:
         assert predicted.clear
     assert predicted.grade.name.lower() == (row["grade"] or predicted.grade.name.lower())
     if contingency in (Contingency.RTL, Contingency.LAND) and row["did"] == contingency:
-        mission, forecast = contingencies.mission, contingencies.forecast
-        model = mission.autopilot.part(FlightModel)
+        forecast = contingencies.forecast
+        model = forecast.mission.autopilot.part(FlightModel)
         prediction = model.predict_contingency(forecast.itinerary, forecast.wind, contingency, second)
         share, seconds = OFF[row["autopilot"]]
         assert float(prediction.done[-1]) - second == pytest.approx(float(row["flown_s"]), rel=share, abs=seconds)

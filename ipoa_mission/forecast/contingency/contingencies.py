@@ -1,7 +1,7 @@
 """Compute each contingency by second: clearance and its certainty, duration, energy."""
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from enum import StrEnum
 from functools import cached_property
@@ -142,22 +142,6 @@ class ContingencyRow:
         return f"{self.contingency} {self.from_s:.1f} to {self.to_s:.1f} s, {self.leads}: {self.keeps}"
 
 
-class ContingencyBar(NamedTuple):
-    contingency: Contingency
-    leads: str
-    rows: tuple[ContingencyRow, ...]
-
-
-def bars_of(rows: Iterable[ContingencyRow]) -> tuple[ContingencyBar, ...]:
-    grouped: dict[Contingency, list[ContingencyRow]] = {}
-    for row in rows:
-        grouped.setdefault(row.contingency, []).append(row)
-    return tuple(
-        ContingencyBar(contingency, ", ".join(dict.fromkeys(row.leads for row in group)), tuple(group))
-        for contingency, group in grouped.items()
-    )
-
-
 class PredictedContingency(NamedTuple):
     """`duration_s`: until it disarms; `touches_s`: until it touches down; `used` energy, None where unknown."""
 
@@ -186,7 +170,7 @@ class Contingencies:
     """The contingencies of a forecast: `forecast.cached(Contingencies)`; times are means over all flights."""
 
     def __init__(self, forecast: Forecast) -> None:
-        self.forecast, self.mission = forecast, forecast.mission
+        self.forecast = forecast
         self.paths = forecast.cached(ContingencyPaths)
         self._rows = dict[Contingency, list[tuple[ContingencyRow, range]]]()
 
@@ -220,7 +204,10 @@ class Contingencies:
         return replace(samples, times=self._mean(samples.times))
 
     def all_rows(self, timed: bool = True) -> tuple[ContingencyRow, ...]:
-        return tuple(row for contingency in contingencies_of(self.forecast) for row in self.rows(contingency, timed))
+        return tuple(row for rows in self.by_contingency(timed).values() for row in rows)
+
+    def by_contingency(self, timed: bool = True) -> dict[Contingency, tuple[ContingencyRow, ...]]:
+        return {contingency: self.rows(contingency, timed) for contingency in contingencies_of(self.forecast)}
 
     def rows(self, contingency: Contingency, timed: bool = True) -> tuple[ContingencyRow, ...]:
         if (unknown := self._unknown(contingency, *self.in_air)) is not None:
@@ -290,7 +277,9 @@ class Contingencies:
             on_ground = (n for n in reached if GROUND in samples.which[n])
             worst = min(on_ground, key=lambda n: float(samples.slack[n]))
             low = self.paths.lowest_height(contingency, samples, worst)
-            least, required, to = low.nearest.distance, low.required, GROUND_NAME
+            least = low.nearest.distance
+            required = low.required
+            to = GROUND_NAME
         goal = self.paths.goal_names(contingency, samples, run.start)
         lands = None
         if goal != "here":

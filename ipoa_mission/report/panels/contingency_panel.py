@@ -6,14 +6,7 @@ from typing import Any, Literal, TypeAlias
 import numpy as np
 
 from ipoa_mission.autopilot.returning import Contingency
-from ipoa_mission.forecast.contingency.contingencies import (
-    Contingencies,
-    ContingencyBar,
-    ContingencyRow,
-    Grade,
-    bars_of,
-    contingencies_of,
-)
+from ipoa_mission.forecast.contingency.contingencies import Contingencies, ContingencyRow, Grade, contingencies_of
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.geometry import Vector
 from ipoa_mission.report.drawn_flight import SampledTrack
@@ -48,16 +41,16 @@ def return_paths(forecast: Forecast, most: int = 150) -> list[dict[str, Any]]:
     ]
 
 
-def contingency_bars(forecast: Forecast) -> tuple[ContingencyBar, ...]:
+def contingency_bars(forecast: Forecast) -> dict[Contingency, tuple[ContingencyRow, ...]]:
     if forecast.guarantee_if_known is None:
-        return ()
-    return bars_of(forecast.cached(Contingencies).all_rows(timed=False))
+        return {}
+    return forecast.cached(Contingencies).by_contingency(timed=False)
 
 
-def stretches(bar: ContingencyBar, predicted: SampledTrack) -> list[tuple[ContingencyRow, float, float]]:
+def stretches(rows: tuple[ContingencyRow, ...], predicted: SampledTrack) -> list[tuple[ContingencyRow, float, float]]:
     """Return each row with distances over ground [m]; at a standstill it has no length."""
-    edges = np.interp([(row.from_s, row.to_s) for row in bar.rows], predicted.times, predicted.along).tolist()
-    return [(row, begins, ends) for row, (begins, ends) in zip(bar.rows, edges, strict=True)]
+    edges = np.interp([(row.from_s, row.to_s) for row in rows], predicted.times, predicted.along).tolist()
+    return [(row, begins, ends) for row, (begins, ends) in zip(rows, edges, strict=True)]
 
 
 def contingency_strip(forecast: Forecast, predicted: SampledTrack) -> str:
@@ -67,12 +60,15 @@ def contingency_strip(forecast: Forecast, predicted: SampledTrack) -> str:
         return ""
     axis = along_axis(predicted)
     drawn = ""
-    for bar in bars:
-        ways = "".join(_stretch(row, axis.place(np.array(ends))) for row, *ends in stretches(bar, predicted))
-        leads = f"<b>{bar.contingency}</b> {escape(bar.leads)}"
+    for contingency, rows in bars.items():
+        ways = "".join(_stretch(row, axis.place(np.array(ends))) for row, *ends in stretches(rows, predicted))
+        goals = ", ".join(dict.fromkeys(row.leads for row in rows))
+        leads = f"<b>{contingency}</b> {escape(goals)}"
         drawn += f'<div class="contingency">{leads}<div class="ways">{ways}</div></div>'
-    rows = "".join(f"<li>{escape(str(row))}</li>" for bar in bars for row in bar.rows if not row.clear)
-    below = f'<ul class="ways-not-clear">{rows}</ul>' if rows else '<p class="note">Every contingency is clear.</p>'
+    unclear = "".join(f"<li>{escape(str(row))}</li>" for rows in bars.values() for row in rows if not row.clear)
+    below = (
+        f'<ul class="ways-not-clear">{unclear}</ul>' if unclear else '<p class="note">Every contingency is clear.</p>'
+    )
     return (
         '<h3>If it were ended there</h3><p class="note">The result of ending the flight there, by a failsafe or by '
         'the pilot.</p><div class="chart strip" id="contingencies" data-along="along" '
