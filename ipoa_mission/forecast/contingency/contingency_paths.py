@@ -24,7 +24,6 @@ from ipoa_mission.forecast.contingency.enlarged_airspace import EnlargedAirspace
 from ipoa_mission.forecast.contingency.return_routes import WHERE, ReturnRoutes
 from ipoa_mission.forecast.deviation.clearance_guarantee import PredictedFlight
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.forecast.itinerary.itinerary import rally_places
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.planning.proof import Check, prove_ground
 from ipoa_mission.world.airspace import NOTHING_NEAR, ROUNDING, Clearance
@@ -40,8 +39,7 @@ class ContingencyPaths:
         self.forecast = forecast
         self.mission = forecast.mission
         self.required = forecast.world.limits.obstacle_distance
-        self.rally = rally_places(self.mission)
-        self.routes = ReturnRoutes(forecast, self.rally)
+        self.routes = ReturnRoutes(forecast)
         self._enlarged = enlarged
         self._flight: PredictedFlight | None = None
         self._stops = dict[Contingency, StoppingPoints]()
@@ -107,14 +105,14 @@ class ContingencyPaths:
             path = autopilot.braking_distance(parameters, level_speed, gains)
             stops[:, 2] += velocity[:, 2] * path / speed
         stops[:, :2] += autopilot.stopping_offset(parameters, velocity[:, :2], accel, contingency)
-        seqs = np.array([visit.seq for visit in self.flight.route.visits])
+        seqs = np.array([visit.seq for visit in self.flight.itinerary.visits])
         ahead = np.minimum(np.searchsorted(self.flight.prediction.done, times), len(seqs) - 1)
         return StoppingPoints(times, pieces.at(times), stops, seqs[ahead])
 
     def why_unknown(self) -> str | None:
         if self.routes.why_unknown is not None:
             return self.routes.why_unknown
-        margin = self.mission.autopilot.fence_margin(self.routes.parameters, self.mission.firmware_version)
+        margin = self.mission.autopilot.fence_margin(self.forecast.itinerary.parameters, self.mission.firmware_version)
         return "returns round fences are not modeled" if self.mission.fence and margin is not None else None
 
     def samples(self, contingency: Contingency, between: tuple[float, float] | None = None) -> ContingencySamples:
@@ -189,7 +187,7 @@ class ContingencyPaths:
         """Return the possible goals, like "home or rally point 1"."""
         if contingency in IN_PLACE:
             return "here"
-        names = ["home", *(f"rally point {k}" for k in range(1, len(self.rally) + 1))]
+        names = ["home", *(f"rally point {k}" for k in range(1, len(self.forecast.itinerary.rally) + 1))]
         names += [WHERE[by] for by in self.routes.kinds]
         possible = [name for goal, name in enumerate(names) if samples.possible[n, self._paths_to(goal)].any()]
         return " or ".join(dict.fromkeys(possible))
@@ -282,7 +280,7 @@ class ContingencyPaths:
         back[:, 2] = 0.0
         to_goals = self.forecast.returns_from(stops)
         paths = list[NDArray[np.float64]]()
-        for path, up in zip(to_goals, (0.0, *(up for _, _, up in self.rally)), strict=True):
+        for path, up in zip(to_goals, (0.0, *(up for _, _, up in self.forecast.itinerary.rally)), strict=True):
             over, beyond = path[:, 1], path[:, 2]
             ground = self._ground_below(beyond)
             for offset in (share * back for share in self._shares):

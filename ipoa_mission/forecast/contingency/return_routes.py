@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ipoa_mission.autopilot.commands import FLOWN_TO, Command
-from ipoa_mission.autopilot.returning import HOME, MissionLanding, OverTerrain, ReturnBy, ReturnOrder, ReturnRoute
+from ipoa_mission.autopilot.returning import HOME, MissionLanding, OverTerrain, ReturnBy, ReturnRoute
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.itinerary.flown_legs import item_places, triple
 from ipoa_mission.geometry import Place, Points, Vector
@@ -18,19 +18,16 @@ WHERE = {ReturnBy.MISSION_FORWARD: "the landing along the mission", ReturnBy.MIS
 
 
 class ReturnRoutes:
-    def __init__(self, forecast: Forecast, rally: tuple[Place, ...]) -> None:
-        self.forecast, self.rally, self.mission = forecast, rally, forecast.mission
-        self.parameters = self.mission.autopilot.known_parameters(
-            self.mission.parameters, self.mission.firmware_version
-        )
+    def __init__(self, forecast: Forecast) -> None:
+        self.forecast = forecast
+        self.mission = forecast.mission
 
     def route(self, here: Place, seq: int) -> ReturnRoute:
-        landing, version = self._landing_after(seq), self.mission.firmware_version
-        return self.mission.autopilot.return_route(self.parameters, ReturnOrder(here, self.rally, landing, version))
+        return self.forecast.itinerary.route_of_return(here, self._landing_after(seq))
 
     def goals(self, stop: Vector, seq: int, error: float) -> set[int]:
         """Return the goals possible with a position error [m]: 0 is home, the rally points follow, then `kinds`."""
-        if not self.rally and not self.kinds:
+        if not self.forecast.itinerary.rally and not self.kinds:
             return {0}
         east, north, up = triple(stop)
         offsets = ((0.0, 0.0), (error, 0.0), (-error, 0.0), (0.0, error), (0.0, -error))
@@ -42,7 +39,7 @@ class ReturnRoutes:
         return 0 if route.rally is None else 1 + route.rally
 
     def goal_along(self, by: ReturnBy) -> int:
-        return 1 + len(self.rally) + self.kinds.index(by)
+        return 1 + len(self.forecast.itinerary.rally) + self.kinds.index(by)
 
     @cached_property
     def kinds(self) -> tuple[ReturnBy, ...]:
@@ -63,7 +60,8 @@ class ReturnRoutes:
 
     def paths(self, by: ReturnBy, starts: NDArray[np.float64], seqs: NDArray[np.intp]) -> NDArray[np.float64]:
         """Return the paths (n, p, 3) from starts (n, k, 3)."""
-        most, paths = len(self._places) + 2, []
+        most = len(self._places) + 2
+        paths = []
         for start, seq in zip(starts, seqs.tolist(), strict=True):
             nodes = list(self._nodes(by, start[-1], seq))
             paths.append([*start, *[start[-1]] * (most - len(nodes)), *nodes])
@@ -79,7 +77,9 @@ class ReturnRoutes:
 
     @property
     def _over_terrain(self) -> OverTerrain | None:
-        return None if self.forecast.ground.is_level else self.mission.autopilot.over_terrain(self.parameters)
+        if self.forecast.ground.is_level:
+            return None
+        return self.mission.autopilot.over_terrain(self.forecast.itinerary.parameters)
 
     @property
     def always_over_terrain(self) -> bool:
@@ -92,8 +92,9 @@ class ReturnRoutes:
         """
         ground = self.forecast.world.airspace.ground
         lower = self.forecast.world.airspace.ground(beyond)
-        under, far = ground(stops), np.hypot(*(beyond - stops)[:, :2].T)
-        return_height = partial(self.mission.autopilot.return_height, self.parameters)
+        under = ground(stops)
+        far = np.hypot(*(beyond - stops)[:, :2].T)
+        return_height = partial(self.mission.autopilot.return_height, self.forecast.itinerary.parameters)
         above = list(map(return_height, (stops[:, 2] - under).tolist(), far.tolist(), (up - lower).tolist()))
         along = np.linspace(0.0, 1.0, 61)[None, :, None]  # 60 legs
         paths = stops[:, None] + along * (beyond - stops)[:, None]
