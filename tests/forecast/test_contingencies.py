@@ -28,7 +28,7 @@ from ipoa_mission.forecast.contingency.contingencies import (
 from ipoa_mission.forecast.contingency.contingency_paths import ContingencyPaths
 from ipoa_mission.forecast.contingency.contingency_samples import SAMPLING
 from ipoa_mission.mission.items import FenceCircle, Item
-from ipoa_mission.vehicles.arducopter.braking import Shaping
+from ipoa_mission.vehicles.arducopter.braking import braking_displacement
 from ipoa_mission.vehicles.px4_multicopter.flight_model import Flights
 from tests.examples import examples
 from tests.refused import refuses
@@ -402,6 +402,6 @@ def test_looks_at_a_few_times_at_once_are_those_at_all(
 def test_many_are_braked_as_each_alone(monkeypatch: pytest.MonkeyPatch) -> None:
     random = np.random.default_rng(3)
     velocity, accel = 8.0 * random.normal(size=(10, 2)), random.normal(size=(10, 2))
-    alone = [Shaping(2.5, 5.0).displacement(velocity[n : n + 1], accel[n : n + 1]) for n in range(10)]
+    alone = [braking_displacement(velocity[n : n + 1], accel[n : n + 1], 2.5, 5.0) for n in range(10)]
     monkeypatch.setattr("ipoa_mission.vehicles.arducopter.braking.BATCH_SIZE", 4)
-    assert np.array_equal(Shaping(2.5, 5.0).displacement(velocity, accel), np.vstack(alone))
+    assert np.array_equal(braking_displacement(velocity, accel, 2.5, 5.0), np.vstack(alone))

@@ -5,7 +5,6 @@ with the path's speed and acceleration, BRAKE with the vehicle's speed.
 """
 
 import math
-from typing import NamedTuple
 
 import numpy as np
 
@@ -18,35 +17,31 @@ STEP = 0.02  # [s]
 BATCH_SIZE = 8000  # rows that fit into the CPU's cache
 
 
-class Shaping(NamedTuple):
-    """Limits of acceleration [m/s^2] and jerk [m/s^3]."""
+def braking_displacement(velocity: Points, accel: Points, most_accel: float, jerk: float) -> Points:
+    """Return the displacement to rest, (n, 2) [m], within an acceleration [m/s^2] and a jerk [m/s^3]."""
+    parts = (slice(n, n + BATCH_SIZE) for n in range(0, len(velocity), BATCH_SIZE))
+    displacements = [_integrate(velocity[part].T.copy(), accel[part].T.copy(), most_accel, jerk).T for part in parts]
+    return np.concatenate([np.zeros((0, 2)), *displacements])
 
-    accel: float
-    jerk: float
 
-    def deceleration(self, speed: Vector) -> Vector:
-        gain = self.jerk / self.accel
-        near = self.jerk / gain**2
-        root = np.sqrt(2.0 * self.jerk * np.maximum(speed - near / 2.0, 0.0))
-        return np.minimum(np.where(speed <= near, gain * speed, root), self.accel)
+def _integrate(velocity: Points, accel: Points, most_accel: float, jerk: float) -> Points:
+    """Return `braking_displacement` with axes first (2, n): faster."""
+    displacement = np.zeros_like(velocity)
+    max_change = jerk * STEP
+    for _ in range(math.ceil(12.0 / STEP)):  # at rest within 12 s
+        speed = np.hypot(*velocity)
+        slowed = -velocity * (_deceleration(speed, most_accel, jerk) / np.maximum(speed, 1e-9)) - accel
+        accel = accel + slowed * np.minimum(max_change / np.maximum(np.hypot(*slowed), 1e-9), 1.0)
+        displacement = displacement + velocity * STEP
+        velocity = velocity + accel * STEP
+    return displacement
 
-    def displacement(self, velocity: Points, accel: Points) -> Points:
-        """Return the displacement to rest, (n, 2) [m]."""
-        parts = (slice(n, n + BATCH_SIZE) for n in range(0, len(velocity), BATCH_SIZE))
-        displacements = [self._integrate(velocity[part].T.copy(), accel[part].T.copy()).T for part in parts]
-        return np.concatenate([np.zeros((0, 2)), *displacements])
 
-    def _integrate(self, velocity: Points, accel: Points) -> Points:
-        """Return `displacement` with axes first (2, n): faster."""
-        displacement = np.zeros_like(velocity)
-        max_change = self.jerk * STEP
-        for _ in range(math.ceil(12.0 / STEP)):  # at rest within 12 s
-            speed = np.hypot(*velocity)
-            slowed = -velocity * (self.deceleration(speed) / np.maximum(speed, 1e-9)) - accel
-            accel = accel + slowed * np.minimum(max_change / np.maximum(np.hypot(*slowed), 1e-9), 1.0)
-            displacement = displacement + velocity * STEP
-            velocity = velocity + accel * STEP
-        return displacement
+def _deceleration(speed: Vector, most_accel: float, jerk: float) -> Vector:
+    gain = jerk / most_accel
+    near = jerk / gain**2
+    root = np.sqrt(2.0 * jerk * np.maximum(speed - near / 2.0, 0.0))
+    return np.minimum(np.where(speed <= near, gain * speed, root), most_accel)
 
 
 def circle_spin(limits: CopterLimits, radius: float, speed: float) -> float:

@@ -17,15 +17,9 @@ from ipoa_mission.autopilot.returning import HOME, Contingency, ReturnBy, Return
 from ipoa_mission.autopilot.vehicle_kind import MULTICOPTERS
 from ipoa_mission.autopilot.version import Version
 from ipoa_mission.geometry import Place, Points, Vector
-from ipoa_mission.vehicles.arducopter.braking import Shaping, flown_circle
+from ipoa_mission.vehicles.arducopter import limits as copter
+from ipoa_mission.vehicles.arducopter.braking import braking_displacement, flown_circle
 from ipoa_mission.vehicles.arducopter.failsafes import FAILSAFES
-from ipoa_mission.vehicles.arducopter.limits import (
-    FENCE_SWITCHES,
-    PARAMETER_TABLE,
-    CopterReturn,
-    copter_limits,
-    fence_limits,
-)
 
 
 def refused(firmware: Firmware, command: int, frame: int, values: Sequence[float], count: int) -> Refused | None:
@@ -115,7 +109,7 @@ class ArduCopter(Autopilot):
             9: "LAND", 16: "POSHOLD", 17: "BRAKE", 21: "SMART_RTL", 27: "AUTO_RTL",
         },
     )  # fmt: skip
-    parameter_table = PARAMETER_TABLE
+    parameter_table = copter.PARAMETER_TABLE
     tables = FirmwareTables(
         Firmware(
             autopilot="ardupilot",
@@ -235,7 +229,9 @@ class ArduCopter(Autopilot):
         "DeviationLaw": "ipoa_mission.vehicles.arducopter.flight_model:LAW",
         "MockProfile": "ipoa_mission.vehicles.arducopter.flight_controller:MOCK_PROFILE",
     }
-    own_fence_by = (*FENCE_SWITCHES, "FENCE_TYPE", "FENCE_ACTION", "FENCE_RADIUS", "FENCE_ALT_MAX", "FENCE_ALT_MIN")
+    own_fence_by = (
+        *copter.FENCE_SWITCHES, "FENCE_TYPE", "FENCE_ACTION", "FENCE_RADIUS", "FENCE_ALT_MAX", "FENCE_ALT_MIN",
+    )  # fmt: skip
     failsafe_profile = FAILSAFES
 
     def braking_distance(self, parameters: Parameters, speed: Vector, accel: Vector) -> Vector:
@@ -244,7 +240,7 @@ class ArduCopter(Autopilot):
         >>> ArduCopter().braking_distance({"WPNAV_ACCEL": 250.0}, np.array([10.0]), np.zeros(1)).round(2)
         array([21.25])
         """
-        return copter_limits(parameters).stopping_distance(speed)
+        return copter.copter_limits(parameters).stopping_distance(speed)
 
     def stopping_offset(
         self, parameters: Parameters, velocity: Points, accel: Points, contingency: Contingency
@@ -257,11 +253,12 @@ class ArduCopter(Autopilot):
         """
         if contingency not in returning.IN_PLACE:
             return super().stopping_offset(parameters, velocity, accel, contingency)
-        p = PARAMETER_TABLE.complete(parameters)
+        p = copter.PARAMETER_TABLE.complete(parameters)
         if contingency is Contingency.HOLD:
-            return Shaping(7.5, p["PSC_JERK_XY"]).displacement(velocity, 0.0 * accel)  # BRAKE_MODE_DECEL_RATE
+            brake_mode_decel = 7.5  # BRAKE_MODE_DECEL_RATE [m/s^2]
+            return braking_displacement(velocity, 0.0 * accel, brake_mode_decel, p["PSC_JERK_XY"])
         lead_s = 0.25  # of the target's speed, as flown
-        return Shaping(p["WPNAV_ACCEL"] / 100, p["PSC_JERK_XY"]).displacement(velocity + lead_s * accel, accel)
+        return braking_displacement(velocity + lead_s * accel, accel, p["WPNAV_ACCEL"] / 100, p["PSC_JERK_XY"])
 
     def circle(
         self, parameters: Parameters, radius: float, turn: float, speed: float | None, version: Version | None
@@ -272,7 +269,7 @@ class ArduCopter(Autopilot):
         >>> round(flown.radius, 1), round(flown.runs_on, 1)
         (58.4, 15.5)
         """
-        limits = copter_limits(parameters, version)
+        limits = copter.copter_limits(parameters, version)
         return flown_circle(limits, radius, speed or limits.speed, turn)
 
     def slow_stretch(self, parameters: Parameters) -> returning.SlowStretch | None:
@@ -281,7 +278,7 @@ class ArduCopter(Autopilot):
         >>> ArduCopter().slow_stretch({}).touchdown(12.0)
         1.5
         """
-        p = PARAMETER_TABLE.complete(parameters)
+        p = copter.PARAMETER_TABLE.complete(parameters)
         if p["RNGFND1_TYPE"] > 0:
             return None
         low = max(p["LAND_ALT_LOW"] / 100, 1.0)
@@ -290,7 +287,7 @@ class ArduCopter(Autopilot):
 
     def own_fence(self, parameters: Parameters) -> OwnFence | None:
         """Return FENCE_TYPE's limits if FENCE_ACTION does more than report (AC_Fence)."""
-        return None if parameters.get("FENCE_ACTION", 1.0) <= 0.0 else fence_limits(parameters)
+        return None if parameters.get("FENCE_ACTION", 1.0) <= 0.0 else copter.fence_limits(parameters)
 
     def return_route(self, parameters: Parameters, order: ReturnOrder) -> ReturnRoute:
         """Return the way to RTL's rally point: the nearest inside the own fence.
@@ -298,7 +295,7 @@ class ArduCopter(Autopilot):
         Home counts if nearer and RALLY_INCL_HOME, or if all are beyond RALLY_LIMIT_KM. Not modeled: polygon fences, and
         OA_TYPE.
         """
-        fence = fence_limits(parameters)
+        fence = copter.fence_limits(parameters)
         home = ReturnRoute(ReturnBy.DIRECT)
         inside = [n for n, place in enumerate(order.rally) if fence is None or _is_inside(fence, place)]
         distances = {n: level_distance(order.here, order.rally[n]) for n in inside}
@@ -318,7 +315,7 @@ class ArduCopter(Autopilot):
         >>> ArduCopter().return_height({"RTL_ALT": 6000.0, "FENCE_ENABLE": 1.0, "FENCE_ALT_MAX": 50.0}, 20.0, 400.0)
         48.0
         """
-        return CopterReturn.of(parameters).height(height, distance, goal_up)
+        return copter.CopterReturn.of(parameters).height(height, distance, goal_up)
 
     def over_terrain(self, parameters: Parameters) -> returning.OverTerrain | None:
         """Return the effect of RTL_ALT_TYPE 1, which needs a range finder or terrain data.
