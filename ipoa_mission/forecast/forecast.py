@@ -15,6 +15,9 @@ from ipoa_mission.autopilot.version import Version
 from ipoa_mission.errors import MissionError, NotModeled
 from ipoa_mission.forecast.itinerary.flown_legs import Leg, flown_legs, join, trace_returns
 from ipoa_mission.forecast.itinerary.itinerary import Itinerary, Unknown, find_unknown, itinerary, past_jumps
+from ipoa_mission.forecast.timing.estimate import Estimate, times_of
+from ipoa_mission.forecast.timing.flight_model import FlightModel, Prediction
+from ipoa_mission.forecast.timing.track import Track
 from ipoa_mission.geodesy import LocalFrame
 from ipoa_mission.geometry import Points
 from ipoa_mission.ground import Ground
@@ -25,9 +28,6 @@ from ipoa_mission.wind import CALM, Wind
 if TYPE_CHECKING:
     from ipoa_mission.forecast.deviation.clearance_guarantee import ClearanceGuarantee
     from ipoa_mission.forecast.flight_energy import Consumption
-    from ipoa_mission.forecast.timing.estimate import Estimate
-    from ipoa_mission.forecast.timing.flight_model import Prediction
-    from ipoa_mission.forecast.timing.track import Track
     from ipoa_mission.planning.proof import Proof
     from ipoa_mission.scenario import Scenario
 
@@ -74,7 +74,8 @@ class Forecast:
             version = mission.firmware_version or vehicle.version
             unmeasured = mission.unmeasured_version or vehicle.unmeasured_version
             mission = replace(mission, firmware_version=version, unmeasured_version=unmeasured)
-        self.scenario, self.mission_as_read = scenario, mission
+        self.scenario = scenario
+        self.mission_as_read = mission
 
     @cached_property
     def mission(self) -> Mission:
@@ -150,7 +151,7 @@ class Forecast:
     def unknown(self) -> tuple[Unknown, ...]:
         return tuple(find_unknown(self.mission_as_read))
 
-    def predicted(self, noise_free: bool, fast: bool | None = None) -> "Prediction":
+    def predicted(self, noise_free: bool, fast: bool | None = None) -> Prediction:
         """Predict times and places, `noise_free` or with the mean of sensor noise.
 
         `fast`: as in `estimate`.
@@ -159,8 +160,6 @@ class Forecast:
             BadInput: the mission has no end, or a parameter is invalid.
             MissionError: the vehicle makes no progress, flies items in another order, or has no model.
         """
-        from ipoa_mission.forecast.timing.flight_model import FlightModel
-
         unknown = next(past_jumps(self.mission_as_read), None)
         if unknown is not None:
             raise _refusal(unknown, "time")
@@ -172,20 +171,18 @@ class Forecast:
             return self.expected  # a long flight is large
         return model.predicted(self.itinerary, self.wind, fast, noise_free)
 
-    def timed(self, fast: bool | None = None) -> "Estimate":
-        from ipoa_mission.forecast.timing.estimate import times_of
-
+    def timed(self, fast: bool | None = None) -> Estimate:
         expected = self.expected if fast is None else self.predicted(noise_free=False, fast=fast)
         times = times_of(self.itinerary, expected)
         unknown = (f"item {item.seq}: {item.why}: the time after it is unknown" for item in self.unknown)
         return replace(times, remarks=(*times.remarks, *unknown))
 
     @cached_property
-    def expected(self) -> "Prediction":
+    def expected(self) -> Prediction:
         return self.predicted(noise_free=False)
 
     @cached_property
-    def estimate(self) -> "Estimate":
+    def estimate(self) -> Estimate:
         return self.timed()
 
     @cached_property
@@ -193,7 +190,7 @@ class Forecast:
         used = self.energy_of(self.estimate.track)
         return None if used is None else used.lasting(self.estimate.low_s, self.estimate.high_s)
 
-    def energy_of(self, track: "Track") -> "Consumption | None":
+    def energy_of(self, track: Track) -> "Consumption | None":
         if (self.scenario is None and self.mission.vehicle is None) or not np.diff(track.times).any():
             return None
         from ipoa_mission.forecast.flight_energy import flight_energy
@@ -205,7 +202,6 @@ class Forecast:
         """Return the kept limits; raises as `predicted`, and if the path is unknown."""
         from ipoa_mission.forecast.deviation.clearance_guarantee import PredictedFlight, clearance_guarantee_of
         from ipoa_mission.forecast.deviation.kept_limits import clearance_task
-        from ipoa_mission.forecast.timing.flight_model import FlightModel
 
         self.expect_known_path()
         task = clearance_task(self.world, self.mission.autopilot)
@@ -244,7 +240,7 @@ def _refusal(unknown: Unknown, quantity: str) -> MissionError:
 
 def estimate(
     mission: Mission, parameters: Parameters = NO_PARAMETERS, wind: Wind = CALM, *, fast: bool | None = None
-) -> "Estimate":
+) -> Estimate:
     """Predict when each item of the mission will be done, by the model of `mission.autopilot`.
 
     Args:

@@ -21,16 +21,8 @@ from ipoa_mission.autopilot.returning import HOME, Contingency, ReturnBy, Return
 from ipoa_mission.autopilot.vehicle_kind import MULTICOPTERS
 from ipoa_mission.autopilot.version import Version
 from ipoa_mission.geometry import Points, Vector
+from ipoa_mission.vehicles.px4_multicopter import limits as px4
 from ipoa_mission.vehicles.px4_multicopter.failsafes import FAILSAFES
-from ipoa_mission.vehicles.px4_multicopter.limits import (
-    LEAST_HOLD,
-    MEASURED,
-    PARAMETER_TABLE,
-    SINCE_SPLIT,
-    SPLITS_AXES,
-    Px4Return,
-    px4_limits,
-)
 
 
 def refused(firmware: Firmware, command: int, frame: int, values: Sequence[float], _count: int) -> Refused | None:
@@ -103,7 +95,7 @@ class Px4Multicopter(Autopilot):
     model = "PX4"
     mav_autopilot = 12
     mav_types = MULTICOPTERS
-    measured = MEASURED
+    measured = px4.MEASURED
     modes = profile.Modes(
         mission=mode_number(4, 4),
         arming=mode_number(4, 4),  # takes off once armed
@@ -119,7 +111,7 @@ class Px4Multicopter(Autopilot):
         },
         has_sub_modes=True,
     )  # fmt: skip
-    parameter_table = PARAMETER_TABLE
+    parameter_table = px4.PARAMETER_TABLE
     tables = FirmwareTables(
         Firmware(
             autopilot="px4",
@@ -198,7 +190,7 @@ class Px4Multicopter(Autopilot):
     failsafe_profile = FAILSAFES
 
     def braking_distance(self, parameters: Parameters, speed: Vector, accel: Vector) -> Vector:
-        limits = px4_limits(parameters)
+        limits = px4.px4_limits(parameters)
         brakes = limits.accel
         gains = np.clip(accel, 0.0, limits.accel)
         turns = (gains + brakes) / limits.jerk  # [s]
@@ -217,7 +209,7 @@ class Px4Multicopter(Autopilot):
         """
         if contingency not in returning.IN_PLACE:
             return super().stopping_offset(parameters, velocity, accel, contingency)
-        return np.asarray(velocity * px4_limits(parameters).stopping_time(np.hypot(*velocity.T))[:, None])
+        return np.asarray(velocity * px4.px4_limits(parameters).stopping_time(np.hypot(*velocity.T))[:, None])
 
     def slow_stretch(self, parameters: Parameters) -> returning.SlowStretch | None:
         """Return MPC_LAND_ALT1 to MPC_LAND_ALT2.
@@ -225,7 +217,7 @@ class Px4Multicopter(Autopilot):
         >>> Px4Multicopter().slowed({}, 12.0)
         {'MPC_LAND_ALT1': 22.0, 'MPC_LAND_ALT2': 17.0}
         """
-        p = PARAMETER_TABLE.complete(parameters)
+        p = px4.PARAMETER_TABLE.complete(parameters)
         descent = min(p["MPC_Z_V_AUTO_DN"], p["MPC_Z_VEL_MAX_DN"])
         low = p["MPC_LAND_ALT2"]
         return returning.SlowStretch(
@@ -274,7 +266,7 @@ class Px4Multicopter(Autopilot):
 
     def defaults_of(self, version: Version | None = None) -> Parameters:
         """Return NAV_ACC_RAD: 10 m from 1.18 on."""
-        return SINCE_SPLIT if (version or self.newest).series >= SPLITS_AXES else {}
+        return px4.SINCE_SPLIT if (version or self.newest).series >= px4.SPLITS_AXES else {}
 
     def waypoint_defaults(self, version: Version | None = None) -> profile.WaypointDefaults:
         """Return a hold and 2 m from 1.18 on, whose own radius is 10 m.
@@ -282,12 +274,12 @@ class Px4Multicopter(Autopilot):
         >>> Px4Multicopter().waypoint_defaults(Version(1, 18))
         WaypointDefaults(hold=0.1, radius=2.0)
         """
-        if (version or self.newest).series < SPLITS_AXES:
+        if (version or self.newest).series < px4.SPLITS_AXES:
             return profile.WaypointDefaults()
-        return profile.WaypointDefaults(LEAST_HOLD, PARAMETER_TABLE.moving["NAV_ACC_RAD"])
+        return profile.WaypointDefaults(px4.LEAST_HOLD, px4.PARAMETER_TABLE.moving["NAV_ACC_RAD"])
 
     def return_height(self, parameters: Parameters, height: float, distance: float, goal_up: float = 0.0) -> float:
-        return goal_up + Px4Return.of(parameters).height(height - goal_up, distance)
+        return goal_up + px4.Px4Return.of(parameters).height(height - goal_up, distance)
 
     def fence_margin(self, parameters: Parameters, version: Version | None = None) -> float | None:
         """Return the distance, from 1.19 on (40e61d2429), except on the smallest boards; not modeled.
@@ -297,7 +289,7 @@ class Px4Multicopter(Autopilot):
         """
         if (version or self.newest).series < (1, 19):
             return None
-        return 2.0 * parameters.get("NAV_ACC_RAD", SINCE_SPLIT["NAV_ACC_RAD"])
+        return 2.0 * parameters.get("NAV_ACC_RAD", px4.SINCE_SPLIT["NAV_ACC_RAD"])
 
 
 PX4_MULTICOPTER = Px4Multicopter()
