@@ -68,7 +68,7 @@ class ConformanceMonitor:
     def __init__(self, forecast: Forecast) -> None:
         self._forecast = forecast
         self._estimate = forecast.estimate
-        self._visits, self._program = forecast.itinerary.visits, forecast.itinerary.program
+        self._visits = forecast.itinerary.visits
         if not self._visits:
             raise MissionError("the mission has no items", code="empty")
         safety = None if forecast.scenario is None else forecast.scenario.safety.chance
@@ -130,12 +130,14 @@ class ConformanceMonitor:
             self._visit = later[0] if later else last
         if self._begun_s is None or self._visit != last:
             self._detour = self._direct(place) if self._begun_s is None else None
-            self._begun_s, self._nearest = time, math.inf
+            self._begun_s = time
+            self._nearest = math.inf
             self._since.clear()
 
     def _late(self, leg: _Leg, time: float, place: Vector) -> Deviation | None:
         assert self._begun_s is not None
-        lasted, allowed = time - self._begun_s, LIMITS.late_factor * leg.longest_s
+        lasted = time - self._begun_s
+        allowed = LIMITS.late_factor * leg.longest_s
         if lasted <= allowed or (leg.is_landing and math.dist(place[:2], self._points[-1, :2]) < LIMITS.min_margin):
             return None  # the ground where it lands may be lower than known
         words = f"the vehicle flies to it for {lasted:.0f} s; nine flights in ten take {leg.longest_s:.0f} s"
@@ -144,7 +146,8 @@ class ConformanceMonitor:
     def _beyond(self, leg: _Leg, distance: float, time: float) -> Deviation | None:
         if leg.goal is None:
             return None
-        moved, allowed = distance - self._nearest, leg.excursion + leg.comes_back
+        moved = distance - self._nearest
+        allowed = leg.excursion + leg.comes_back
         if moved <= allowed:
             return None
         if self._nearest <= self._overshoot:
@@ -189,23 +192,23 @@ class ConformanceMonitor:
         return np.array([law.lateral(self._chance), bound.down, bound.up])
 
     def _corridor(self) -> tuple[Vector, Points, Points]:
-        track, law = self._estimate.track, self._law
+        track = self._estimate.track
         flown = arc_lengths(track.points)
         evenly = np.interp(np.arange(0.0, flown[-1], SPACING), flown, track.times)
         times = np.unique(np.concatenate([track.times[:1], evenly, track.times[-1:]]))
         pieces = pieces_of(track)
         across = np.interp(times, (pieces.times[:-1] + pieces.times[1:]) / 2, pieces.across)
-        bound = np.tile(self._width(law), (len(times), 1))
+        bound = np.tile(self._width(self._law), (len(times), 1))
         goals = [item.done_s for n, item in enumerate(self._estimate.items) if self._goal(n) is not None]
-        bound[times > max(goals, default=math.inf)] = self._width(law.after_cruise())
-        bound[:, 0] *= law.widening(across)
+        bound[times > max(goals, default=math.inf)] = self._width(self._law.after_cruise())
+        bound[:, 0] *= self._law.widening(across)
         return times, track.at(times), bound
 
     def _goal(self, visit: int) -> Vector | None:
         command = self._visits[visit].item.command
-        if command not in FLOWN_TO - TAKEOFFS - LANDINGS or self._program.leaves_open(visit):
+        if command not in FLOWN_TO - TAKEOFFS - LANDINGS or self._forecast.itinerary.program.leaves_open(visit):
             return None
-        return np.array(self._program.places[visit])
+        return np.array(self._forecast.itinerary.program.places[visit])
 
     def _leg_to(self, visit: int) -> _Leg:
         commands = [each.item.command for each in self._visits]

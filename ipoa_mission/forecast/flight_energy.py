@@ -61,9 +61,6 @@ class Consumption:
         low = max(1.0 - np.hypot(below, earlier), 0.0) / max(1.0 - below, 1e-9)
         return self.widened(low, (1.0 + np.hypot(above, later)) / (1.0 + above))
 
-    def left(self, battery: Battery) -> float:
-        return 1 - self.energy_wh / battery.capacity_wh
-
 
 def through_air(track: Track, wind: Wind) -> tuple[Vector, Vector]:
     """Return airspeeds and climb rates, (n-1,) [m/s]; `track.speeds` count, as those of its places would jump."""

@@ -54,7 +54,8 @@ class Landing(NamedTuple):
 
 
 def landings(forecast: Forecast) -> Iterator[Landing]:
-    mission, reported = forecast.mission, set[tuple[int, float]]()
+    mission = forecast.mission
+    reported = set[tuple[int, float]]()
     for leg in forecast.legs:
         if leg.stage is not FlightStage.LANDING or leg.points[-1, 2] > leg.points[0, 2]:
             continue

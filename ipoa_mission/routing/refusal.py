@@ -206,8 +206,8 @@ def _legs_too_near(attempt: Attempt) -> Iterator[int]:
         yield min(int(np.searchsorted(ends, limit.item)), len(ends) - 1)
     flight = attempt.guarantee.flight
     for shortfall in attempt.short:
-        visit = min(int(np.searchsorted(flight.prediction.done, shortfall.time)), len(flight.route.visits) - 1)
-        yield min(int(np.searchsorted(ends, flight.route.visits[visit].seq)), len(ends) - 1)
+        visit = min(int(np.searchsorted(flight.prediction.done, shortfall.time)), len(flight.itinerary.visits) - 1)
+        yield min(int(np.searchsorted(ends, flight.itinerary.visits[visit].seq)), len(ends) - 1)
 
 
 def _next_fast(slow: frozenset[int], leg: int) -> int:

@@ -78,13 +78,13 @@ class Model(FlightModel):
     scatter = (0.1, 0.01, 0.1)
     simulated_lag = 0.05
 
-    def predicted(self, route: Itinerary, wind: Wind, fast: bool | None, noise_free: bool) -> Prediction:
+    def predicted(self, itinerary: Itinerary, wind: Wind, fast: bool | None, noise_free: bool) -> Prediction:
         here, clock, speed = (0.0, 0.0, 0.0), 0.0, SPEED
         times, points, done = [0.0], [here], []
-        for n, visit in enumerate(route.visits):
+        for n, visit in enumerate(itinerary.visits):
             if visit.item.command == Command.DO_CHANGE_SPEED:
                 speed = visit.item.params[1]
-            for place in way(route.program, n, here, 0.0):
+            for place in way(itinerary.program, n, here, 0.0):
                 clock += math.dist(here, place) / speed
                 here = place
                 times.append(clock)

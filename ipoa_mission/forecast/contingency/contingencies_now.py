@@ -52,11 +52,13 @@ class ContingenciesNow:
         return reached, float(apart[best])
 
     def from_here(self, contingency: Contingency, place: Vector, velocity: Vector) -> ContingencyRow:
-        forecast, paths = self._contingencies.forecast, self._contingencies.paths
-        autopilot, parameters = forecast.mission.autopilot, forecast.mission.parameters
+        paths = self._contingencies.paths
+        mission = self._contingencies.forecast.mission
         stop = place.copy()
-        stop[:2] += autopilot.flies_on(contingency) * velocity
-        stop[:2] += autopilot.stopping_offset(parameters, velocity[None, :], np.zeros((1, 2)), contingency)[0]
+        stop[:2] += mission.autopilot.flies_on(contingency) * velocity
+        stop[:2] += mission.autopilot.stopping_offset(
+            mission.parameters, velocity[None, :], np.zeros((1, 2)), contingency
+        )[0]
         ground = np.array([stop[0], stop[1], float(paths.enlarged.whole.ground(stop[None, :])[0])])
         path = np.array([place, stop] if contingency is Contingency.HOLD else [place, stop, ground])
         near = paths.enlarged.obstacle_clearance(path, within=paths.required + 8.0)  # [m]

@@ -49,7 +49,8 @@ def find_return_shortfalls(paths: ContingencyPaths) -> list[Shortfall]:
 
 def highest_return(forecast: Forecast) -> float:
     """Return the greatest return altitude [m above home] in bounds, own fence and, if that is on, the mission's."""
-    mission, world = forecast.mission, forecast.world
+    mission = forecast.mission
+    world = forecast.world
     table = mission.autopilot.parameter_table
     values = {**table.others, **table.by_old_names(mission.parameters)}
     if mission.fence:

@@ -100,7 +100,6 @@ class ClearanceGuarantee:
 
 
 def deviation_bound_holds(flown: Pieces, task: kept_limits.ClearanceTask) -> bool:
-    chance, law = task.chance, task.law
     required = ceil_cm(task.path.limits.obstacle_distance)
     airspace = task.path.airspace
     if airspace.obstacles:
@@ -112,9 +111,9 @@ def deviation_bound_holds(flown: Pieces, task: kept_limits.ClearanceTask) -> boo
         for stretch in kept_limits.runs(flown.points, ~free):
             if _least_clearance(airspace, [stretch], required).distance < required - TOUCHING:
                 return False
-        if chance is not None:
-            pairs = proximity_risks(flown, airspace, law, required)
-            if pairs.of(free[pairs.piece]).chance(required) > chance:
+        if task.chance is not None:
+            pairs = proximity_risks(flown, airspace, task.law, required)
+            if pairs.of(free[pairs.piece]).chance(required) > task.chance:
                 return False
     return not limits_broken_by_deviation(flown.points, task)
 
@@ -171,7 +170,7 @@ def clearance_guarantee_of(flight: "PredictedFlight") -> ClearanceGuarantee:
 
 @dataclass(frozen=True, eq=False)
 class PredictedFlight:
-    route: Itinerary
+    itinerary: Itinerary
     prediction: Prediction
     task: kept_limits.ClearanceTask
     spread: Points | None = None
@@ -186,7 +185,7 @@ class PredictedFlight:
     @cached_property
     def cruise_span(self) -> tuple[float, float]:
         """Return the end of the take-off and of the last waypoint [s]."""
-        commands = [visit.item.command for visit in self.route.visits]
+        commands = [visit.item.command for visit in self.itinerary.visits]
         timed = list(zip(commands, map(float, self.prediction.done), strict=True))
         begin = min((at for command, at in timed if command in TAKEOFFS), default=0.0)
         ends = [at for command, at in timed if command in FLOWN_TO - TAKEOFFS - LANDINGS]
@@ -194,7 +193,8 @@ class PredictedFlight:
 
     def limits(self, chance: float | None) -> Iterator[KeptLimit]:
         begin, end = self.cruise_span
-        last, law = float(self.pieces.times[-1]), self.task.law
+        last = float(self.pieces.times[-1])
+        law = self.task.law
         if self.task.path.airspace.obstacles:
             parts = (0.0, begin, law, TAKEOFF_PART), (end, last, law.after_cruise(), LANDING_PART)
             for first, then, its_law, name in parts:
@@ -202,7 +202,8 @@ class PredictedFlight:
                     part = self.pieces.part(first, then)
                     yield self._obstacles(part, its_law, chance, np.full(len(part.points) - 1, True), name)
             if end > begin:
-                part, tight = self.pieces.part(begin, end), _tight(self.task)
+                part = self.pieces.part(begin, end)
+                tight = _tight(self.task)
                 at = kept_limits.round_places(part.points, tight)
                 for n in np.unique(at).tolist():
                     yield self._obstacles(part, law, chance, at == n, "" if n < 0 else tight[n].name)
@@ -212,7 +213,7 @@ class PredictedFlight:
     def _above_ground(self, begin: float, end: float) -> list[tuple[float, float]]:
         track = self.prediction.track
         parts = list[tuple[float, float]]()
-        for done, visit in zip(self.prediction.done, self.route.visits, strict=True):
+        for done, visit in zip(self.prediction.done, self.itinerary.visits, strict=True):
             if visit.item.command == Command.NAV_PAYLOAD_PLACE and begin < done <= end:
                 over = track.at(np.array([done]))[0, :2]
                 is_away = np.hypot(*(track.points[:, :2] - over).T) > 0.5  # [m]
@@ -227,7 +228,9 @@ class PredictedFlight:
         airspace = self.task.path.airspace
         required = self.task.path.limits.obstacle_distance
         nominal = _least_clearance(airspace, [*kept_limits.runs(part.points, chosen)], required if name else -np.inf)
-        least, to, place = nominal.distance, nominal.what, nominal.place
+        least = nominal.distance
+        to = nominal.what
+        place = nominal.place
         guaranteed = least
         if chance is not None:
             near = proximity_risks(part, airspace, law, least)
@@ -236,7 +239,8 @@ class PredictedFlight:
             if len(near.piece):
                 piece, body = near.likeliest(guaranteed)
                 east, north, height = (float(x) for x in part.points[piece])
-                to, place = airspace.obstacles[body].name, (east, north, height)
+                to = airspace.obstacles[body].name
+                place = (east, north, height)
         return KeptLimit("obstacles", required, least, guaranteed, to, self._item(part, place), place, name)
 
     def _others(self, part: Pieces, bound: kept_limits.DeviationBound) -> Iterator[KeptLimit]:
@@ -251,5 +255,5 @@ class PredictedFlight:
 
     def _item(self, part: Pieces, place: tuple[float, float, float]) -> int:
         at = part.times[np.argmin(np.linalg.norm(part.points - np.array(place), axis=1))]
-        seqs = [visit.seq for visit in self.route.visits] or [0]
+        seqs = [visit.seq for visit in self.itinerary.visits] or [0]
         return seqs[min(int(np.searchsorted(self.prediction.done, at - 1e-6)), len(seqs) - 1)]

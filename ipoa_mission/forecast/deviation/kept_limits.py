@@ -138,7 +138,8 @@ def _bounds_kept(path: Points, task: PathTask, bound: DeviationBound) -> Check |
         line = line.difference(shapely.union_all(shapely.buffer(shapely.points(fixed[:, :2]), PLACE_RADIUS)))
         if not line.is_empty and (margin := float(shapely.distance(line, edge)) - bound.level) < least:
             near = np.array(shapely.shortest_line(line, edge).coords[0])
-            least, nearest = margin, "the flight area"
+            least = margin
+            nearest = "the flight area"
             place = path[np.argmin(np.linalg.norm(path[:, :2] - near, axis=1))]
     east, north, up = (float(x) for x in place)
     return Check("bounds", Clearance(least, (east, north, up), nearest), 0.0)
@@ -188,7 +189,8 @@ def grown(
     For planning only: an obstacle near to one place grows less everywhere, and one without an upright column by the
     level bound alone.
     """
-    bodies, distance = task.airspace.obstacles, task.limits.obstacle_distance
+    bodies = task.airspace.obstacles
+    distance = task.limits.obstacle_distance
     spare = np.array([body.distance(task.places).min() for body in bodies])
     growth = np.clip(spare - distance - MIN_GROWTH, 0.0, growth)
     if keep_gaps and len(growth) > 1:

@@ -93,7 +93,8 @@ def item_places(mission: Mission, frame: LocalFrame, ground: Ground) -> list[Vec
 
 class _LegBuilder:
     def __init__(self, mission: Mission, frame: LocalFrame, ground: Ground | None) -> None:
-        self.mission, self.frame = mission, frame
+        self.mission = mission
+        self.frame = frame
         self.home = frame.local(mission.home)
         self.ground = ground or Ground(Flat(float(self.home[2])))
         self.places = item_places(mission, frame, self.ground)
@@ -130,9 +131,9 @@ class _LegBuilder:
                 self.last = seq
 
     def _onward(self, seq: int, item: Item, target: Vector) -> Leg:
-        origin, guidance = self.at, self.mission.autopilot.guidance
+        origin = self.at
         next_index = onward(self.mission.items, seq - 1, self.mission.autopilot)
-        is_curve = item.command == Command.NAV_SPLINE_WAYPOINT and guidance.flies_splines
+        is_curve = item.command == Command.NAV_SPLINE_WAYPOINT and self.mission.autopilot.guidance.flies_splines
         if is_curve and np.linalg.norm(target - origin) > 1e-3:  # [m]
             self.curve = seq, origin, self.flown_in
             return self._curve(seq, item, target, next_navigated(self.mission.items, seq - 1, self.mission.autopilot))
@@ -192,7 +193,8 @@ class _LegBuilder:
             version = self.mission.firmware_version
             flown = self.mission.autopilot.circle(self.parameters, radius, turn, self.speed, version)
             assert flown is not None, "it flies circles"
-            turn, begin = curves.circle_turn(item, flown.sense), self._over(item, self.at)
+            turn = curves.circle_turn(item, flown.sense)
+            begin = self._over(item, self.at)
             yield self._bent(seq, item, curves.circle_chords(begin, triple(center), flown, turn, CHORD_TOLERANCE))
 
     def _to(self, seq: int, target: Vector, follow_terrain: bool) -> Leg:
@@ -232,7 +234,8 @@ class _LegBuilder:
         if target is not None:
             up = target[2] if self.flown_in is not None else self.at[2]
             yield self._to(seq, np.array([target[0], target[1], up]), follow_terrain=False)
-        top, ground = float(self.at[2]), float(self.ground(self.at[None, :])[0])
+        top = float(self.at[2])
+        ground = float(self.ground(self.at[None, :])[0])
         deepest = item.params[0] if item.params[0] > 0.0 else math.inf
         yield self._vertical(seq, FlightStage.LANDING, max(top - deepest, ground))
         yield self._vertical(seq, FlightStage.LANDING, top)
@@ -265,7 +268,8 @@ class _LegBuilder:
 
     def trace_returns(self, places: Points) -> Iterator[tuple[Vector, NDArray[np.float64]]]:
         """Return each goal, and the paths from places (n, 3) to over it, (n, 3, 3)."""
-        amsl, autopilot = self.mission.home.altitude, self.mission.autopilot
+        amsl = self.mission.home.altitude
+        autopilot = self.mission.autopilot
         latitude, longitude, altitude = self.frame.to_geodetic(places)
         ups = (0.0, *(place.altitude for place in self.mission.rally))
         for goal, up in zip((self.home, *self._rally_points()), ups, strict=True):
@@ -280,13 +284,15 @@ class _LegBuilder:
             yield goal, paths
 
     def _rally_points(self) -> list[Vector]:
-        amsl, local = self.mission.home.altitude, self.frame.local
-        return [local(Geodetic(p.latitude_deg, p.longitude_deg, amsl + p.altitude)) for p in self.mission.rally]
+        amsl = self.mission.home.altitude
+        places = (Geodetic(at.latitude_deg, at.longitude_deg, amsl + at.altitude) for at in self.mission.rally)
+        return [self.frame.local(place) for place in places]
 
     def _jump(self, seq: int) -> Iterator[Leg]:
         here, flown_in, curve = self.at, self.flown_in, self.curve
         for index in led_to(self.mission.items, seq - 1, MOVING):
-            item, target = self.mission.items[index], self.places[index]
+            item = self.mission.items[index]
+            target = self.places[index]
             if curve is not None and (goal := self.places[curve[0] - 1]) is not None:
                 self.at, self.flown_in = curve[1:]
                 yield replace(self._curve(curve[0], self.mission.items[curve[0] - 1], goal, index), alternative=True)

@@ -51,7 +51,9 @@ def kinematics(autopilot: Autopilot, parameters: Parameters, speed: float | None
 
 
 def route_time(itinerary: Itinerary, prediction: Prediction) -> RouteTime:
-    autopilot, parameters, visits = itinerary.mission.autopilot, itinerary.mission.parameters, itinerary.visits
+    autopilot = itinerary.mission.autopilot
+    parameters = itinerary.mission.parameters
+    visits = itinerary.visits
     ends = [n for n, visit in enumerate(visits) if visit.item.is_waypoint]
     starts = [n for n, visit in enumerate(visits) if visit.item.command in WAYPOINTS | {Command.NAV_TAKEOFF}]
     if not ends or starts[0] == ends[-1]:
@@ -77,7 +79,8 @@ def _most_asked(itinerary: Itinerary, first: int, last: int, standard: float) ->
 
 def _smoothed(path: Points) -> Points:
     """Return places 1 m apart, each the mean of five."""
-    steps, most = 5, 10_000
+    steps = 5
+    most = 10_000
     path = path[np.concatenate([[True], leg_lengths(path) > 1e-6])] if len(path) > 1 else path
     if len(path) < 2:
         return path
@@ -191,7 +194,8 @@ def times_of(itinerary: Itinerary, prediction: Prediction) -> Estimate:
 
 
 def _item_times(itinerary: Itinerary, prediction: Prediction) -> tuple[ItemTime, ...]:
-    items, begun = [], 0.0
+    items = list[ItemTime]()
+    begun = 0.0
     times = (map(float, values) for values in (prediction.done, prediction.low, prediction.high))
     risks = prediction.missed or (NEVER_MISSED,) * len(itinerary.visits)
     track = prediction.track  # NumPy would copy strided axes for each item
@@ -240,7 +244,8 @@ def qgroundcontrol_time(mission: Mission) -> float:
     here = (mission.home.latitude_deg, mission.home.longitude_deg)
     height = 0.0
     total = 0.0
-    taken_off, scanned = False, dict(mission.scanned)
+    taken_off = False
+    scanned = dict(mission.scanned)
     for index, item in enumerate(mission.items):
         total += scanned.get(index, 0.0) / speed
         if item.command == Command.NAV_RETURN_TO_LAUNCH:
@@ -254,7 +259,8 @@ def qgroundcontrol_time(mission: Mission) -> float:
         if item.has_position:
             there = (item.latitude_deg, item.longitude_deg)
             total += _great_circle(here, there) / speed
-            here, height = there, item.height(mission.home)
+            here = there
+            height = item.height(mission.home)
         if item.command == Command.DO_CHANGE_SPEED and item.params[1] > 0:
             speed = item.params[1]
     return total

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from ipoa_mission.autopilot.parameters import Parameters
 from ipoa_mission.autopilot.returning import Contingency, level_distance
-from ipoa_mission.errors import MissionError, NotModeled
+from ipoa_mission.errors import NotModeled
 from ipoa_mission.forecast.itinerary.itinerary import Itinerary, turn_deg
 from ipoa_mission.forecast.timing.bound import Kinematics
 from ipoa_mission.forecast.timing.track import Track
@@ -65,7 +65,9 @@ class LegSpeeds(NamedTuple):
     curved: bool = False
 
     def why_slow(self) -> str:
-        reasons, planned, least = [], self.planned, 0.95
+        reasons = list[str]()
+        planned = self.planned
+        least = 0.95  # of a speed, to count as reached
         wanted = min(self.asked if planned is None else planned, self.allowed, self.asked)
         if planned is not None and planned < least * min(self.allowed, self.asked):
             reasons.append("leg shorter than its braking distance")
@@ -122,10 +124,6 @@ class FlightModel(ABC):
             MissionError: as `predicted`; or the model has no such flights.
         """
         raise NotModeled(f"{itinerary.mission.autopilot.model} has no model of returns: their duration is unknown")
-
-    def never_lands(self, words: str) -> MissionError:
-        """Return the error of a contingency without an end; a mission's is `EndlessFlight`."""
-        return MissionError(words, code="endless-flight")
 
     def airframe(self, altitude: float) -> SlowedByAir:
         """Return the simulated airframe at an altitude [m AMSL]; raise MissionError if drag cannot be learned."""

@@ -113,7 +113,7 @@ def _energy_card(budget: Budget) -> str:
     interval = f"{number(used.between.low, 1)} to {number(used.between.high, 1)} Wh"
     if battery is None:
         return _card("energy", value, f"{interval}; {number(used.mean_w, 0)} W on average")
-    left = max(used.left(battery), 0.0)
+    left = max(1 - used.energy_wh / battery.capacity_wh, 0.0)
     note = f"{interval}; {left:.0%} of {battery.capacity_wh:.4g} Wh left, {battery.reserve:.0%} required"
     if budget.no_return is not None:
         note += f"; no RTL from item {budget.no_return.seq} on"

@@ -91,7 +91,8 @@ class ArduCopterModel(FlightModel):
         copter = flight.copter
         returns = contingency is Contingency.RTL
         if returns and copter.limits.rtl_final > 0.0:
-            raise self.never_lands("with an RTL_ALT_FINAL above 0 it waits over its goal and does not land")
+            words = "with an RTL_ALT_FINAL above 0 it waits over its goal and does not land"
+            raise MissionError(words, code="endless-flight")
         if returns:
             flight.go(procedures.return_home(copter, itinerary.goal_of_return(copter.place)))
         else:

@@ -98,9 +98,10 @@ class Px4Model(FlightModel):
         flights = Flights(itinerary, wind)
         if contingency is Contingency.RTL:
             if flights.limits.land_delay < 0.0:
-                raise self.never_lands("with an RTL_LAND_DELAY below 0 it waits over its goal forever")
-            if (by := itinerary.returns_by) is not ReturnBy.DIRECT:
-                raise NotModeled(f"the duration of returns {by} is not modeled well enough")
+                words = "with an RTL_LAND_DELAY below 0 it waits over its goal forever"
+                raise MissionError(words, code="endless-flight")
+            if itinerary.returns_by is not ReturnBy.DIRECT:
+                raise NotModeled(f"the duration of returns {itinerary.returns_by} is not modeled well enough")
         orders = flights.mission_orders.orders
         exact_times = flights.simulation(orders, noisy=False)(flights.at_start(0)).done
         exact_steps = np.diff(exact_times)
@@ -347,7 +348,8 @@ class Flights:
         if order.hold_s > LEAST_HOLD:
             return "hold"
         rows = slice(*np.searchsorted(clock, [done[n - 1] if n else 0.0, done[n]], side="right"))
-        length, limits = math.dist(order.start[:2], order.goal[:2]), self.limits
+        length = math.dist(order.start[:2], order.goal[:2])
+        limits = self.limits
         stop = speed_to(length / 2, 0.0, limits.accel, limits.jerk)
         wind = self.wind.along(order.goal.east - order.start.east, order.goal.north - order.start.north)
         return LegSpeeds(
@@ -362,7 +364,8 @@ class Flights:
 
     def allowed(self, order: Order) -> float:
         """Return the level speed that climb or descent allows [m/s]."""
-        length, rise = math.dist(order.start[:2], order.goal[:2]), order.goal.up - order.start.up
+        length = math.dist(order.start[:2], order.goal[:2])
+        rise = order.goal.up - order.start.up
         rate = self.limits.climb if rise > 0 else self.limits.descent
         return min(order.cruise, rate * length / abs(rise)) if rise else order.cruise
 
