@@ -15,7 +15,7 @@ from ipoa_mission.errors import BadInput, UnknownName, imported
 from ipoa_mission.files import packed
 from ipoa_mission.geometry import polyline_length, turning_angles
 from ipoa_mission.optimize.search import Candidates, Costs, Optimum
-from ipoa_mission.planning.problem import curve_cost, encode, prepare
+from ipoa_mission.planning.problem import curve_cost, follow, prepare, surround
 from ipoa_mission.planning.proof import TOUCHING, prove_curve
 from ipoa_mission.planning.spline import Spline
 
@@ -80,7 +80,8 @@ def paper_scenario(name: str) -> Scenario:
 
 def path_problem(scenario: Scenario) -> Problem:
     guide = np.vstack([scenario.start_point, scenario.goal_point])
-    encoding = encode("absolute", guide, scenario.planning.control_points, 0.0, scenario)
+    around = follow(guide, scenario.planning.control_points, scenario)
+    encoding = surround("absolute", around, 0.0, scenario)
 
     def measure(optimum: Optimum) -> Measures:
         return measures_of(encoding.curve(optimum.x), scenario) | {"iterations": iterations_to_converge(optimum)}

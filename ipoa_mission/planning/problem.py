@@ -157,7 +157,6 @@ class Encoding:
     origin: Points  # (n, 3)
     matrix: Matrix  # (D, n, 3)
     box: Box
-    via_at: Vector
 
     def curve(self, x: Vector) -> Spline:
         return Spline(self.origin + np.tensordot(x, self.matrix, 1))
@@ -261,10 +260,6 @@ def null_space(candidate: Candidate, task: PathTask, part: slice = ALL) -> Matri
     return np.ascontiguousarray(project[:, np.setdiff1d(np.arange(1, len(project) - 1)[part], moved)])
 
 
-def encode(name: str, guide: Points, inner: int, spread: float, task: PathTask) -> Encoding:
-    return surround(name, follow(guide, inner, task), spread, task)
-
-
 def surround(name: str, around: Candidate, spread: float, task: PathTask, part: slice = ALL) -> Encoding:
     """Return the search space `name`, `spread` [m] wide in each direction, around a curve or a `part` of it.
 
@@ -290,7 +285,7 @@ def surround(name: str, around: Candidate, spread: float, task: PathTask, part: 
         matrix[:, :, varied] = np.einsum("mi,iak->maik", shapes, _axes(control)[part])
     lift, project, _ = _pins(around, task)
     matrix = np.einsum("ij,djk->dik", project, matrix.reshape(-1, n, 3))
-    return Encoding(lift + project @ origin, matrix, box, around.via_at)
+    return Encoding(lift + project @ origin, matrix, box)
 
 
 def _pins(candidate: Candidate, task: PathTask) -> tuple[Points, Matrix, NDArray[np.intp]]:

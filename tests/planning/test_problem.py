@@ -3,7 +3,7 @@ import pytest
 
 from ipoa_mission.planning.obstacle_grid import Sparse
 from ipoa_mission.planning.polish import moves_along
-from ipoa_mission.planning.problem import Matrix, encode, follow, null_space, pin_to_via, prepare, refine, surround
+from ipoa_mission.planning.problem import Matrix, follow, null_space, pin_to_via, prepare, refine, surround
 from tests.planning.conftest import Make, Place
 
 ENCODINGS = ("absolute", "chord", "sine")
@@ -19,13 +19,13 @@ def test_a_straight_guide_becomes_a_straight_even_curve(scenario: Make) -> None:
 
 @pytest.mark.parametrize("name", ["chord", "sine"])
 def test_the_origin_of_the_space_is_the_guide(scenario: Make, name: str) -> None:
-    encoding = encode(name, STRAIGHT, 8, 30.0, scenario())
+    encoding = surround(name, follow(STRAIGHT, 8, scenario()), 30.0, scenario())
     assert encoding.box.dimension == 16
     np.testing.assert_allclose(encoding.curve(np.zeros(16)).control, follow(STRAIGHT, 8, scenario()).curve.control)
 
 
 def test_absolute_coordinates_are_the_inner_control_points(scenario: Make) -> None:
-    encoding = encode("absolute", STRAIGHT, 3, 0.0, scenario())
+    encoding = surround("absolute", follow(STRAIGHT, 3, scenario()), 0.0, scenario())
     x = np.arange(9.0)
     control = encoding.curve(x).control
     np.testing.assert_array_equal(control[1:-1].ravel(), x)
@@ -35,7 +35,7 @@ def test_absolute_coordinates_are_the_inner_control_points(scenario: Make) -> No
 
 
 def test_chord_offsets_go_aside_and_upwards(scenario: Make) -> None:
-    encoding = encode("chord", STRAIGHT, 4, 30.0, scenario())
+    encoding = surround("chord", follow(STRAIGHT, 4, scenario()), 30.0, scenario())
     straight = encoding.origin
     aside, up = encoding.curve(np.eye(8)[2]).control, encoding.curve(np.eye(8)[3]).control
     np.testing.assert_allclose(aside - straight, [[0, 0, 0], [0, 0, 0], [0, 1, 0], [0, 0, 0], [0, 0, 0], [0, 0, 0]])
@@ -43,7 +43,7 @@ def test_chord_offsets_go_aside_and_upwards(scenario: Make) -> None:
 
 
 def test_sine_modes_are_waves_that_get_smaller(scenario: Make) -> None:
-    encoding = encode("sine", STRAIGHT, 8, 30.0, scenario())
+    encoding = surround("sine", follow(STRAIGHT, 8, scenario()), 30.0, scenario())
     for mode in range(1, 4):
         offset = (encoding.curve(np.eye(16)[2 * (mode - 1)]).control - encoding.origin)[:, 1]
         progress = encoding.origin[:, 0] / 100
@@ -53,13 +53,14 @@ def test_sine_modes_are_waves_that_get_smaller(scenario: Make) -> None:
 @pytest.mark.parametrize("name", ENCODINGS)
 def test_every_candidate_passes_the_via_points_in_order(scenario: Make, name: str) -> None:
     job = scenario(via=[(30, 40, 25), (60, -30, 30)])
-    encoding = encode(name, job.places, 15, 30.0, job)
+    around = follow(job.places, 15, job)
+    encoding = surround(name, around, 30.0, job)
     rng = np.random.default_rng(1)
     for x in encoding.box.sample(20, rng):
         curve = encoding.curve(x)
-        np.testing.assert_allclose(curve.points(encoding.via_at), job.via_points, atol=1e-9)
+        np.testing.assert_allclose(curve.points(around.via_at), job.via_points, atol=1e-9)
         np.testing.assert_allclose(curve.control[[0, -1]], [job.start_point, job.goal_point])
-    assert (np.diff(encoding.via_at) > 0).all()
+    assert (np.diff(around.via_at) > 0).all()
 
 
 def test_freedom_moves_everything_but_ends_and_via_points(scenario: Make) -> None:
@@ -115,7 +116,7 @@ def test_a_part_is_varied_and_the_rest_stays(scenario: Make) -> None:
 @pytest.mark.parametrize("goal", [(0, 0, 90), (0, 5, 20)])
 def test_a_way_straight_up_has_axes_too(scenario: Make, goal: Place) -> None:
     job = scenario(goal=goal)
-    encoding = encode("sine", job.places, 8, 10.0, job)
+    encoding = surround("sine", follow(job.places, 8, job), 10.0, job)
     assert np.linalg.matrix_rank(encoding.matrix.reshape(16, -1)) == 16
     assert np.isfinite(prepare(job).costs(encoding)(encoding.box.sample(10, np.random.default_rng(0)))).all()
 
