@@ -288,39 +288,40 @@ SURE_SIGN = 0.9
 LEVENBERG_TRIALS = 6  # of greater damping
 
 
-@njit(inline="always")
-def _product(matrix, vector):
-    """Multiply a matrix of compressed rows by a vector (n,)."""
-    product = np.zeros(len(matrix.starts) - 1)
-    for row in range(len(product)):
-        total = 0.0
-        for k in range(matrix.starts[row], matrix.starts[row + 1]):
-            total += matrix.weights[k] * vector[matrix.columns[k]]
-        product[row] = total
-    return product
-
-
 @njit(cache=True, error_model="numpy")
-def _reduced(gradient, band, moves):
-    """Return gradient (f,) and lower band of the Hessian by the free coordinates."""
-    free, direct = moves.free, len(moves.ways.weights) == 0
-    slope, narrow = np.empty(free), np.empty((len(band) if direct else moves.reach + 1, free))
-    summed = np.empty(0) if direct else _product(moves.cells, band.ravel())
-    turned = np.empty(0) if direct else _product(moves.turned, gradient)
-    for k in range(free):
-        slope[k] = gradient[moves.begin + k] if direct else turned[k]
-        for below in range(len(narrow)):
-            narrow[below, k] = band[below, moves.begin + k] if direct else summed[below * free + k]
+def reduced(gradient, band, moves):
+    """Return gradient (f,) and lower band of the Hessian by free coordinates: W^T H W for moves W.
+
+    An entry of H counts for each pair of a weight of its row and one of its column, off the diagonal both ways.
+    """
+    starts, columns, weights = moves.starts, moves.columns, moves.weights
+    slope = np.zeros(moves.free)
+    narrow = np.zeros((moves.reach + 1, moves.free))
+    for row in range(len(gradient)):
+        for k in range(starts[row // 3], starts[row // 3 + 1]):
+            slope[3 * columns[k] + row % 3] += weights[k] * gradient[row]
+    for below in range(len(band)):
+        once = 0.5 if below == 0 else 1.0
+        for column in range(len(gradient) - below):
+            row = column + below
+            for k in range(starts[row // 3], starts[row // 3 + 1]):
+                a = 3 * columns[k] + row % 3
+                for m in range(starts[column // 3], starts[column // 3 + 1]):
+                    b = 3 * columns[m] + column % 3
+                    share = once * (2.0 if a == b else 1.0)
+                    narrow[abs(a - b), min(a, b)] += share * (weights[k] * weights[m]) * band[below, column]
     return slope, narrow
 
 
 @njit(cache=True, error_model="numpy")
 def _moved(control, step, moves):
-    change, moved = step, control.copy()
-    if len(moves.ways.weights) > 0:
-        change = _product(moves.ways, step)
-    for k in range(len(change)):
-        moved[(moves.begin + k) // 3, (moves.begin + k) % 3] -= change[k]
+    moved = control.copy()
+    for point in range(len(control)):
+        for axis in range(3):
+            change = 0.0
+            for k in range(moves.starts[point], moves.starts[point + 1]):
+                change += moves.weights[k] * step[3 * moves.columns[k] + axis]
+            moved[point, axis] -= change
     return moved
 
 
@@ -346,8 +347,10 @@ def descend(control, signs, bench, grid, rules, soft, until):
     damping = 1e-3
     for _ in range(steps):
         gradient, wide = handed_on(changes, bench.spans, len(control))
-        slope, band = _reduced(gradient, wide, bench.moves)
-        mean, better, n = 0.0, False, band.shape[1]
+        slope, band = reduced(gradient, wide, bench.moves)
+        n = band.shape[1]
+        better = False
+        mean = 0.0
         for k in range(n):
             mean += band[0, k] / n
         for _ in range(LEVENBERG_TRIALS):

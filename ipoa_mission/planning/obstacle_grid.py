@@ -83,26 +83,17 @@ class Spans(NamedTuple):
     window: NDArray[np.float64]  # (3, 5, n): of the node, the step to it, and the step from it
 
 
-class Sparse(NamedTuple):
-    """A matrix of compressed rows."""
-
-    starts: NDArray[np.int64]  # (rows + 1,)
-    columns: NDArray[np.int64]
-    weights: NDArray[np.float64]
-
-
 class Moves(NamedTuple):
-    """Moves of `free` coordinates from `begin` on, or with via points along sparse `ways` (coordinates, free).
+    """Moves of n control points by f free ones, along a sparse matrix (n, f).
 
-    `turned` is its transpose; `cells` maps the full to the reduced band of the Hessian, of `reach` + 1 rows.
+    Row i has the `weights` and `columns` from `starts[i]` to `starts[i + 1]`.
     """
 
-    begin: int
-    free: int
-    reach: int
-    ways: Sparse
-    turned: Sparse
-    cells: Sparse
+    free: int  # coordinates, 3 f
+    reach: int  # of the band of the Hessian by free coordinates
+    starts: NDArray[np.int64]  # (n + 1,)
+    columns: NDArray[np.int64]
+    weights: NDArray[np.float64]
 
 
 class Bench(NamedTuple):

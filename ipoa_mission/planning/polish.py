@@ -9,57 +9,29 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ipoa_mission.geometry import Vector, leg_lengths
-from ipoa_mission.planning.obstacle_grid import Bench, Moves, Soft, Spans, Sparse
+from ipoa_mission.geometry import leg_lengths
+from ipoa_mission.planning.obstacle_grid import Bench, Moves, Soft, Spans
 from ipoa_mission.planning.problem import ALL, Candidate, Matrix, PreparedProblem, null_space
 from ipoa_mission.planning.proof import Check, Proof, prove_curve
 from ipoa_mission.planning.spline import Spline, even_basis
 
 
 def moves_along(ways: Matrix, band: int) -> Moves:
-    """Return moves along `ways` (n, f), with Hessian band width `band`.
-
-    The Hessian H becomes ways^T H ways; each pair of entries counts once, off the diagonal both ways.
-    """
-    size, free = 3 * ways.shape[0], 3 * ways.shape[1]
-    # the ways by coordinate: each of a point's three has the weights of its row
+    """Return moves along `ways` (n, f), for a Hessian of band width `band` by all coordinates."""
+    free = ways.shape[1]
     point, way = np.nonzero(ways)
-    row, column = (np.add.outer(3 * index, np.arange(3)).ravel() for index in (point, way))
-    spread = _sparse(row, column, np.repeat(ways[point, way], 3), size)
-    # entries of H's lower band: `cell` k * size + j holds row j + k, column j
-    below, column = np.divmod(np.arange((band + 1) * size), size)
-    inside = below + column < size
-    cell = np.arange(len(below))[inside]
-    below = below[inside]
-    column = column[inside]
-    # each entry times each pair of a weight of its row and one of its column
-    many = np.diff(spread.starts)
-    pairs = many[column + below] * many[column]
-    number = np.arange(pairs.sum()) - np.repeat(np.cumsum(pairs) - pairs, pairs)
-    cell, below, column = (np.repeat(one, pairs) for one in (cell, below, column))
-    one = spread.starts[column + below] + number // many[column]
-    other = spread.starts[column] + number % many[column]
-    a, b = spread.columns[one], spread.columns[other]
-    weight = np.where(a == b, 2.0, 1.0) * np.where(below == 0, 0.5, 1.0)
-    weight *= spread.weights[one] * spread.weights[other]
-    # added to the lower band of ways^T H ways, in row first + apart and column first
-    apart = np.abs(a - b)
-    first = np.minimum(a, b)
-    reach = int(apart.max(initial=0))
-    cells = _sparse(apart * free + first, cell, weight, (reach + 1) * free)
-    rows = np.repeat(np.arange(size), many)
-    return Moves(0, free, reach, spread, _sparse(spread.columns, rows, spread.weights, free), cells)
-
-
-def _sparse(rows: NDArray[np.intp], columns: NDArray[np.intp], weights: Vector, count: int) -> Sparse:
-    order = np.argsort(rows, kind="stable")
-    starts = np.concatenate([[0], np.cumsum(np.bincount(rows, minlength=count))])
-    return Sparse(starts, columns[order], weights[order])
-
-
-NO_WAYS = Sparse(np.zeros(1, np.int64), np.zeros(0, np.int64), np.zeros(0))
+    starts = np.concatenate([[0], np.cumsum(np.bincount(point, minlength=len(ways)))])
+    lowest = np.where(ways != 0.0, np.arange(free), free).min(axis=1, initial=free)
+    highest = np.where(ways != 0.0, np.arange(free), -1).max(axis=1, initial=-1)
+    lowest, highest = (np.add.outer(3 * index, np.arange(3)).ravel() for index in (lowest, highest))
+    reach = 0
+    for below in range(min(band + 1, len(lowest))):
+        rows = slice(below, None)
+        columns = slice(len(lowest) - below)
+        apart = np.maximum(highest[rows] - lowest[columns], highest[columns] - lowest[rows])
+        reach = max(reach, int(apart.max()))
+    return Moves(3 * free, reach, starts, way, ways[point, way])
 
 
 NODES_PER_SPAN = 8
@@ -165,9 +137,7 @@ def _prepare(candidate: Candidate, problem: PreparedProblem, part: slice, nodes:
     first, window = _windows(n, nodes)
     seen = slice(*np.searchsorted(first, (low, high - 4)))
     spans = Spans(first[seen] - low, np.ascontiguousarray(window[:, :, seen]))
-    moves = Moves(3 * (int(varied[0]) - low), 3 * len(varied), 0, NO_WAYS, NO_WAYS, NO_WAYS)
-    if len(candidate.via_at):
-        moves = moves_along(null_space(candidate, problem.task, part)[low:high], BAND)
+    moves = moves_along(null_space(candidate, problem.task, part)[low:high], BAND)
     even = float(leg_lengths(even_basis(n, nodes)[seen] @ candidate.curve.control).mean())
     return slice(low, high), Bench(spans, moves, even)
 

@@ -1,9 +1,9 @@
 import numpy as np
 import pytest
 
-from ipoa_mission.planning.obstacle_grid import Sparse
 from ipoa_mission.planning.polish import moves_along
-from ipoa_mission.planning.problem import Matrix, follow, null_space, pin_to_via, prepare, refine, surround
+from ipoa_mission.planning.problem import follow, null_space, pin_to_via, prepare, refine, surround
+from tests.plain_python import as_plain_python
 from tests.planning.conftest import Make, Place
 
 ENCODINGS = ("absolute", "chord", "sine")
@@ -77,7 +77,7 @@ def test_freedom_moves_everything_but_ends_and_via_points(scenario: Make) -> Non
 
 @pytest.mark.parametrize("via", [[(30, 40, 25), (60, -30, 30)], []])
 def test_a_band_by_what_is_free_is_that_of_the_whole_matrix(scenario: Make, via: list[Place]) -> None:
-    job = scenario(via=via)
+    job, plain = scenario(via=via), as_plain_python("ipoa_mission.planning._path_model")
     free = null_space(follow(job.places, 15, job), job)
     size, reach = 3 * len(free), 7
     rng = np.random.default_rng(3)
@@ -87,22 +87,11 @@ def test_a_band_by_what_is_free_is_that_of_the_whole_matrix(scenario: Make, via:
         whole += np.diag(band[k, : size - k], -k) + (np.diag(band[k, : size - k], k) if k else 0.0)
     ways = np.kron(free, np.eye(3))
     expected = ways.T @ whole @ ways
-    moves = moves_along(free, reach)
-    reduced = _dense(moves.cells, band.size) @ band.ravel()
-    reduced = reduced.reshape(moves.reach + 1, moves.free)
-    np.testing.assert_allclose(_dense(moves.ways, ways.shape[1]), ways)
-    slope = _dense(moves.turned, size) @ gradient
+    slope, reduced = plain.reduced(gradient, band, moves_along(free, reach))
     np.testing.assert_allclose(slope, ways.T @ gradient, atol=1e-12)
     for k in range(len(expected)):
         reduced_band = reduced[k, : len(expected) - k] if k < len(reduced) else 0.0
         np.testing.assert_allclose(reduced_band, np.diag(expected, -k), atol=1e-12)
-
-
-def _dense(matrix: Sparse, columns: int) -> Matrix:
-    dense = np.zeros((len(matrix.starts) - 1, columns))
-    rows = np.repeat(np.arange(len(dense)), np.diff(matrix.starts))
-    np.add.at(dense, (rows, matrix.columns), matrix.weights)
-    return dense
 
 
 def test_a_part_is_varied_and_the_rest_stays(scenario: Make) -> None:

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ipoa_mission.compiled import compiled, records
-from ipoa_mission.planning.obstacle_grid import Bench, Moves, Nodes, ObstacleGrid, Raster, Rules, Soft, Spans, Sparse
+from ipoa_mission.planning.obstacle_grid import Bench, Moves, Nodes, ObstacleGrid, Raster, Rules, Soft, Spans
 from ipoa_mission.survey.times import LegTimeTable
 from ipoa_mission.vehicles.arducopter.dynamics.motion import ARDUPILOT_SIMULATOR, NO_LEG, CopterLeg, State, tuning
 from ipoa_mission.vehicles.arducopter.dynamics.steps import fly_leg
@@ -65,8 +65,8 @@ def kernels() -> Iterator[Kernel]:
     rules = Rules._make([*[1.0] * 11, False, 1.0, 1.0])
     nodes = Nodes(_numbers(3), _numbers(3), _numbers(2), _numbers(1))
     soft, spans = Soft._make([1.0] * len(Soft._fields)), Spans(_numbers(1, np.int64), _numbers(3))
-    sparse = Sparse(_numbers(1, np.int64), _numbers(1, np.int64), _numbers(1))
-    bench = Bench(spans, Moves(0, 1, 0, sparse, sparse, sparse), 1.0)
+    moves = Moves(1, 0, *(_numbers(1, np.int64),) * 2, _numbers(1))
+    bench = Bench(spans, moves, 1.0)
     listed = _numbers(2), *(_numbers(1, np.int64),) * 2
     clock = LegTimeTable(_numbers(1), _numbers(2), 1.0, 1.0)
     examples = {
