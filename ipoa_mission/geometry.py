@@ -13,6 +13,15 @@ Place: TypeAlias = tuple[float, float, float]  # east, north, up [m]
 GRAVITY = 9.80665  # standard [m/s^2]
 
 
+def as_place(point: Vector) -> Place:
+    return float(point[0]), float(point[1]), float(point[2])
+
+
+def place_words(place: Place) -> str:
+    east, north, up = place
+    return f"at east {east:.1f}, north {north:.1f}, up {up:.1f} m"
+
+
 class Enu(NamedTuple):
     """A place or vector of the local frame, for kernels."""
 

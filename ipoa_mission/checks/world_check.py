@@ -20,6 +20,7 @@ from ipoa_mission.forecast.deviation.clearance_guarantee import ClearanceGuarant
 from ipoa_mission.forecast.deviation.law import not_measured
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.leg_limits import ROUNDING, above_or_below, broken_limits, landings
+from ipoa_mission.geometry import place_words
 from ipoa_mission.mission.item_words import name_items
 from ipoa_mission.mission.items import Mission, item_of
 from ipoa_mission.scenario import Scenario
@@ -106,10 +107,9 @@ def check_clearance(mission: Mission, scenario: Scenario, guarantee: ClearanceGu
 
 
 def _where(limit: KeptLimit) -> str:
-    east, north, up = limit.place
     part = f"{limit.part}, " if limit.part else ""
     words = {"obstacles": f"to {limit.to}", "bounds": f"inside {limit.to}"}.get(limit.limit, "above the ground")
-    return f"{part}{words} at east {east:.1f}, north {north:.1f}, up {up:.1f} m"
+    return f"{part}{words} {place_words(limit.place)}"
 
 
 def check_unread(things: Iterable[Unread]) -> Iterator[Finding]:

@@ -6,7 +6,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from ipoa_mission.geometry import Points, Vector, climb_angles
+from ipoa_mission.geometry import Points, Vector, as_place, climb_angles, place_words
 from ipoa_mission.planning.path_problem import PathTask
 from ipoa_mission.planning.spline import Spline
 from ipoa_mission.scenario.path_limits import Limits
@@ -39,8 +39,7 @@ class Check:
         return {"limit": self.limit, "near": self.nearest.what}
 
     def words(self) -> str:
-        east, north, up = self.nearest.place
-        where = f"at east {east:.1f}, north {north:.1f}, up {up:.1f} m"
+        where = place_words(self.nearest.place)
         if self.limit == "bounds" and self.slack < 0:
             return f"{-self.nearest.distance:.2f} m beyond {self.nearest.what} {where}"
         if self.limit == "obstacles" and self.nearest.distance < 0:
@@ -112,8 +111,8 @@ def _prove(legs: Points, task: PathTask, steepness: tuple[Vector, Vector], stray
     for limit, angles, most in (("climb", climbs, limits.climb_angle), ("descent", descents, limits.descent_angle)):
         if np.isfinite(most):
             steepest = int(np.argmax(angles))
-            east, north, up = (float(x) for x in legs[steepest])
-            clearance = Clearance(float(np.degrees(angles[steepest])), (east, north, up), f"of {limit}", steepest)
+            angle = float(np.degrees(angles[steepest]))
+            clearance = Clearance(angle, as_place(legs[steepest]), f"of {limit}", steepest)
             checks.append(Check(limit, clearance, float(np.degrees(most)), at_most=True, unit="deg"))
     return Proof(tuple(checks))
 

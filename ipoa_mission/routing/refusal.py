@@ -13,7 +13,7 @@ import numpy as np
 from ipoa_mission.centimeters import ceil_cm, floor_cm
 from ipoa_mission.errors import MissionError, Remedy
 from ipoa_mission.forecast.deviation.clearance_guarantee import KeptLimit
-from ipoa_mission.geometry import Points, Vector
+from ipoa_mission.geometry import Points, Vector, place_words
 from ipoa_mission.planning.obstruction import NoPath
 from ipoa_mission.planning.path_problem import place_names
 from ipoa_mission.routing.attempt import Attempt
@@ -68,8 +68,7 @@ def refusal(nearest: Attempt, trials: ChangeTrials) -> NoPath:
         return NoPath(words, hint=f"{hint}; {other_options_hint(nearest.forecast)}", remedies=remedies)
     guarantee = nearest.guarantee
     tightest = min(guarantee.forbidding, key=lambda limit: limit.slack)
-    east, north, height = tightest.place
-    where = f"at east {east:.1f}, north {north:.1f}, up {height:.1f} m{_leg(nearest, tightest)}"
+    where = place_words(tightest.place) + _leg(nearest, tightest)
     if tightest.limit == "obstacles":
         words = _gap(tightest, nearest.scenario.airspace)
     else:

@@ -14,7 +14,7 @@ from ipoa_mission.forecast.contingency.contingency_paths import ContingencyPaths
 from ipoa_mission.forecast.contingency.energy_budget import budget_of
 from ipoa_mission.forecast.deviation.clearance_guarantee import ClearanceGuarantee, KeptLimit
 from ipoa_mission.forecast.timing.track import THINNING_TOLERANCE
-from ipoa_mission.geometry import Points
+from ipoa_mission.geometry import Points, place_words
 from ipoa_mission.progress import Progress, silent
 from ipoa_mission.survey.flight_maker import FlightMaker, lay_tours, split_into_flights, with_planned_returns
 from ipoa_mission.survey.flown_coverage import (
@@ -180,11 +180,10 @@ def _check_flights(parts: Sequence[Sortie], forecasts: Sequence[Forecast]) -> tu
 
 def _refusal(nearest: _TooNear, scenario: Scenario) -> MissionError:
     kept = nearest.kept
-    east, north, up = kept.place
     slowest = SPEEDS[-1] * scenario.vehicle.cruise_speed
     return NoPath(
-        f"even at {slowest:g} m/s flights would come too near {kept.to} at east {east:.1f}, north {north:.1f}, "
-        f"up {up:.1f} m: {kept.words(nearest.guarantee.confidence)}",
+        f"even at {slowest:g} m/s flights would come too near {kept.to} {place_words(kept.place)}: "
+        f"{kept.words(nearest.guarantee.confidence)}",
         hint="fly higher (survey.height_above_ground), or leave that place out of the area",
         code="survey-too-near",
         place="survey",

@@ -9,7 +9,7 @@ import shapely
 from numpy.typing import NDArray
 
 from ipoa_mission.errors import BadInput
-from ipoa_mission.geometry import Points, Vector, leg_lengths
+from ipoa_mission.geometry import Place, Points, Vector, as_place, leg_lengths
 from ipoa_mission.ground import Ground
 from ipoa_mission.world.obstacles import Obstacle, straightened
 from ipoa_mission.world.polygon import Polygon
@@ -21,7 +21,7 @@ class Clearance:
     """`distance` [m], negative inside, to `what`, at `place` on leg number `leg`."""
 
     distance: float
-    place: tuple[float, float, float]
+    place: Place
     what: str
     leg: int = 0
 
@@ -87,7 +87,7 @@ class Bounds:
         points = a + fractions[:, None] * (b - a)
         margins = self.margin(points)
         least = int(np.argmin(margins))
-        return Clearance(float(margins[least]), _place(points[least]), self.nearest_limit(points[least]))
+        return Clearance(float(margins[least]), as_place(points[least]), self.nearest_limit(points[least]))
 
     def nearest_limit(self, point: Vector) -> str:
         sides = np.concatenate([point - np.asarray(self.lower), np.asarray(self.upper) - point])
@@ -228,7 +228,7 @@ class Airspace:
         margins = self.bounds.box_margin(points)
         spot = int(np.argmin(margins))
         limit = box.nearest_limit(points[spot])
-        least = Clearance(float(margins[spot]), _place(points[spot]), limit, max(spot - 1, 0))
+        least = Clearance(float(margins[spot]), as_place(points[spot]), limit, max(spot - 1, 0))
         if self.bounds.footprint is None:
             return least
         middle = self.bounds.margin((points[:-1] + points[1:]) / 2)
@@ -278,12 +278,7 @@ def _floor(away: NDArray[np.float64], part: Vector, convex: bool) -> Vector:
 
 def _clearance(points: Points, what: str, distance: float, leg: int, fraction: float) -> Clearance:
     a, b = points[leg], points[leg + 1]
-    return Clearance(distance, _place(a + fraction * (b - a)), what, leg)
-
-
-def _place(point: Vector) -> tuple[float, float, float]:
-    east, north, up = (float(x) for x in point)
-    return east, north, up
+    return Clearance(distance, as_place(a + fraction * (b - a)), what, leg)
 
 
 def _grouped(pairs: NDArray[np.intp]) -> Iterator[tuple[int, NDArray[np.intp]]]:

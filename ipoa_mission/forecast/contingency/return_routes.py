@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from ipoa_mission.autopilot.commands import FLOWN_TO, Command
 from ipoa_mission.autopilot.returning import HOME, MissionLanding, OverTerrain, ReturnBy, ReturnRoute
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.forecast.itinerary.flown_legs import item_places, triple
-from ipoa_mission.geometry import Place, Points, Vector
+from ipoa_mission.forecast.itinerary.flown_legs import item_places
+from ipoa_mission.geometry import Place, Points, Vector, as_place
 from ipoa_mission.mission.program import as_flown
 
 WHERE = {ReturnBy.MISSION_FORWARD: "the landing along the mission", ReturnBy.MISSION_REVERSED: "home"}
@@ -29,7 +29,7 @@ class ReturnRoutes:
         """Return the goals possible with a position error [m]: 0 is home, the rally points follow, then `kinds`."""
         if not self.forecast.itinerary.rally and not self.kinds:
             return {0}
-        east, north, up = triple(stop)
+        east, north, up = as_place(stop)
         offsets = ((0.0, 0.0), (error, 0.0), (-error, 0.0), (0.0, error), (0.0, -error))
         return {self._goal_of(self.route((east + e, north + n, up), seq)) for e, n in offsets}
 
@@ -55,7 +55,7 @@ class ReturnRoutes:
 
     @cached_property
     def _all_kinds(self) -> frozenset[ReturnBy]:
-        starts = [(HOME, 1), *((triple(place), seq) for seq, place in self._places)]
+        starts = [(HOME, 1), *((as_place(place), seq) for seq, place in self._places)]
         return frozenset(self.route(here, seq).by for here, seq in starts)
 
     def paths(self, by: ReturnBy, starts: NDArray[np.float64], seqs: NDArray[np.intp]) -> NDArray[np.float64]:
@@ -130,4 +130,4 @@ class ReturnRoutes:
         if not self._places or self.mission.items[self._places[-1][0] - 1].command != Command.NAV_LAND:
             return None
         starts = (n for n, item in enumerate(self.mission.items, 1) if item.command == Command.DO_LAND_START)
-        return MissionLanding(triple(self._places[-1][1]), next(starts, self._places[-1][0]) - seq, seq - 1)
+        return MissionLanding(as_place(self._places[-1][1]), next(starts, self._places[-1][0]) - seq, seq - 1)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.errors import BadInput
 from ipoa_mission.forecast.deviation.law import DeviationLaw, law_of
-from ipoa_mission.geometry import Points, Vector
+from ipoa_mission.geometry import Points, Vector, as_place
 from ipoa_mission.planning.path_problem import PathTask, place_names, problem_of
 from ipoa_mission.planning.proof import Check, prove_heights
 from ipoa_mission.scenario import Scenario
@@ -141,8 +141,7 @@ def _bounds_kept(path: Points, task: PathTask, bound: DeviationBound) -> Check |
             least = margin
             nearest = "the flight area"
             place = path[np.argmin(np.linalg.norm(path[:, :2] - near, axis=1))]
-    east, north, up = (float(x) for x in place)
-    return Check("bounds", Clearance(least, (east, north, up), nearest), 0.0)
+    return Check("bounds", Clearance(least, as_place(place), nearest), 0.0)
 
 
 def _inside(points: Points, task: PathTask, bound: DeviationBound) -> Points:

@@ -14,7 +14,7 @@ import ipoa_mission.forecast.itinerary.copter_curves as curves
 from ipoa_mission.autopilot.commands import FLOWN_TO, JUMPS, Command
 from ipoa_mission.autopilot.returning import FlightStage, ReturnBy, ReturnOrder
 from ipoa_mission.geodesy import Geodetic, LocalFrame
-from ipoa_mission.geometry import Place, Points, Vector, arc_lengths
+from ipoa_mission.geometry import Place, Points, Vector, arc_lengths, as_place
 from ipoa_mission.ground import Ground
 from ipoa_mission.mission.items import Item, Mission
 from ipoa_mission.mission.program import as_flown, led_to, next_navigated, onward
@@ -138,7 +138,7 @@ class _LegBuilder:
             self.curve = seq, origin, self.flown_in
             return self._curve(seq, item, target, next_navigated(self.mission.items, seq - 1, self.mission.autopilot))
         turn = 0.0 if self.flown_in is None or self.curve else curves.turn_of(item)
-        if curves.is_arc(triple(origin), triple(target), turn):
+        if curves.is_arc(as_place(origin), as_place(target), turn):
             ends = self._over(item, origin), self._over(item, target)
             leg = self._bent(seq, item, curves.arc_chords(*ends, turn, CHORD_TOLERANCE))
         else:
@@ -153,7 +153,7 @@ class _LegBuilder:
         if next_index is not None:
             next_item = self.mission.items[next_index]
             after = curves.place_after(item, next_item, end, self._named(next_item))
-        flown_in = None if self.flown_in is None else triple(self.flown_in)
+        flown_in = None if self.flown_in is None else as_place(self.flown_in)
         tangents = curves.spline_tangents(begin, end, flown_in, after)
         self.flown_in = np.array(tangents[1]) if any(tangents[1]) else None
         return self._bent(seq, item, curves.spline_chords(begin, end, tangents, CHORD_TOLERANCE))
@@ -161,11 +161,11 @@ class _LegBuilder:
     def _named(self, item: Item) -> Place:
         height = item.altitude if item.is_over_terrain else self.mission.altitude_above_home(item)
         place = Geodetic(item.latitude_deg, item.longitude_deg, self.mission.home.altitude + height)
-        east, north, up = triple(self.frame.local(place))
+        east, north, up = as_place(self.frame.local(place))
         return east, north, item.altitude if item.is_over_terrain else up
 
     def _over(self, item: Item, place: Vector) -> Place:
-        east, north, up = triple(place)
+        east, north, up = as_place(place)
         return east, north, up - float(self.ground(place[None, :])[0]) if item.is_over_terrain else up
 
     def _bent(self, seq: int, item: Item, points: Points) -> Leg:
@@ -182,7 +182,7 @@ class _LegBuilder:
         if (center := self.places[seq - 1]) is None:
             return
         radius = curves.circle_radius(item)
-        edge, apart = curves.circle_entry(triple(self.at), triple(center), radius, self.heading)
+        edge, apart = curves.circle_entry(as_place(self.at), as_place(center), radius, self.heading)
         if radius <= 0.0:
             yield self._to(seq, np.array([center[0], center[1], self.at[2]]), follow_terrain=False)
         elif apart > curves.NEAR_CIRCLE:
@@ -195,7 +195,7 @@ class _LegBuilder:
             assert flown is not None, "it flies circles"
             turn = curves.circle_turn(item, flown.sense)
             begin = self._over(item, self.at)
-            yield self._bent(seq, item, curves.circle_chords(begin, triple(center), flown, turn, CHORD_TOLERANCE))
+            yield self._bent(seq, item, curves.circle_chords(begin, as_place(center), flown, turn, CHORD_TOLERANCE))
 
     def _to(self, seq: int, target: Vector, follow_terrain: bool) -> Leg:
         points = np.array([self.at, target])
@@ -241,8 +241,8 @@ class _LegBuilder:
         yield self._vertical(seq, FlightStage.LANDING, top)
 
     def _returns(self, seq: int) -> Iterator[Leg]:
-        places = [triple(place) for place in self._rally_points()]
-        order = ReturnOrder(triple(self.at), places, version=self.mission.firmware_version)
+        places = [as_place(place) for place in self._rally_points()]
+        order = ReturnOrder(as_place(self.at), places, version=self.mission.firmware_version)
         route = self.mission.autopilot.return_route(self.parameters, order)
         if route.by is ReturnBy.MISSION_REVERSED:
             yield from self._back(seq)
@@ -314,7 +314,3 @@ class _LegBuilder:
         self.flown_in = self.curve = None
         self.at = points[-1]
         return Leg(seq, stage, points)
-
-
-def triple(point: Vector) -> Place:
-    return float(point[0]), float(point[1]), float(point[2])
