@@ -140,8 +140,7 @@ def obstacle_grid_of(airspace: "Airspace", limits: "Limits", reach: float) -> Ob
     boxes = [part.bounds for part in parts]
     area = airspace.bounds.footprint
     if area is not None:
-        sides = np.hstack([area.starts, area.ends])
-        bodies.append(GridRow(FENCE, (0.0, 0.0, 0.0, -ENDLESS, ENDLESS), np.inf, sides))
+        bodies.append(GridRow(FENCE, (0.0, 0.0, 0.0, -ENDLESS, ENDLESS), np.inf, np.hstack(area.edges)))
         boxes.append(np.array([[-ENDLESS] * 3, [ENDLESS] * 3]))
     bounds = np.array(boxes).reshape(-1, 2, 3)
     middle = bounds[:, :, :2].mean(axis=1)

@@ -82,8 +82,14 @@ class Bounds:
         fractions = np.array([0.0, 1.0])
         b = straightened(a, b)
         if self.footprint is not None:
-            inner = (self.footprint.break_parameters(a[:2], b[:2]), self.footprint.balance_parameters(a[:2], b[:2]))
-            fractions = np.concatenate([fractions, *(t[(t > 0) & (t < 1)] for t in inner)])
+            line = shapely.LineString([a[:2], b[:2]])
+            edge = self.footprint.shape.boundary
+            nearest = shapely.get_point(shapely.shortest_line(line, edge), 0)
+            inner = np.append(
+                self.footprint.balance_parameters(a[:2], b[:2]),
+                shapely.line_locate_point(line, nearest, normalized=True),
+            )
+            fractions = np.append(fractions, inner[(inner > 0) & (inner < 1)])
         points = a + fractions[:, None] * (b - a)
         margins = self.margin(points)
         least = int(np.argmin(margins))

@@ -49,56 +49,31 @@ class Polygon:
         """Grow by `by` [m]; a shrunk shape may be pieces or nothing."""
         return shapely.buffer(self.shape, by, quad_segs=QUARTER_SEGMENTS)
 
-    @property
-    def starts(self) -> Plane:
-        return self._edges[0]
-
-    @property
-    def ends(self) -> Plane:
-        return self._edges[1]
-
     @cached_property
-    def _edges(self) -> tuple[Plane, Plane]:
+    def edges(self) -> tuple[Plane, Plane]:
+        """Return begins and ends, (m, 2) each."""
         rings = (self.outer, *self.holes)
         starts = np.array([corner for ring in rings for corner in ring], float)
         ends = np.array([corner for ring in rings for corner in (*ring[1:], ring[0])], float)
-        real = ((ends - starts) ** 2).sum(axis=1) > 0
-        return starts[real], ends[real]
+        is_long = ((ends - starts) ** 2).sum(axis=1) > 0
+        return starts[is_long], ends[is_long]
 
     @cached_property
     def convex(self) -> bool:
-        along = self.ends - self.starts
-        turns = _cross(along, np.roll(along, -1, axis=0))
+        starts, ends = self.edges
+        before = ends - starts
+        after = np.roll(before, -1, axis=0)
+        turns = before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]
         return not self.holes and bool((turns >= 0).all() or (turns <= 0).all())
 
     def distance(self, points: Plane) -> Vector:
         """Return signed distances of points (n, 2), (n,) [m]: negative inside."""
         from ipoa_mission.world._polygon import distances
 
-        return np.asarray(distances(self.starts, self.ends, np.ascontiguousarray(points, dtype=np.float64)))
-
-    def break_parameters(self, a: Vector, b: Vector) -> Vector:
-        """Find the line a-b abreast of a corner or across an edge."""
-        step = b - a
-        along = self.ends - self.starts
-        away = self.starts - a
-        square = float(step @ step)
-        feet: Vector = away @ step / square if square > 0 else np.zeros(0)
-        cross = _cross(step, along)
-        crossings = (_cross(away, along) / np.where(cross == 0, 1.0, cross))[cross != 0]
-        slope = along @ step
-        abreast = [
-            np.einsum("mk,mk->m", corner - a, along)[slope != 0] / slope[slope != 0]
-            for corner in (self.starts, self.ends)
-        ]
-        return np.concatenate([feet, crossings, *abreast])
+        return np.asarray(distances(*self.edges, np.ascontiguousarray(points, dtype=np.float64)))
 
     def balance_parameters(self, a: Vector, b: Vector) -> Vector:
         """Return the parameters of the leg a-b where it may be farthest outside."""
         from ipoa_mission.world._polygon import balance
 
-        return np.asarray(balance(self.starts, self.ends, np.zeros((0, 3)), a, b, False))
-
-
-def _cross(u: NDArray[np.float64], v: NDArray[np.float64]) -> NDArray[np.float64]:
-    return np.asarray(u[..., 0] * v[..., 1] - u[..., 1] * v[..., 0])
+        return np.asarray(balance(*self.edges, np.zeros((0, 3)), a, b, False))

@@ -119,7 +119,7 @@ def test_a_prism_is_as_far_by_machine_code_as_by_plain_python() -> None:
         body, (a, b) = a_building_with_a_courtyard(rng), a_leg(rng)
         assert isinstance(body, Prism)
         plan = body.footprint
-        expected = plain.nearest(plan.starts, plan.ends, body.base, body.top, a, b)
+        expected = plain.nearest(*plan.edges, body.base, body.top, a, b)
         if expected[0] > 0:
             assert body.leg_clearance(a, b) == pytest.approx(expected, abs=1e-9)
 
@@ -178,7 +178,7 @@ def test_a_footprint_agrees_with_shapely() -> None:
             shapely.contains_xy(shape, spots), shapely.distance(shape.boundary, points), 0.0
         )
         np.testing.assert_allclose(hall.footprint.distance(spots), expected, atol=1e-9)
-        again = plain.distances(hall.footprint.starts, hall.footprint.ends, spots)
+        again = plain.distances(*hall.footprint.edges, spots)
         np.testing.assert_array_equal(hall.footprint.distance(spots), again)
 
 

@@ -275,7 +275,7 @@ class Prism(Part):
 
     @property
     def bounds(self) -> NDArray[np.float64]:
-        corners = self.footprint.starts
+        corners, _ = self.footprint.edges
         return np.array([[*corners.min(axis=0), self.base], [*corners.max(axis=0), self.top]])
 
     @property
@@ -297,7 +297,7 @@ class Prism(Part):
         from ipoa_mission.world.obstacles._prism import nearest
 
         a, b = np.asarray(a, dtype=np.float64), np.asarray(straightened(a, b), dtype=np.float64)
-        return nearest(self.footprint.starts, self.footprint.ends, self.base, self.top, a, b)  # type: ignore[no-any-return]
+        return nearest(*self.footprint.edges, self.base, self.top, a, b)  # type: ignore[no-any-return]
 
     def outline(self) -> tuple[Plane, ...]:
         return tuple(np.asarray(ring, float) for ring in (self.outer, *self.holes))
@@ -305,8 +305,7 @@ class Prism(Part):
     def grid_row(self) -> GridRow:
         lower, upper = self.bounds
         radius = float(np.hypot(*(upper - lower)[:2])) / 2
-        edges = np.hstack([self.footprint.starts, self.footprint.ends])
-        return GridRow(PRISM, (0.0, 0.0, 0.0, self.base, self.top), radius, edges)
+        return GridRow(PRISM, (0.0, 0.0, 0.0, self.base, self.top), radius, np.hstack(self.footprint.edges))
 
 
 class Zone(Prism):
