@@ -10,9 +10,7 @@ from ipoa_mission.planning.planner import SearchStrategy, plan_path
 from ipoa_mission.routing.fastest import RouteGrid, RouteSearch
 
 T = TypeVar("T")
-QUICK = SearchStrategy(
-    LatticeStrategy(nodes=20_000), straight_starts=1, lattice_starts=2, max_rounds=4, enough_proved=1
-)
+QUICK = SearchStrategy(LatticeStrategy(nodes=20_000), lattice_starts=2, max_rounds=4, enough_proved=1)
 FEW = RouteGrid(straight_shares=(1.0, 0.3), turn_radii=(0.0, 7.0), spline_shares=(0.4,), spline_spacings=(25.0,))
 
 

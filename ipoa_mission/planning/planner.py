@@ -70,10 +70,8 @@ class SearchStrategy:
     """A width is a share of the varied length."""
 
     lattice: LatticeStrategy = USUAL_LATTICE
-    straight_starts: int = 1  # searches
     straight_width: float = 0.25
-    lattice_starts: int = 2  # searches
-    cheapest_starts: int = 1  # the others from the best polished
+    lattice_starts: int = 2  # searches: of the cheapest route, then the best polished
     lattice_width: float = 0.08
     coarse_control_points: int = 100  # fewer may not follow the route
     closer_factor: int = 4
@@ -93,7 +91,6 @@ USUAL = SearchStrategy()
 MANY_LEGS = SearchStrategy(
     lattice=LatticeStrategy(nodes=30_000, max_routes=8, max_routes_climbing=4),
     lattice_starts=1,
-    cheapest_starts=1,
     max_improved=1,
     max_rounds=12,
 )
@@ -248,14 +245,13 @@ def _find_passages(searcher: Searcher, coarsest: int, progress: Progress) -> lis
         polished.append(near)
 
     costs = [problem.cost(candidate) for candidate in polished]
-    best = 1 + np.argsort(costs[1:])
-    cheapest = range(1, len(polished))[: strategy.cheapest_starts]
-    promising = list(dict.fromkeys([*cheapest, *best.tolist()]))[: strategy.lattice_starts]
+    by_cost = sorted(range(2, len(costs)), key=costs.__getitem__)
+    promising = [*range(1, len(costs))[:1], *by_cost][: strategy.lattice_starts]
     if min(costs) > UNSAFE:
         closer = (route.candidate(problem, strategy.closer_factor) for route in routes)
         polished += [polish(candidate, problem, FIRM_DESCENT) for candidate in closer]
 
-    starts = [(candidates[0], strategy.straight_width)] * strategy.straight_starts
+    starts = [(candidates[0], strategy.straight_width)]
     starts += [(candidates[i], strategy.lattice_width) for i in promising]
     for i, (guess, width) in enumerate(starts):
         progress(0.5 * i / len(starts), f"passage {i + 1} of {len(starts)}")
