@@ -15,7 +15,7 @@ from ipoa_mission.geometry import Points, Vector, climb_angles, leg_lengths, pol
 from ipoa_mission.optimize.search import Box, Candidates, Costs
 from ipoa_mission.planning.obstacle_grid import LEAST, UNLIMITED, ObstacleGrid, Rules, obstacle_grid_of
 from ipoa_mission.planning.path_problem import PathTask
-from ipoa_mission.planning.spline import DEGREE, Spline, basis, even_basis
+from ipoa_mission.planning.spline import DEGREE, Spline, basis, even_basis, knots_of
 from ipoa_mission.scenario.path_limits import Limits
 
 COST_STEP = 0.05  # integration step [m]
@@ -313,7 +313,7 @@ def _by_axis(points: Matrix) -> Matrix:
 
 def _greville(n: int) -> Vector:
     """Return the Greville abscissae: a straight guide gives an even curve."""
-    knots = np.concatenate([np.zeros(DEGREE), np.linspace(0.0, 1.0, n - DEGREE + 1), np.ones(DEGREE)])
+    knots = knots_of(n)
     return np.array([knots[i + 1 : i + 1 + DEGREE].mean() for i in range(n)])
 
 

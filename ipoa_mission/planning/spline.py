@@ -85,9 +85,13 @@ def basis(n: int, u: Vector) -> NDArray[np.float64]:
     return values
 
 
+def knots_of(n: int) -> Vector:
+    return np.concatenate([np.zeros(DEGREE), np.linspace(0.0, 1.0, n - DEGREE + 1), np.ones(DEGREE)])
+
+
 def local_basis(n: int, u: Vector, order: int = 0) -> tuple[NDArray[np.intp], NDArray[np.float64]]:
     """Return the four nonzero basis functions: index of the first (k,) and values (k, 4)."""
-    knots = np.concatenate([np.zeros(DEGREE), np.linspace(0.0, 1.0, n - DEGREE + 1), np.ones(DEGREE)])
+    knots = knots_of(n)
     span = np.clip(np.searchsorted(knots, u, side="right") - 1, DEGREE, n - 1)
     values = np.zeros((len(u), DEGREE + 1))
     values[:, -1] = 1.0  # N_i,0

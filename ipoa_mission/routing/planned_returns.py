@@ -32,6 +32,7 @@ from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.routing.repairs import slow_landings
+from ipoa_mission.routing.resample import lefts
 from ipoa_mission.scenario import Scenario
 
 NAMED = 3  # in a note on LAND
@@ -240,8 +241,7 @@ def _places(paths: ContingencyPaths) -> Points:
     traveled = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(track[:, :2], axis=0).T))])
     stations = np.arange(0.0, traveled[-1] + EFFORT.place_step, EFFORT.place_step)
     spots = np.column_stack([np.interp(stations, traveled, track[:, k]) for k in range(2)])
-    ahead = np.gradient(spots, axis=0) if len(spots) > 1 else np.zeros_like(spots)
-    aside = np.column_stack([-ahead[:, 1], ahead[:, 0]]) / np.maximum(np.hypot(*ahead.T), 1e-9)[:, None]
+    aside = lefts(spots)[:, :2] if len(spots) > 1 else np.zeros_like(spots)
     spaced: list[np.ndarray] = [np.zeros(2)]
     for distance in EFFORT.lateral_distances:
         for sign in (1.0, -1.0) if distance else (1.0,):
