@@ -1,6 +1,6 @@
 """Build the mission for a plan, with the waypoints that the scenario asks for."""
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 
 from ipoa_mission.autopilot.autopilot import Autopilot, registered
@@ -70,9 +70,10 @@ def _routes(plan: Plan, scenario: Scenario, mode: str) -> list[Attempt]:
 
 def narrowed_route(plan: Plan, scenario: Scenario, mode: str) -> Attempt:
     """Return the widest route of a mode that keeps the limits, or the narrowest."""
-    choose, width = _chooser(plan, scenario, mode)
-    attempts = (choose(width / 2**halvings) for halvings in range(HALVINGS))
-    return next((attempt for attempt in attempts if attempt.keeps_limits), None) or choose(width / 2**HALVINGS)
+    expect_mode(mode, scenario.vehicle.autopilot)
+    attempts = (_route(plan, scenario, mode, halvings) for halvings in range(HALVINGS))
+    kept = next((attempt for attempt in attempts if attempt.keeps_limits), None)
+    return kept or _route(plan, scenario, mode, HALVINGS)
 
 
 def _first_guaranteed(attempts: Iterable[Attempt]) -> Attempt:
@@ -85,14 +86,16 @@ def _first_guaranteed(attempts: Iterable[Attempt]) -> Attempt:
 
 
 def _near_routes(plan: Plan, scenario: Scenario) -> Iterator[Attempt]:
-    mode = scenario.route.mode
-    choose, width = _chooser(plan, scenario, "corridor" if mode == "fastest" else mode)
-    yield choose(width)
-    yield (narrow := choose(width / 2**NARROW))
-    if mode == "fastest":
-        if (guidance := scenario.vehicle.autopilot.guidance).takes_radius:
+    is_fastest = scenario.route.mode == "fastest"
+    mode = "corridor" if is_fastest else scenario.route.mode
+    yield _route(plan, scenario, mode, 0)
+    narrow = _route(plan, scenario, mode, NARROW)
+    yield narrow
+    if is_fastest:
+        guidance = scenario.vehicle.autopilot.guidance
+        if guidance.takes_radius:
             yield replace(narrow, route=replace(narrow.route, radius=guidance.turned_late))
-        yield choose(width / 2 ** (2 * NARROW))
+        yield _route(plan, scenario, mode, 2 * NARROW)
 
 
 def expect_mode(mode: str, autopilot: Autopilot) -> None:
@@ -101,13 +104,11 @@ def expect_mode(mode: str, autopilot: Autopilot) -> None:
         raise BadInput(f"expected even, corridor or fastest: spline waypoints are for {firmwares}", place="route.mode")
 
 
-def _chooser(plan: Plan, scenario: Scenario, mode: str) -> tuple[Callable[[float], Attempt], float]:
-    """Return a function from width [m] to a cleared route, and the asked width."""
-    expect_mode(mode, scenario.vehicle.autopilot)
+def _route(plan: Plan, scenario: Scenario, mode: str, halvings: int) -> Attempt:
+    """Return a cleared route: as wide as asked, or half as wide for each of `halvings`."""
     via = scenario.via_points
-
-    def choose(width: float) -> Attempt:
-        points = corridor(plan.curve, width, via=via)[0] if mode == "corridor" else every(plan.curve, width, via)
-        return Attempt(plan, Route(push_clear(points, scenario), spline=mode == "spline"), scenario)
-
-    return choose, scenario.route.tolerance if mode == "corridor" else scenario.route.spacing
+    if mode == "corridor":
+        points, _ = corridor(plan.curve, scenario.route.tolerance / 2**halvings, via=via)
+    else:
+        points = every(plan.curve, scenario.route.spacing / 2**halvings, via)
+    return Attempt(plan, Route(push_clear(points, scenario), spline=mode == "spline"), scenario)
