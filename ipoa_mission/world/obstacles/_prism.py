@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from ipoa_mission.compiled import njit
-from ipoa_mission.world._polygon import balance, from_edge
+from ipoa_mission.world._polygon import balance, from_edge, offset
 
 TRIED_PER_EDGE = 8
 TOUCHING = 1e-6  # below, a leg may be inside [m]
@@ -16,8 +16,11 @@ TOUCHING = 1e-6  # below, a leg may be inside [m]
 @njit(inline="always")
 def _distance(prism, place, least):
     """Return the distance; one above `least` may be wrong."""
-    (starts, ends, base, top), (x, y, z) = prism, place
-    nearest, inside, above = math.inf, False, max(base - z, z - top)
+    starts, ends, base, top = prism
+    x, y, z = place
+    above = max(base - z, z - top)
+    nearest = math.inf
+    inside = False
     shallow = least * least * (1.0 - 1e-9) if least < 0.0 else 0.0
     for k in range(len(starts) if above <= least else 0):
         east, north, crosses = from_edge(starts[k], ends[k], x, y)
@@ -32,7 +35,9 @@ def _distance(prism, place, least):
 @njit(inline="always")
 def _least(prism, leg, tried, known):
     """Return the least distance at parameters (n,) of a leg, and its parameter."""
-    (a, step), least, where = leg, math.inf, 0.0
+    a, step = leg
+    least = math.inf
+    where = 0.0
     for k in range(len(tried)):
         t = tried[k]
         if k < 2 or 0.0 < t < 1.0:
@@ -46,11 +51,13 @@ def _least(prism, leg, tried, known):
 @njit(inline="always")
 def _feet(starts, ends, a, step, tried):
     """Add parameters nearest to a corner, across an edge, or abreast of its ends."""
-    square, count = step[0] ** 2 + step[1] ** 2, 0
+    square = step[0] ** 2 + step[1] ** 2
+    count = 0
     for k in range(len(starts)):
-        away_e, away_n = starts[k, 0] - a[0], starts[k, 1] - a[1]
-        along_e, along_n = ends[k, 0] - starts[k, 0], ends[k, 1] - starts[k, 1]
-        across, slope = step[0] * along_n - step[1] * along_e, along_e * step[0] + along_n * step[1]
+        away_e, away_n = offset(a, starts[k])
+        along_e, along_n = offset(starts[k], ends[k])
+        across = step[0] * along_n - step[1] * along_e
+        slope = along_e * step[0] + along_n * step[1]
         if square > 0.0:
             tried[count] = (away_e * step[0] + away_n * step[1]) / square
             count += 1
@@ -67,12 +74,14 @@ def _feet(starts, ends, a, step, tried):
 @njit(inline="always")
 def _rims(starts, ends, a, step, tried):
     """Add parameters nearest to a rim; a[2]: height above it."""
-    square, count = step[0] ** 2 + step[1] ** 2 + step[2] ** 2, 0
+    square = step[0] ** 2 + step[1] ** 2 + step[2] ** 2
+    count = 0
     for k in range(len(starts)):
-        away_e, away_n = starts[k, 0] - a[0], starts[k, 1] - a[1]
-        along_e, along_n = ends[k, 0] - starts[k, 0], ends[k, 1] - starts[k, 1]
+        away_e, away_n = offset(a, starts[k])
+        along_e, along_n = offset(starts[k], ends[k])
         ahead = away_e * step[0] + away_n * step[1] - a[2] * step[2]
-        mixed, edge = along_e * step[0] + along_n * step[1], along_e * along_e + along_n * along_n
+        mixed = along_e * step[0] + along_n * step[1]
+        edge = along_e * along_e + along_n * along_n
         determinant = square * edge - mixed * mixed
         if square > 0.0:
             tried[count] = ahead / square
@@ -86,7 +95,8 @@ def _rims(starts, ends, a, step, tried):
 @njit(cache=True, error_model="numpy")
 def nearest(starts, ends, base, top, a, b):
     """Return the least distance [m] of the leg a-b to a prism with edges (m, 2), and its fraction."""
-    step, prism = b - a, (starts, ends, base, top)
+    prism = (starts, ends, base, top)
+    step = b - a
     tried = np.zeros(TRIED_PER_EDGE * len(starts) + 5)
     tried[1] = 1.0
     count = 2 + _feet(starts, ends, a, step, tried[2:])
@@ -98,7 +108,9 @@ def nearest(starts, ends, base, top, a, b):
     for k in range(2):
         height = a[2] - (top if k else base)
         count += _rims(starts, ends, (a[0], a[1], height), step, tried[count:])
-        caps[k, 0], caps[k, 1], caps[k, 2] = height * height, 2.0 * height * step[2], step[2] * step[2]
+        caps[k, 0] = height * height
+        caps[k, 1] = 2.0 * height * step[2]
+        caps[k, 2] = step[2] * step[2]
     least, where = _least(prism, (a, step), tried[:count], math.inf)
     if least <= TOUCHING:
         inner = balance(starts, ends, caps, a[:2], b[:2], True)
