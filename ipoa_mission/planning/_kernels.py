@@ -36,10 +36,9 @@ def path_costs(points, grid, rules):
     level, leg, rise = np.empty(n - 1), np.empty(n - 1), np.empty(n - 1)
     steps_e, steps_n, cell = np.empty(n - 1), np.empty(n - 1), np.empty(n, np.int32)
     near = max(rules.clearance, rules.d_safe + rules.radius)
-    raster, first, listed, top = grid.cells, grid.first, grid.listed, grid.top
-    kind, shape, edges = grid.kind, grid.shape, grid.edges
-    around, heights, low_zones = grid.around, grid.heights, grid.low_zones
-    (west, south, low), (east, north, high) = grid.lower, grid.upper
+    cells, first, listed, top, around, kind, shape, edges, raster, heights, lower, upper, _, low_zones = grid
+    west, south, low = lower
+    east, north, high = upper
     for c in range(count):
         x, y, z = points[c, 0], points[c, 1], points[c, 2]
         length, depth = 0.0, 0.0
@@ -54,7 +53,7 @@ def path_costs(points, grid, rules):
                 depth += max(rise[i] - rules.climb * level[i], -rise[i] - rules.descent * level[i], 0.0)
         outside = 0.0
         for i in range(n):
-            cell[i] = _cell(raster, x[i], y[i])
+            cell[i] = _cell(cells, x[i], y[i])
             outside += max(west - x[i], x[i] - east, 0.0) + max(south - y[i], y[i] - north, 0.0)
             outside += max(low - z[i], z[i] - high, 0.0)
         depth += outside * length / (n - 1)
@@ -63,7 +62,7 @@ def path_costs(points, grid, rules):
         for i in range(n):
             share = 0.5 * ((leg[i - 1] if i > 0 else 0.0) + (leg[i] if i < n - 1 else 0.0))
             if z[i] < top[cell[i]]:
-                height = z[i] - _ground(grid.ground, heights, x[i], y[i])[0]
+                height = z[i] - _ground(raster, heights, x[i], y[i])[0]
                 depth += share * max(
                     _least_height(low_zones, rules.height, x[i], y[i]) - height, height - rules.ceiling, 0.0
                 )
@@ -109,7 +108,8 @@ def survey(points, grid, rules):
 @njit(cache=True, fastmath=FASTMATH, error_model="numpy")
 def centered(points, offsets, box, grid, rules):
     """Move points (n, 3) within a box to the most slack at offsets (rounds, k, 3)."""
-    moved, (lower, upper) = points.copy(), box
+    lower, upper = box
+    moved = points.copy()
     for i in range(len(moved)):
         best = -np.inf
         for number in range(len(offsets)):
@@ -142,14 +142,24 @@ def spread(nodes, stepping, look, ends, grid, rules):
     step of `stepping` (steps (s, 3), lengths (s,)) costs its length times the mean price of its ends. With `look`, its
     leg is checked for obstacles.
     """
-    (steps, lengths), (source, target, ratio) = stepping, ends
-    places, (nx, ny, nz) = nodes.places, nodes.price.shape
-    price, room, total = nodes.price.ravel(), nodes.slack.ravel(), nx * ny * nz
+    steps, lengths = stepping
+    source, target, ratio = ends
+    places = nodes.places
+    price = nodes.price.ravel()
+    room = nodes.slack.ravel()
+    nx, ny, nz = nodes.price.shape
+    total = nx * ny * nz
     onward = (steps[:, 0] * ny + steps[:, 1]) * nz + steps[:, 2]
     goal_i, goal_j, goal_k = target // (ny * nz), target // nz % ny, target % nz
-    cost, before = np.full(total, np.inf), np.full(total, -1, np.int64)
-    keys, heap, size = np.empty(4 * total + 64), np.empty(4 * total + 64, np.int64), 1
-    cost[source], keys[0], heap[0], most = 0.0, 0.0, source, np.inf
+    cost = np.full(total, np.inf)
+    cost[source] = 0.0
+    before = np.full(total, -1, np.int64)
+    keys = np.empty(4 * total + 64)  # of a heap, least first
+    keys[0] = 0.0
+    heap = np.empty(4 * total + 64, np.int64)
+    heap[0] = source
+    size = 1
+    most = np.inf
     while size > 0:
         key, here = keys[0], heap[0]
         size -= 1

@@ -21,13 +21,10 @@ EE, NE, NN, UE, UN, UU = range(6)
 
 
 class Change(NamedTuple):
-    slope: NDArray[np.float64]  # (3, n)
-    curvature: NDArray[np.float64]  # (6, n): `EE` and so on
+    """First and second derivatives by node or step, or by turn and climb at each node."""
 
-
-class Bends(NamedTuple):
-    slope: NDArray[np.float64]  # (2, n)
-    curvature: NDArray[np.float64]  # (2, n)
+    slope: NDArray[np.float64]  # (3, n), or (2, n)
+    curvature: NDArray[np.float64]  # (6, n), `EE` and so on, or (2, n)
 
 
 class Steps(NamedTuple):
@@ -92,15 +89,15 @@ def _steps(nodes):
 @njit(cache=True, error_model="numpy")
 def _solid(nodes, leg, danger, grid, rules, soft, even, places):
     """Add the cost of everything solid; write the threat per meter to `danger` (n,)."""
-    n, value = len(nodes), 0.0
-    raster, listed_from, listed, around = grid.cells, grid.first, grid.listed, grid.around
-    kind, shape, edges, heights, low_zones = grid.kind, grid.shape, grid.edges, grid.heights, grid.low_zones
+    cells, first, listed, top, around, kind, shape, edges, raster, heights, lower, upper, _, low_zones = grid
+    n = len(nodes)
+    value = 0.0
     for i in range(n):
         x, y, z = nodes[i, 0], nodes[i, 1], nodes[i, 2]
         share = 0.5 * ((leg[i - 1] if i > 0 else 0.0) + leg[i])
-        cell = _cell(raster, x, y)
-        if z < grid.top[cell] + soft.above + soft.reach:
-            ground, east, north = _ground(grid.ground, heights, x, y)
+        cell = _cell(cells, x, y)
+        if z < top[cell] + soft.above + soft.reach:
+            ground, east, north = _ground(raster, heights, x, y)
             for sign in (1.0, -1.0):
                 if sign > 0.0:
                     slack = rules.ceiling - soft.above - (z - ground)
@@ -111,14 +108,14 @@ def _solid(nodes, leg, danger, grid, rules, soft, even, places):
                     value += wall
                     _add(places, i, east, north, -1.0, sign * slope, curvature)
         for axis in range(3):
-            slack = min(nodes[i, axis] - grid.lower[axis], grid.upper[axis] - nodes[i, axis]) - soft.aside
+            slack = min(nodes[i, axis] - lower[axis], upper[axis] - nodes[i, axis]) - soft.aside
             wall, slope, curvature = _wall(slack, soft, even)
             if curvature > 0.0:
-                inwards = -1.0 if 2.0 * nodes[i, axis] > grid.lower[axis] + grid.upper[axis] else 1.0
+                inwards = -1.0 if 2.0 * nodes[i, axis] > lower[axis] + upper[axis] else 1.0
                 value += wall
                 places.slope[axis, i] += inwards * slope
                 places.curvature[(EE, NN, UU)[axis], i] += curvature
-        for k in range(listed_from[cell], listed_from[cell + 1]):
+        for k in range(first[cell], first[cell + 1]):
             body = listed[k]
             if not around[body, 3] < z < around[body, 4]:
                 continue
@@ -134,7 +131,8 @@ def _solid(nodes, leg, danger, grid, rules, soft, even, places):
             value += wall
             if threatened:
                 near = max(hull, LEAST)
-                threat, weight = rules.threat / near, 1.0 if rules.per_node else share
+                threat = rules.threat / near
+                weight = 1.0 if rules.per_node else share
                 danger[i] += 0.0 if rules.per_node else threat
                 value += weight * threat
                 if hull > LEAST:
@@ -147,16 +145,22 @@ def _solid(nodes, leg, danger, grid, rules, soft, even, places):
 
 @njit(cache=True, error_model="numpy")
 def _bends(steps, rules, soft, signs, angles):
-    east, north, n, value = steps.east, steps.north, len(angles), 0.0
-    bends, climb = Bends(np.zeros((2, n)), np.zeros((2, n))), math.atan(steps.rise[0] / steps.flat[0])
+    east = steps.east
+    north = steps.north
+    n = len(angles)
+    bends = Change(np.zeros((2, n)), np.zeros((2, n)))
+    value = 0.0
+    climb = math.atan(steps.rise[0] / steps.flat[0])
     for i in range(1, n - 1):
-        before, climb = climb, math.atan(steps.rise[i] / steps.flat[i])
+        before = climb
+        climb = math.atan(steps.rise[i] / steps.flat[i])
         angles[i, 0] = math.atan2(
             east[i - 1] * north[i] - north[i - 1] * east[i], east[i - 1] * east[i] + north[i - 1] * north[i]
         )
         angles[i, 1] = climb - before
         for k in range(2):
-            angle, rate = angles[i, k], rules.climbing if k else rules.turning
+            angle = angles[i, k]
+            rate = rules.climbing if k else rules.turning
             smooth = math.sqrt(angle * angle + soft.bend**2)
             value += rate * (smooth - soft.bend)
             bends.slope[k, i] = rate * angle / smooth
@@ -167,17 +171,22 @@ def _bends(steps, rules, soft, signs, angles):
 @njit(cache=True, error_model="numpy")
 def _length(steps, bends, danger, rules, soft, even, along):
     """Add the cost of each leg. A longer leg is a bent one: bend at its begin minus bend at its end."""
-    level, leg, value = steps.level, steps.leg, 0.0
+    level = steps.level
+    leg = steps.leg
+    value = 0.0
     turn, climb, turns, climbs = bends.slope[0], bends.slope[1], bends.curvature[0], bends.curvature[1]
-    stretch, lever = soft.evenness / even, LEVER / even
+    stretch = soft.evenness / even
+    lever = LEVER / even
     for i in range(len(leg) - 1):
         east, north, rise, flat = steps.east[i], steps.north[i], steps.rise[i], steps.flat[i]
         price = rules.length + 0.5 * (danger[i] + danger[i + 1])
         value += rules.length * leg[i] + 0.5 * stretch * (leg[i] - even) ** 2
         _add(along, i, flat * east, flat * north, rise, price + stretch * (leg[i] - even), stretch)
-        slope, curvature = (turn[i] - turn[i + 1]) / level[i], (turns[i] + turns[i + 1]) / level[i] ** 2
+        slope = (turn[i] - turn[i + 1]) / level[i]
+        curvature = (turns[i] + turns[i + 1]) / level[i] ** 2
         _add(along, i, -north, east, 0.0, slope, price / leg[i] + curvature)
-        slope, curvature = (climb[i] - climb[i + 1]) / leg[i], (climbs[i] + climbs[i + 1]) / leg[i] ** 2
+        slope = (climb[i] - climb[i + 1]) / leg[i]
+        curvature = (climbs[i] + climbs[i + 1]) / leg[i] ** 2
         _add(along, i, -rise * east, -rise * north, flat, slope, price / leg[i] + curvature)
         for sign, limit in ((1.0, rules.climb - soft.flatter), (-1.0, rules.descent - soft.flatter)):
             slack = limit * level[i] - sign * rise * leg[i]
@@ -214,8 +223,11 @@ def _mixed(steps, bends):
 @njit(inline="always")
 def _block(places, along, mixed, window, k, m, some):
     """Return second derivatives by control points k and m: EE, EN, EU, NE, ..."""
-    here, before, after = window[0], window[1], window[2]
-    twice, stepwise = places.curvature, along.curvature
+    here = window[0]
+    before = window[1]
+    after = window[2]
+    twice = places.curvature
+    stepwise = along.curvature
     ee, en, eu, ne, nn, nu, ue, un, uu = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     for i in some:
         place, step = here[k, i] * here[m, i], after[k, i] * after[m, i]
@@ -239,10 +251,15 @@ def _block(places, along, mixed, window, k, m, some):
 def handed_on(changes, spans, count):
     """Return gradient (3 count,) and Gauss-Newton's Hessian (15, 3 count) by control points, for `solve_banded`."""
     places, along, steps, bends = changes
-    first, window, mixed = spans.first, spans.window, _mixed(steps, bends)
-    n, start = len(first), 0
-    gradient, band = np.zeros(3 * count), np.zeros((15, 3 * count))
-    here, before, after = window[0], window[1], window[2]
+    first, window = spans
+    here = window[0]
+    before = window[1]
+    after = window[2]
+    mixed = _mixed(steps, bends)
+    n = len(first)
+    gradient = np.zeros(3 * count)
+    band = np.zeros((15, 3 * count))
+    start = 0
     while start < n:
         end = start + 1
         while end < n and first[end] == first[start]:
@@ -260,7 +277,8 @@ def handed_on(changes, spans, count):
                     total += here[k, i] * places.slope[axis, i] + after[k, i] * along.slope[axis, i]
                 gradient[row + axis] += total
             for m in range(k + 1):
-                block, column = _block(places, along, mixed, window, k, m, some), 3 * (first[start] + m)
+                block = _block(places, along, mixed, window, k, m, some)
+                column = 3 * (first[start] + m)
                 for a in range(3):
                     for b in range(3 if k > m else a + 1):
                         band[row + a - column - b, column + b] += block[a][b]
@@ -276,8 +294,11 @@ def path_model(nodes, grid, rules, soft, even, signs):
     (1999): signs of the angles.
     """
     n = len(nodes)
-    places, along = Change(np.zeros((3, n)), np.zeros((6, n))), Change(np.zeros((3, n)), np.zeros((6, n)))
-    steps, danger, angles = _steps(nodes), np.zeros(n), np.zeros((n, 2))
+    places = Change(np.zeros((3, n)), np.zeros((6, n)))
+    along = Change(np.zeros((3, n)), np.zeros((6, n)))
+    steps = _steps(nodes)
+    danger = np.zeros(n)
+    angles = np.zeros((n, 2))
     value = _solid(nodes, steps.leg, danger, grid, rules, soft, even, places)
     bent, bends = _bends(steps, rules, soft, signs, angles)
     value += bent + _length(steps, bends, danger, rules, soft, even, along)
@@ -327,8 +348,9 @@ def _moved(control, step, moves):
 
 @njit(cache=True, error_model="numpy")
 def _model(control, signs, bench, grid, rules, soft):
-    spans, even = bench.spans, bench.even
-    nodes, here = np.zeros((len(spans.first), 3)), spans.window[0]
+    spans, _, even = bench
+    here = spans.window[0]
+    nodes = np.zeros((len(spans.first), 3))
     for k in range(5):
         for i in range(len(nodes)):
             for axis in range(3):

@@ -96,10 +96,9 @@ def _distance(kind, shape, edges, body, x, y, z):
 def _look(grid, rules, place, least=-np.inf):
     """Return slack [m] and threat per meter at a place."""
     x, y, z = place
-    cells, first, listed, around = grid.cells, grid.first, grid.listed, grid.around
-    kind, shape, edges, raster, heights = grid.kind, grid.shape, grid.edges, grid.ground, grid.heights
-    zones, lower, upper, reach = grid.low_zones, grid.lower, grid.upper, grid.reach
-    ground, threat = _ground(raster, heights, x, y)[0], 0.0
+    cells, first, listed, _, around, kind, shape, edges, raster, heights, lower, upper, reach, zones = grid
+    threat = 0.0
+    ground = _ground(raster, heights, x, y)[0]
     spare = min(z - ground - _least_height(zones, rules.height, x, y), rules.ceiling - (z - ground))
     spare = min(spare, reach - rules.clearance)
     if not (lower[0] <= x <= upper[0] and lower[1] <= y <= upper[1] and lower[2] <= z <= upper[2]):
