@@ -14,7 +14,8 @@ from ipoa_mission.mission.items import FenceCircle, FencePolygon, Mission, item_
 
 
 def check_fence(forecast: Forecast) -> Iterator[Finding]:
-    mission, frame = forecast.mission, forecast.frame
+    mission = forecast.mission
+    frame = forecast.frame
     wrong = {n: words for n, part in enumerate(mission.fence) if (words := _wrong(part, frame))}
     yield from (Finding("fence-shape", Severity.ERROR, None, f"fence[{n}]: {words}") for n, words in wrong.items())
     if wrong or not mission.fence:

@@ -53,7 +53,8 @@ def check_world(forecast: Forecast, is_flown: bool, before: Iterable[Finding]) -
 def remedy(forecast: Forecast) -> tuple[str, tuple[Remedy, ...]]:
     """Return a hint and changes of the scenario: the lowest return altitude, in steps of 5 m, with a clear way home."""
     advice = 'plan the way home too, with the goal over home and this one under via; or land: route.ending = "land"'
-    mission, scenario = forecast.mission, forecast.world
+    mission = forecast.mission
+    scenario = forecast.world
     by = mission.autopilot.parameter_table.by_meaning["return height"]
     is_clear = shortfalls.clear_in(scenario)
     land = Remedy(("route", "ending"), "land")
@@ -72,7 +73,8 @@ def check_airspace(forecast: Forecast) -> Iterator[Finding]:
 
     The planner chooses no climb, way home or landing: there it is a warning, and contact an error.
     """
-    mission, scenario = forecast.mission, forecast.world
+    mission = forecast.mission
+    scenario = forecast.world
     offset = np.abs(scenario.frame.local(mission.home))
     if offset.max() > 1.0:  # [m]
         message = f"home: lies {np.linalg.norm(offset):.1f} m from the scenario's home: heights above home differ"

@@ -82,7 +82,8 @@ class IPOA:
 
     def search(self, box: Box, rng: np.random.Generator) -> Search:
         """Yield 2 N candidates of `box` by `rng` (N if not chaotic), then two or three batches an iteration."""
-        n, d = self.population, box.dimension
+        n = self.population
+        d = box.dimension
         rands, steps = (1 if drawn_for == "pelican" else d for drawn_for in (self.rand, self.steps))
         if self.chaotic_start:
             chaotic = iterate_chaotic_map(self.chaos, n, d, rng)  # (18)

@@ -101,7 +101,8 @@ class LatticeDetails(NamedTuple):
     end_samples: int = 8  # to each of them
 
 
-DETAILS, USUAL_LATTICE = LatticeDetails(), LatticeStrategy()
+DETAILS = LatticeDetails()
+USUAL_LATTICE = LatticeStrategy()
 
 STRIDES = np.array([step for step in np.ndindex(3, 3, 3) if step != (1, 1, 1)]) - 1
 ROUNDING = 1e-9  # of costs, relative
@@ -249,7 +250,8 @@ def _centered(nodes: Points, spacing: Vector, problem: PreparedProblem) -> Point
 
 def _mend(routes: list[Points], lattice: Lattice, problem: PreparedProblem) -> list[Points]:
     """Mend legs that cut an obstacle by extra points; if the cheapest route is not repairable, add others."""
-    mended, closed = list[Points](), list[Points]()
+    mended = list[Points]()
+    closed = list[Points]()
     for route in routes:
         points, cut = _blocked_samples(route, problem)
         points[cut] = _centered(points[cut], lattice.spacing, problem)
@@ -287,7 +289,7 @@ def _occupy_gaps(
         node = np.ravel_multi_index(tuple(number[inside].T), tuple(count))
         room, danger = problem.survey(places)
         better = np.nonzero((room >= 0) | (room > slack[node]))[0]
-        better = better[np.argsort(room[better], kind="stable")]  # the last one stays
+        better = better[np.argsort(room[better], kind="stable")]  # the last stays
         node = node[better]
         nodes[node] = places[better]
         slack[node] = room[better]
@@ -313,7 +315,8 @@ def _leg_routes(
     from ipoa_mission.planning._kernels import spread
 
     start, goal = ends
-    source, target = _end_node(lattice, problem, start), _end_node(lattice, problem, goal)
+    source = _end_node(lattice, problem, start)
+    target = _end_node(lattice, problem, goal)
     if source is None or target is None:
         return []
     look = looking and float(np.linalg.norm(lattice.spacing)) > 2 * problem.limits.obstacle_distance
@@ -324,7 +327,8 @@ def _leg_routes(
         return []
     steps = lattice.steps(backwards=True)
     back, after = spread(nodes, steps, look, (target, source, ratio), problem.grid, problem.rules)
-    routes, courses = list[Points](), list[Points]()
+    routes = list[Points]()
+    courses = list[Points]()
     for node in [target, *_passages(there + back, there, lattice)]:
         passed = [*_trace(before, node)[::-1], *_trace(after, node)[1:]]
         points = np.vstack([start, lattice.places[passed], goal])
@@ -381,11 +385,13 @@ def _count_turns(route: Points, tolerance: float) -> int:
 def _region(problem: PreparedProblem) -> tuple[Vector, Vector]:
     """Return the bounds up to just above all obstacles and ground."""
     task, limits = problem.task, problem.limits
-    airspace, stops = task.airspace, task.places
+    airspace = task.airspace
+    stops = task.places
     tops = [obstacle.bounds[1, 2] for obstacle in airspace.obstacles]
     above = 2 * max(limits.obstacle_distance, problem.rules.d_safe)
     highest = max([*tops, float(problem.grid.heights.max()), float(stops[:, 2].max())]) + above
-    lower, upper = np.asarray(airspace.bounds.lower, float), np.asarray(airspace.bounds.upper, float)
+    lower = np.asarray(airspace.bounds.lower, float)
+    upper = np.asarray(airspace.bounds.upper, float)
     lowest = max(lower[2], float(problem.grid.heights.min()) + min(limits.height_above_ground, 1.0))
     lower = np.array([lower[0], lower[1], min(lowest, float(stops[:, 2].min()))])
     return lower, np.array([upper[0], upper[1], min(upper[2], highest)])

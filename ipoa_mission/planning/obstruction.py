@@ -88,7 +88,7 @@ class _View:
         return Closure(tuple(np.array(self.names)[near]), (float(place[0]), float(place[1])), 0.0, 0.0)
 
     def gap(self, share: float) -> Closure | None:
-        """Return the pair that closes at a share of the distance; the edge of the area is a shape like the others."""
+        """Return the pair that closes at a share of the distance; the edge of the area is one more shape."""
         piece = self.piece(share)
         names = [*self.names, "the edge of the area"]
         shapes = np.append(self.shapes, self.area.exterior)

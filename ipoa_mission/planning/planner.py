@@ -61,7 +61,8 @@ class Plan:
         return replace(self, cost=curve_cost(self.curve, task), proof=prove_curve(self.curve, task))
 
     def __repr__(self) -> str:
-        cost, count = float(self.history[-1]), int(self.evaluations[-1])
+        cost = float(self.history[-1])
+        count = int(self.evaluations[-1])
         return f"<Plan: {self.curve.length:.1f} m, cost {cost:.4f}, by {self.optimizer}, {count} evaluations>"
 
 
@@ -133,7 +134,8 @@ def optimizer_of(task: PathTask, short: bool) -> tuple[Optimizer, int | None]:
     Raises:
         BadInput: there is no such optimizer, or it has no such setting.
     """
-    name, settings = task.optimizer.name, task.optimizer.settings
+    name = task.optimizer.name
+    settings = task.optimizer.settings
     defaults = getattr(optimizer_class(name), "short_settings", None) if short else {}
     budget = SHORT_EVALUATIONS if defaults is None and not settings else None
     return build_optimizer(name, (defaults or {}) | settings), budget

@@ -69,7 +69,8 @@ def polish(
     """Return the curve after a descent; of the inner control points only `part` moves, and via points stay."""
     from ipoa_mission.planning._path_model import descend
 
-    stages, enough = descent.stages, descent.enough
+    stages = descent.stages
+    enough = descent.enough
     nodes = descent.finer * max(problem.nodes, NODES_PER_SPAN * candidate.curve.spans)
     control = candidate.curve.control.copy()
     some, bench = _prepare(candidate, problem, part, nodes)

@@ -88,7 +88,8 @@ def _steps(curve: Spline) -> int:
 
 def threats(nodes: Points, task: PathTask) -> Vector:
     """Return eq. (9)'s summand at each node (n,): lambda / d where the hull is within d_safe."""
-    cost, radius = task.cost, task.radius
+    cost = task.cost
+    radius = task.radius
     total = np.zeros(len(nodes))
     for _, near, distance in task.airspace.near(nodes, cost.d_safe + radius):
         hull = distance - radius
@@ -268,7 +269,8 @@ def surround(name: str, around: Candidate, spread: float, task: PathTask, part: 
     """
     control = around.curve.control
     varied = np.arange(1, len(control) - 1)[part]
-    n, inner = len(control), len(varied)
+    n = len(control)
+    inner = len(varied)
     if name == "absolute":
         lower, upper = np.asarray(task.airspace.bounds.lower), np.asarray(task.airspace.bounds.upper)
         origin = control.copy()

@@ -127,7 +127,8 @@ def prove_heights(legs: Points, task: PathTask, stray: float = 0.0, spare: float
 
 
 def prove_ground(legs: Points, task: PathTask, stray: float = 0.0, spare: float = np.inf) -> Iterator[Check]:
-    airspace, limits = task.airspace, task.limits
+    airspace = task.airspace
+    limits = task.limits
     vertical = stray * (1 + airspace.terrain.steepness)
     heights: dict[float, Clearance] = {}
     for required, run, first_leg in _runs(legs, limits, stray):

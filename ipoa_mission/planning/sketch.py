@@ -12,7 +12,8 @@ from ipoa_mission.planning.problem import PreparedProblem, prepare
 from ipoa_mission.planning.proof import Proof, prove_curve
 from ipoa_mission.planning.spline import Spline
 
-FIRST_FINENESS, SECOND_FINENESS = 0.4, 0.7  # as shares of the planner's first one
+FIRST_FINENESS = 0.4  # as shares of the planner's first one
+SECOND_FINENESS = 0.7
 MAX_ROUTES = 4  # besides the straight one
 MAX_PROVED = 2  # before one is chosen
 CONTROL_POINTS = 24

@@ -39,7 +39,8 @@ def wind(way: Points, inner: int, problem: PreparedProblem, step: float) -> tupl
         else:
             pieces += climb
             loops.append(np.repeat((False, True, False), [len(piece) for piece in climb]))
-    guide, turning = np.vstack(pieces), np.concatenate(loops)
+    guide = np.vstack(pieces)
+    turning = np.concatenate(loops)
     guide[-1] = way[-1]
     legs = leg_lengths(guide)
     straight = max(float(legs[~turning].sum()), LOOPS.shortest_detour)

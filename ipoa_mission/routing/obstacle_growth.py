@@ -108,7 +108,8 @@ def _upright(air: Airspace, body: Obstacle, column: float, tower: float) -> Obst
 
 def _growth(spots: np.ndarray, numbers: list[int], missing: float, scenario: Scenario) -> Vector:
     """Return the growth (n,) that moves `spots` (k, 3) away from obstacles of these numbers by `missing` [m]."""
-    bodies, required = scenario.airspace.obstacles, scenario.limits.obstacle_distance
+    bodies = scenario.airspace.obstacles
+    required = scenario.limits.obstacle_distance
     number = {id(body): n for n, body in enumerate(bodies)}
     away = np.full(len(bodies), np.inf)
     for body, _, distance in scenario.airspace.near(spots, required + 4 * missing + 10.0):

@@ -196,7 +196,8 @@ class _RallySearch:
     def _sample(self, times: Vector) -> None:
         stopped = self._paths.stops().at(times)[1]
         height = self._paths.at(Contingency.RTL, times).paths[:, 0, 3, 2]
-        self._times, self._margins = times, _margins(self._paths, stopped, height, self._goals)
+        self._times = times
+        self._margins = _margins(self._paths, stopped, height, self._goals)
         self._away = np.linalg.norm(stopped[:, None, :2] - self._goals[None, :, :2], axis=2)
 
     def propose(self) -> tuple[Geodetic, ...] | None:
