@@ -5,11 +5,10 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import partial
-from typing import Literal
 
 from ipoa_mission.errors import MissionError
 from ipoa_mission.link import messages as m
-from ipoa_mission.link.dialogue import Ask, Cancelled, Dialogue, NoAnswer, Pause, SendOnce, Step, T, Tell, TimeUp, hear
+from ipoa_mission.link.dialogue import Ask, Dialogue, NoAnswer, Pause, SendOnce, Step, T, Tell, TimeUp, hear
 from ipoa_mission.link.item_run import ItemsRead, ItemsSent
 from ipoa_mission.link.mavftp import list_checksum
 from ipoa_mission.link.wire import item_of
@@ -43,16 +42,6 @@ def list_name(kind: int) -> str:
 
 def share_words(done: int, total: int, kind: int) -> str:
     return f"{done} of {count_words(total)} of the {list_name(kind)}"
-
-
-def cancelled(kind: int, left: Literal["old", "new", "either"]) -> Cancelled:
-    name = list_name(kind)
-    words = {
-        "old": f"cancelled: the vehicle keeps the {name} it had",
-        "new": f"cancelled too late: the vehicle holds the whole new {name}",
-        "either": f"cancelled: the vehicle holds a whole {name}, the old or the new one, and does not say which",
-    }[left]
-    return Cancelled(words, "clear it if it must not be flown" if left == "new" else None, list_on_vehicle=left)
 
 
 def event_number(name: str) -> int:

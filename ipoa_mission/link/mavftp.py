@@ -2,13 +2,16 @@
 
 import struct
 import zlib
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from enum import IntEnum
 
 from ipoa_mission.errors import MissionError
+from ipoa_mission.link import wire
 from ipoa_mission.link.dialogue import Ask, Dialogue, NoAnswer, Pause, SendOnce, hear
 from ipoa_mission.link.messages import FileTransfer, Message, MissionType
+from ipoa_mission.mission.item_words import count_words
+from ipoa_mission.mission.items import Item
 from ipoa_mission.progress import Progress, count, silent
 
 HEADER = struct.Struct("<HBBBBBBI")
@@ -82,6 +85,27 @@ LIST_FILES: Mapping[int, str] = {
     MissionType.FENCE: "@MISSION/fence.dat",
     MissionType.RALLY: "@MISSION/rally.dat",
 }
+#: ArduPilot's mission.dat: magic, list, options, first item, count; then MISSION_ITEM_INT payloads.
+LIST_HEADER = struct.Struct("<HHHHH")
+LIST_MAGIC = 0x763D
+
+
+def pack_mission(items: Sequence[Item], kind: int = MissionType.MISSION) -> bytes:
+    """Wire form: home first."""
+    records = [wire.item_payload(seq, item, kind, (1, 1)) for seq, item in enumerate(items)]
+    return LIST_HEADER.pack(LIST_MAGIC, kind, 0, 0, len(items)) + b"".join(records)
+
+
+def unpack_mission(data: bytes) -> tuple[Item, ...]:
+    if len(data) < LIST_HEADER.size or LIST_HEADER.unpack_from(data)[0] != LIST_MAGIC:
+        words = "expected ArduPilot's mission.dat, but it does not begin like one"
+        raise MissionError(words, code="wrong-format", place="mission file")
+    total = LIST_HEADER.unpack_from(data)[4]
+    size = wire.ITEM.layout.size
+    if len(data) != LIST_HEADER.size + total * size:
+        message = f"expected {count_words(total)}, but it has {len(data)} bytes"
+        raise MissionError(message, code="wrong-format", place="mission file")
+    return tuple(wire.item_of(data[at : at + size]) for at in range(LIST_HEADER.size, len(data), size))
 
 
 class FileRefused(MissionError):

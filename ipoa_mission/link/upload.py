@@ -1,16 +1,18 @@
-"""Upload a list until the vehicle provably holds it."""
+"""Upload a list, item by item or as ArduPilot's file, until the vehicle provably holds it."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
+from typing import Literal
 
 from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.errors import BadInput, MissionError
-from ipoa_mission.link import conversations
+from ipoa_mission.link import conversations, mavftp
 from ipoa_mission.link.conversations import list_name, share_words
 from ipoa_mission.link.dialogue import Cancelled, Dialogue, NoAnswer, Pause, SendOnce, Step, TimeUp, hear, wait
 from ipoa_mission.link.item_run import ItemsSent
 from ipoa_mission.link.messages import NO_MISSION, WARNING, Ack, Current, Message, MissionType, Request, Result
 from ipoa_mission.link.wire import item_of, item_payload, stored_part
+from ipoa_mission.mission.item_words import count_words
 from ipoa_mission.mission.items import Item
 from ipoa_mission.mission.stored_mission import Difference, compare, first_number
 from ipoa_mission.progress import Progress, count, silent
@@ -230,12 +232,22 @@ def _cancel(job: Upload, state: UploadState, progress: Progress) -> Dialogue[Non
         raise Cancelled(words, hint="it is whole and verified; clear it if it must not be flown", list_on_vehicle="new")
     yield from _refuse_requests(job.kind)
     if not state.may_be_whole:
-        raise conversations.cancelled(job.kind, "old")
+        raise cancelled(job.kind, "old")
     try:
         stored = yield from conversations.read_list(job.kind)
     except (conversations.MissionRefused, NoAnswer):
-        raise conversations.cancelled(job.kind, "either") from None
-    raise conversations.cancelled(job.kind, "new" if job.difference(stored) is None else "old")
+        raise cancelled(job.kind, "either") from None
+    raise cancelled(job.kind, "new" if job.difference(stored) is None else "old")
+
+
+def cancelled(kind: int, left: Literal["old", "new", "either"]) -> Cancelled:
+    name = list_name(kind)
+    words = {
+        "old": f"cancelled: the vehicle keeps the {name} it had",
+        "new": f"cancelled too late: the vehicle holds the whole new {name}",
+        "either": f"cancelled: the vehicle holds a whole {name}, the old or the new one, and does not say which",
+    }[left]
+    return Cancelled(words, "clear it if it must not be flown" if left == "new" else None, list_on_vehicle=left)
 
 
 def _store(job: Upload, state: UploadState, progress: Progress) -> Dialogue[None]:
@@ -318,3 +330,49 @@ def _verdict(reports: MissionReports) -> Dialogue[int]:
                     step = Pause(VERDICT_S if latest == NO_MISSION else REVISION_S)
                 state = latest
         heard = yield step
+
+
+def upload_by_file(job: Upload, progress: Progress = silent) -> Dialogue[int]:
+    """Return the checksum of the file as read back. Raise FileRefused if the vehicle keeps its old mission."""
+    total = len(job.items)
+    done = 0
+
+    def note(share: float, words: str) -> None:
+        nonlocal done
+        done = int(total * share)
+        count(progress, done, total)
+
+    try:
+        closing = yield from mavftp.write_file(mavftp.MISSION_FILE, mavftp.pack_mission(job.items, job.kind), note)
+    except (Cancelled, TimeUp) as aborted:  # an unclosed file is not taken
+        raise type(aborted)(
+            f"{aborted}: the vehicle keeps the mission it had",
+            hint=f"{done} of {count_words(total)} had been sent",
+            list_on_vehicle="old",
+        ) from None
+    try:
+        return (yield from _close_file(job, closing))
+    except TimeUp as late:
+        words = f"{late}: the vehicle holds a whole mission, the old or the new one"
+        raise TimeUp(words, list_on_vehicle="either") from None
+    except Cancelled:  # the file may have been taken
+        try:
+            yield from _close_file(job, closing)
+        except mavftp.FileRefused:
+            raise cancelled(job.kind, "old") from None
+        except (NoAnswer, TimeUp, ReadBackDiffers, conversations.KeepsChanging):
+            raise cancelled(job.kind, "either") from None
+        raise cancelled(job.kind, "new") from None
+
+
+def _close_file(job: Upload, closing: mavftp.FileMessage) -> Dialogue[int]:
+    yield from mavftp.ask_of_file(closing, f"take {mavftp.MISSION_FILE}")
+    for _ in range(conversations.READ_ATTEMPTS):
+        data = yield from mavftp.read_file(mavftp.MISSION_FILE)
+        difference = job.difference(mavftp.unpack_mission(data))
+        if difference is not None:
+            raise ReadBackDiffers(job.kind, difference)
+        checksum = None if job.numbers is None else (yield from mavftp.list_checksum(job.kind, job.numbers))
+        if checksum in (None, mavftp.file_checksum(data)):
+            return checksum or 0
+    raise conversations.KeepsChanging(job.kind)

@@ -38,10 +38,9 @@ from ipoa_mission.link.logbook import Logbook, Observer, watch
 from ipoa_mission.link.mavftp import FileRefused
 from ipoa_mission.link.mavutil_channel import expect_line, messages_from, payload_of
 from ipoa_mission.link.messages import AUTOPILOT_COMPONENT, AutopilotVersion, Heartbeat, Message, MissionType
-from ipoa_mission.link.mission_upload_file import upload_by_file
 from ipoa_mission.link.onboard_list import OnboardList, ReplacedSince, read_again
 from ipoa_mission.link.reconnect import RETRY_S, SILENT_S, KnownVehicle, LinkLoss
-from ipoa_mission.link.upload import ReadBackDiffers, Unflyable, Unplaced, Upload, upload
+from ipoa_mission.link.upload import ReadBackDiffers, Unflyable, Unplaced, Upload, upload, upload_by_file
 from ipoa_mission.link.vehicle_state import ModeWatch, NotReady, VehicleState
 from ipoa_mission.mission import stored_mission
 from ipoa_mission.mission.flight_record import FlightRecord

@@ -18,8 +18,7 @@ from ipoa_mission.errors import BadInput, MissionError, NothingThere
 from ipoa_mission.geometry import Vector
 from ipoa_mission.link import messages as m
 from ipoa_mission.link.codec import Codec
-from ipoa_mission.link.mavftp import MISSION_FILE, Opcode, unpack
-from ipoa_mission.link.mission_upload_file import unpack_mission
+from ipoa_mission.link.mavftp import MISSION_FILE, Opcode, unpack, unpack_mission
 from ipoa_mission.link.orders import parameter_value
 from ipoa_mission.link.tlog import LostFrames, read_tlog
 from ipoa_mission.logs.logged import Battery, Fixes, Held, Log, Measured, item_begun, presence, version_name

@@ -6,9 +6,17 @@ from dataclasses import dataclass, replace
 from ipoa_mission.errors import MissionError
 from ipoa_mission.link import mavftp
 from ipoa_mission.link.codec import Target
-from ipoa_mission.link.mavftp import LONGEST_DATA, FileError, FileMessage, Opcode, nak
+from ipoa_mission.link.mavftp import (
+    LIST_HEADER,
+    LONGEST_DATA,
+    FileError,
+    FileMessage,
+    Opcode,
+    nak,
+    pack_mission,
+    unpack_mission,
+)
 from ipoa_mission.link.messages import FileTransfer, MissionType
-from ipoa_mission.link.mission_upload_file import HEADER, pack_mission, unpack_mission
 from ipoa_mission.link.wire import ITEM
 from ipoa_mission.mission.items import Item
 
@@ -36,7 +44,7 @@ class FileService:
         replace: Callable[[tuple[Item, ...]], bool],
     ) -> None:
         self._offered, self._listed, self._replace = offered, listed, replace
-        self._longest = HEADER.size + most_items * ITEM.layout.size
+        self._longest = LIST_HEADER.size + most_items * ITEM.layout.size
         self._sessions: dict[Target, FileSession] = {}
 
     def answers(self, message: FileTransfer, client: Target) -> list[FileTransfer]:

@@ -20,8 +20,7 @@ from ipoa_mission.link.codec import EVERYONE, Target
 from ipoa_mission.link.conversations import clear, download, offer
 from ipoa_mission.link.dialogue import SPECIFIED, Dialogue, Exchange
 from ipoa_mission.link.messages import Ack, Current, Message, MissionType
-from ipoa_mission.link.mission_upload_file import upload_by_file
-from ipoa_mission.link.upload import Upload, upload
+from ipoa_mission.link.upload import Upload, upload, upload_by_file
 from ipoa_mission.mission.items import Item, Mission, return_to_launch, takeoff, waypoint
 from ipoa_mission.mission.stored_mission import compare, to_wire
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as Mock

@@ -10,7 +10,6 @@ from ipoa_mission.link.conversations import (
     MissionRefused,
     RequestStyle,
     VehicleTexts,
-    cancelled,
     clear,
     download,
     fetch,
@@ -32,7 +31,7 @@ from ipoa_mission.link.messages import (
     Result,
     Text,
 )
-from ipoa_mission.link.upload import ReadBackDiffers
+from ipoa_mission.link.upload import ReadBackDiffers, cancelled
 from ipoa_mission.mission.stored_mission import Difference
 from tests.link_pair import CLIENT, Air, Fate, Vehicle, items_of
 from tests.refused import refuses

@@ -23,14 +23,15 @@ from ipoa_mission.link.mavftp import (
     Opcode,
     file_checksum,
     list_checksum,
+    pack_mission,
     read_file,
     unpack,
+    unpack_mission,
     write_file,
 )
 from ipoa_mission.link.messages import CommandResult, FileTransfer, ItemAt, Message, MissionType
-from ipoa_mission.link.mission_upload_file import pack_mission, unpack_mission, upload_by_file
 from ipoa_mission.link.onboard_list import prove
-from ipoa_mission.link.upload import ReadBackDiffers, Replaced, Upload
+from ipoa_mission.link.upload import ReadBackDiffers, Replaced, Upload, upload_by_file
 from ipoa_mission.link.vehicle import ConnectionOptions, Vehicle
 from ipoa_mission.mission.items import Item
 from ipoa_mission.mission.stored_mission import compare

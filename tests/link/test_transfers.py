@@ -1,9 +1,8 @@
 import numpy as np
 import pytest
 
-from ipoa_mission.link.mavftp import MISSION_FILE, FileMessage, Opcode
+from ipoa_mission.link.mavftp import MISSION_FILE, FileMessage, Opcode, pack_mission
 from ipoa_mission.link.messages import Ack, ClearAll, Count, ItemAt, Message, MissionType, Result, WritePartialList
-from ipoa_mission.link.mission_upload_file import pack_mission
 from ipoa_mission.logs.telemetry_log import Items, Transfers, growing, unwrapped, vehicle_times
 from ipoa_mission.mission.items import Item
 

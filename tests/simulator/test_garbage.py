@@ -27,11 +27,10 @@ from ipoa_mission.link.conversations import clear, download, event_number
 from ipoa_mission.link.departure import Departure, depart, prepare
 from ipoa_mission.link.dialogue import SPECIFIED, Cancelled, Exchange, TimeUp
 from ipoa_mission.link.mavftp import FileMessage, Opcode, read_file
-from ipoa_mission.link.mission_upload_file import upload_by_file
 from ipoa_mission.link.orders import request_parameters, set_current
 from ipoa_mission.link.signing import Signer
 from ipoa_mission.link.tlog import TlogWriter, read_tlog
-from ipoa_mission.link.upload import Upload, upload
+from ipoa_mission.link.upload import Upload, upload, upload_by_file
 from ipoa_mission.link.vehicle_state import VehicleState
 from ipoa_mission.mission.items import Item
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as Mock
