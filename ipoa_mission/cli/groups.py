@@ -79,7 +79,7 @@ class FileOutput:
 
     def expect_plans(self, names: Iterable[str]) -> None:
         """Refuse to overwrite anything but unchanged earlier plans."""
-        from ipoa_mission.mission.written_files import not_as_written
+        from ipoa_mission.mission.mission_io import not_as_written
 
         paths = (path for name in names for path in not_as_written(self.folder, name, self.report))
         expect_free(paths, self.force, ask=not self.as_json)

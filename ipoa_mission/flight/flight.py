@@ -21,8 +21,8 @@ from ipoa_mission.forecast.flight_energy import Consumption
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.timing.estimate import COUNTED_TERMS, Estimate
 from ipoa_mission.mission.items import Mission
+from ipoa_mission.mission.mission_io import write_files, write_several
 from ipoa_mission.mission.waypoints_file import left_out
-from ipoa_mission.mission.written_files import write_files, write_several
 from ipoa_mission.planning.planner import Plan
 from ipoa_mission.planning.proof import Proof
 from ipoa_mission.progress import Progress, silent

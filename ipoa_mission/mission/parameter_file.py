@@ -1,4 +1,4 @@
-"""Parameter files: NAME,VALUE or NAME VALUE of ArduPilot, ids, NAME, VALUE, type of QGroundControl."""
+"""Read and write parameter files: NAME,VALUE or NAME VALUE of ArduPilot, ids, NAME, VALUE, type of QGroundControl."""
 
 import math
 import re
@@ -8,13 +8,14 @@ from typing import NamedTuple, TypeAlias
 
 from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.autopilot.known_parameters import firmware_of, known_names
-from ipoa_mission.autopilot.parameters import SINGLE_MAX, Parameters
+from ipoa_mission.autopilot.parameters import REAL32, SINGLE_MAX, Parameters
 from ipoa_mission.errors import BadInput
 from ipoa_mission.files import read_text
 from ipoa_mission.unread import Unread, gathered
 
 NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,15}", re.ASCII)  # of MAVLink's param_id
 NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)(e[-+]?\d+)?|[-+]?nan", re.ASCII | re.IGNORECASE)
+PARAMETERS_HEADER = "# Parameters of the vehicle that {} was made for"
 UNUSUAL_RATIO = 25.0  # ratio to the default that suggests another unit
 
 _Owner: TypeAlias = tuple[str, str]  # vehicle, component
@@ -45,6 +46,17 @@ def read_parameter_file(path: str | Path) -> ParameterFile:
 
 def parameter_path(path: Path) -> Path:
     return path.with_suffix(".params")
+
+
+def parameters_text(parameters: Parameters, autopilot: Autopilot, name: str) -> str:
+    """Return a file of QGroundControl, which requires the vehicle's own types; `name` is the mission's."""
+    lines = [PARAMETERS_HEADER.format(name), "# Vehicle-Id Component-Id Name Value Type"]
+    table = autopilot.parameter_table
+    kinds = {row.name: row.kind for row in (*table.set_up, *table.by_name.values())}
+    for parameter, value in parameters.items():
+        number = f"{value:.0f}" if value == int(value) else repr(float(value))
+        lines.append(f"1\t1\t{parameter}\t{number}\t{kinds.get(parameter, REAL32)}")
+    return "\n".join(lines) + "\n"
 
 
 def _in_force(rows: list[_Row], owner: _Owner | None) -> dict[str, _Row]:

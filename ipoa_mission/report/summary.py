@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from ipoa_mission.centimeters import ceil_cm, floor_cm
 from ipoa_mission.mission.landing_ground import landing_height
-from ipoa_mission.mission.written_files import LANDING_GROUND_KEY
+from ipoa_mission.mission.mission_io import LANDING_GROUND_KEY
 
 if TYPE_CHECKING:  # not for `check` and `estimate`
     from collections.abc import Iterable

@@ -18,8 +18,8 @@ from ipoa_mission.errors import BadInput, NothingThere
 from ipoa_mission.files import make_folder, write_together
 from ipoa_mission.geometry import Points
 from ipoa_mission.maps.map_reader import read_features
+from ipoa_mission.mission.mission_io import write_files, write_several
 from ipoa_mission.mission.waypoints_file import left_out
-from ipoa_mission.mission.written_files import write_files, write_several
 from ipoa_mission.progress import Progress, silent
 from ipoa_mission.report.summary import passed_over_as_json
 from ipoa_mission.routing.planned_returns import return_remarks

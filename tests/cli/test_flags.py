@@ -15,8 +15,7 @@ from ipoa_mission.files import MISSIONS as MISSION_SUFFIXES
 from ipoa_mission.files import read_text, write_together
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.mission.items import Mission
-from ipoa_mission.mission.mission_io import mission_text, read_mission, read_mission_file, write_mission
-from ipoa_mission.mission.written_files import not_as_written
+from ipoa_mission.mission.mission_io import mission_text, not_as_written, read_mission, read_mission_file, write_mission
 from ipoa_mission.report.exports import EXPORTS, forecast_text
 from ipoa_mission.scenario import read_scenario
 from tests.cli.conftest import Planned, Run

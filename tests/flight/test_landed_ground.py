@@ -6,9 +6,9 @@ from ipoa_mission.flight.post_flight import landed_elsewhere
 from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.mission.items import land, takeoff, waypoint
 from ipoa_mission.mission.landing_ground import known_ground, landing_height, landing_on
+from ipoa_mission.mission.mission_io import LANDING_GROUND_KEY, digest
 from ipoa_mission.mission.plan_file import plan_text
 from ipoa_mission.mission.waypoints_file import waypoints_text
-from ipoa_mission.mission.written_files import LANDING_GROUND_KEY, digest
 from tests.refused import refuses
 
 HOME = Geodetic(47.397742, 8.545594, 488.0)

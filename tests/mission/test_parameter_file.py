@@ -10,9 +10,8 @@ from ipoa_mission.autopilot.parameters import SINGLE_MAX
 from ipoa_mission.errors import BadInput
 from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.mission.items import Item, Mission, takeoff
-from ipoa_mission.mission.mission_io import read_mission, read_mission_file, write_mission
+from ipoa_mission.mission.mission_io import read_mission, read_mission_file, write_mission, write_several
 from ipoa_mission.mission.parameter_file import read_parameter_file
-from ipoa_mission.mission.written_files import write_several
 from tests.refused import refuses
 
 HOME = Geodetic(39.101, 121.82, 20.0)
