@@ -6,7 +6,7 @@ signature's timestamp unchecked.
 
 import re
 import struct
-from collections.abc import Iterator
+from collections.abc import Generator, Iterator
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -17,7 +17,8 @@ from ipoa_mission.link.definitions import DEFINITIONS, Definition, definition_of
 from ipoa_mission.link.messages import Message
 from ipoa_mission.link.signing import SIGNED, Signer
 
-MAGIC_1, MAGIC_2 = 0xFE, 0xFD
+MAGIC_1 = 0xFE
+MAGIC_2 = 0xFD
 HEADER_BYTES = 10
 SIGNATURE_BYTES = 13
 #: Start of a frame; of the MAVLink 2 flags only the signature's is known.
@@ -46,12 +47,12 @@ class Heard:
         return self.target.system in (0, system) and self.target.component in (0, component)
 
 
+@dataclass
 class Codec:
-    def __init__(self, system: int, component: int, signer: Signer | None = None) -> None:
-        self.system = system
-        self.component = component
-        self.signer = signer
-        self._sequence = 0
+    system: int
+    component: int
+    signer: Signer | None = None
+    _sequence: int = 0
 
     def encode(self, message: Message, target: Target, unix_s: float) -> bytes:
         name, fields = wire.write(message)
@@ -90,26 +91,20 @@ class Framer:
         if self.buffer and frame_at(data, 0):  # the rest of the buffered one is lost
             yield from frames(self.buffer)
             self.buffer = b""
-        self.buffer += data
-        at = 0
-        while (start := next_magic(self.buffer, at)) >= 0:
-            if not _frame_length(self.buffer, start):
-                self.buffer = self.buffer[start:]
-                return
-            frame = frame_at(self.buffer, start)
-            at = start + (len(frame) if frame else 1)
-            if frame:
-                yield frame
-        self.buffer = b""
+        self.buffer = yield from frames(self.buffer + data, more_follows=True)
 
 
-def frames(data: bytes) -> Iterator[bytes]:
-    at = 0
-    while (start := next_magic(data, at)) >= 0:
+def frames(data: bytes, more_follows: bool = False) -> Generator[bytes, None, bytes]:
+    """Yield good frames; return a begun one if `more_follows`."""
+    start = next_magic(data, 0)
+    while start >= 0:
+        if more_follows and not _frame_length(data, start):
+            return data[start:]
         frame = frame_at(data, start)
-        at = start + (len(frame) if frame else 1)
         if frame:
             yield frame
+        start = next_magic(data, start + (len(frame) if frame else 1))
+    return b""
 
 
 def frame_at(data: bytes, start: int) -> bytes | None:
@@ -123,10 +118,10 @@ def frame_at(data: bytes, start: int) -> bytes | None:
     return frame if is_whole else None
 
 
-def unknown_frame(data: bytes, start: int) -> int:
-    """Return the frame's length if its message is unknown, else 0."""
-    length = _frame_length(data, start)
-    return length if length and number_of(data[start : start + length]) not in DEFINITIONS else 0
+def unknown_frame(data: bytes, start: int) -> bytes | None:
+    """Return an unknown message's whole frame; its checksum cannot be verified."""
+    frame = data[start : start + _frame_length(data, start)]
+    return frame if frame and number_of(frame) not in DEFINITIONS else None
 
 
 def number_of(frame: bytes) -> int:

@@ -18,8 +18,8 @@ from ipoa_mission.link.tlog import read_tlog
 from ipoa_mission.link.vehicle import ConnectionOptions, Vehicle
 from ipoa_mission.link.vehicle_state import NotFlown
 
-#: For the first heartbeat, and for others after it [s].
-PRESENCE_S, OTHER_HEARTBEATS_S = 10.0, 1.2
+PRESENCE_S = 10.0  # for the first heartbeat
+OTHER_HEARTBEATS_S = 1.2  # for others after it
 
 
 def connect(

@@ -136,7 +136,8 @@ SPECIFIED = Patience()
 class Tempo:
     """A link's round trip by RFC 6298 with Karn's rule, with shorter waits than TCP's."""
 
-    FASTEST_S, SLOWEST_S = 0.05, 6.0
+    FASTEST_S = 0.05
+    SLOWEST_S = 6.0
     LONGEST_BACKOFF = 1.5
     SLOW_LINK_REPEATS = 5  # in a row: a slow link, not a lossy one
 
@@ -243,7 +244,8 @@ class Exchange(Generic[T]):
             self._acted_on = (Request(run.at, run.kind, run.is_legacy), run.sent_s)
 
     def outgoing(self) -> list[Message]:
-        messages, self._outbox = self._outbox, []
+        messages = self._outbox
+        self._outbox = []
         return messages
 
     def receive(self, message: Message, now: float) -> None:

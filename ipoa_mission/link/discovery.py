@@ -53,15 +53,16 @@ def versions_of(line: Line, systems: Iterable[int], seconds: float = VERSIONS_S)
 
 
 def autopilots_in(heard: Iterable[Heard]) -> dict[int, FoundVehicle]:
-    return {
-        received.system: FoundVehicle(
-            received.system, VehicleKind(beat.autopilot, beat.type), beat.armed, beat.system_status >= STANDBY
-        )
-        for received in heard
-        if isinstance(beat := received.message, Heartbeat)
-        and received.component == AUTOPILOT_COMPONENT
-        and beat.autopilot != MavAutopilot.INVALID
-    }
+    autopilots: dict[int, FoundVehicle] = {}
+    for received in heard:
+        beat = received.message
+        if received.component != AUTOPILOT_COMPONENT or not isinstance(beat, Heartbeat):
+            continue
+        if beat.autopilot != MavAutopilot.INVALID:
+            kind = VehicleKind(beat.autopilot, beat.type)
+            is_ready = beat.system_status >= STANDBY
+            autopilots[received.system] = FoundVehicle(received.system, kind, beat.armed, is_ready)
+    return autopilots
 
 
 def round_trips_in(heard: Iterable[Heard], now: float) -> dict[int, float]:

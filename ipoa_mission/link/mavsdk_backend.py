@@ -36,23 +36,21 @@ def connect(
     mavsdk = imported("mavsdk", "MAVSDK is not installed", "mavsdk", LinkDown)
     address = parse_address(url)
     instance = mavsdk.Mavsdk(mavsdk.Configuration.create_with_component_type(mavsdk.ComponentType.GROUND_STATION))
-    result = instance.add_any_connection(_mavsdk_url(address))
-    if result.name != "SUCCESS":
+    try:
+        result = instance.add_any_connection(_mavsdk_url(address))
+        if result.name != "SUCCESS":
+            raise LinkDown(f"cannot be opened: {result.name}", code="link-not-opened", place=address)
+        until = time.monotonic() + min(PRESENCE_S, options.patience.total_s)
+        while time.monotonic() < until:
+            for found in instance.get_systems():
+                if found.has_autopilot() and found.is_connected() and system in (None, found.get_system_id()):
+                    return MavsdkVehicle(instance, found, options)
+            time.sleep(POLL_S)
+        hint = "check that it is running, and sends to this address"
+        raise NoAnswer("no autopilot is heard", hint=hint, code="not-heard", place=url)
+    except MissionError:
         instance.destroy()
-        raise LinkDown(f"cannot be opened: {result.name}", code="link-not-opened", place=address)
-    until = time.monotonic() + min(PRESENCE_S, options.patience.total_s)
-    while time.monotonic() < until:
-        for candidate in instance.get_systems():
-            if candidate.has_autopilot() and candidate.is_connected() and system in (None, candidate.get_system_id()):
-                try:
-                    return MavsdkVehicle(instance, candidate, options)
-                except MissionError:
-                    instance.destroy()
-                    raise
-        time.sleep(POLL_S)
-    instance.destroy()
-    message = "no autopilot is heard"
-    raise NoAnswer(message, hint="check that it is running, and sends to this address", code="not-heard", place=url)
+        raise
 
 
 def borrow(system: Any, log: object = None) -> "MavsdkVehicle":

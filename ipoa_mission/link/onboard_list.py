@@ -65,11 +65,12 @@ class OnboardList:
     def _replacement(self, current: Current) -> str:
         if self.list_id and current.mission_id not in (0, self.list_id):
             return f"it has the id {current.mission_id}, and ours has {self.list_id}"
-        total, unknown = current.total, (0, 65535)
-        sent = len(self.job.items) - self.job.autopilot.counts_home
-        if total in unknown and current.mission_state == NO_MISSION:
+        total = current.total
+        is_unknown = total in (0, 65535)
+        if is_unknown and current.mission_state == NO_MISSION:
             return "there is none any more"
-        return f"it has {count_words(total)}, and ours has {sent}" if total not in (*unknown, sent) else ""
+        sent = len(self.job.items) - self.job.autopilot.counts_home
+        return "" if is_unknown or total == sent else f"it has {count_words(total)}, and ours has {sent}"
 
 
 class ReplacedSince(MissionError):
@@ -88,7 +89,8 @@ def prove(onboard_lists: Iterable[OnboardList], state: VehicleState) -> Dialogue
 
 
 def _is_named(onboard: OnboardList, state: VehicleState) -> Dialogue[bool]:
-    if (numbers := onboard.job.numbers) is not None:
+    numbers = onboard.job.numbers
+    if numbers is not None:
         try:
             yield from open_list(onboard.job.kind)  # refused while another station uploads
             return (yield from list_checksum(onboard.job.kind, numbers)) == onboard.list_id
@@ -121,7 +123,8 @@ def _read_again(job: Upload) -> Dialogue[int]:
         stored, checksum = yield from read_consistent(job.kind, job.numbers)
     except (MissionRefused, NoAnswer, KeepsChanging) as nothing:
         raise _unknown(job, nothing) from None
-    if (difference := job.difference(stored)) is not None:
+    difference = job.difference(stored)
+    if difference is not None:
         raise Replaced(job.kind, difference)
     return checksum
 

@@ -41,6 +41,7 @@ class KnownVehicle:
     clock_s: float
     about: AutopilotVersion | None
     onboard: OnboardList | None
+    patience: Patience
 
 
 class LinkLoss:
@@ -55,12 +56,7 @@ class LinkLoss:
         self._why = self._others = ""
 
     def end(
-        self,
-        lost: MissionError,
-        known: KnownVehicle,
-        patience: Patience,
-        report: Callable[[str], None],
-        until_s: float = math.inf,
+        self, lost: MissionError, known: KnownVehicle, report: Callable[[str], None], until_s: float = math.inf
     ) -> list[Message]:
         """Wait until the vehicle is identified; return its messages until then. Call `report` every second.
 
@@ -79,12 +75,14 @@ class LinkLoss:
         log.warning("%s; listening for %g s", self.words, GIVE_UP_S)
         try:
             with noted_interrupts() as interrupt:
-                while (messages := self._identified(known, patience, interrupt, report)) is None:
+                messages = self._identified(known, interrupt, report)
+                while messages is None:
                     if self._line.now() >= until_s:
                         raise TimeUp("the time is up")
                     if self._is_over:
                         words = _with(f"the link is lost for {GIVE_UP_S:g} s: ", self._why, self._others)
                         raise NoAnswer(words, code="link-lost")
+                    messages = self._identified(known, interrupt, report)
             words = "it is the same vehicle" + (", with the mission that was uploaded" if known.onboard else "")
             log.warning("the link is back after %.0f s: %s", self._line.now() - self._since_s, words)
             return messages
@@ -93,8 +91,9 @@ class LinkLoss:
             self.words = ""
 
     def _identified(
-        self, known: KnownVehicle, patience: Patience, interrupt: Interrupt, report: Callable[[str], None]
+        self, known: KnownVehicle, interrupt: Interrupt, report: Callable[[str], None]
     ) -> list[Message] | None:
+        """Return the vehicle's messages, None if it is not heard or does not answer; raise NotTheSameVehicle."""
         candidate = VehicleState(known.state.autopilot, known.state.kind)
         messages = list[Message]()
 
@@ -117,7 +116,7 @@ class LinkLoss:
                     elif autopilots_in([heard]):
                         self._others = f"vehicle {heard.system} is heard; nothing is sent to it"
             dialogue = observed(recognize(candidate, known), lambda heard: candidate.expect_flown())
-            converse(self._line, target, dialogue, Tempo(patience), Listening(note, self._ends_s, SILENT_S))
+            converse(self._line, target, dialogue, Tempo(known.patience), Listening(note, self._ends_s, SILENT_S))
             return messages
         except LinkDown as down:
             self._is_open = False

@@ -81,9 +81,9 @@ def read_tlog(path: str | Path, missing: LostFrames | None = None) -> Iterator[R
         known = frame_at(data, start)
         frame = known or _unknown_frame(data, start)
         if frame is None:
-            start = next((n for n in _beginnings(data, start + 1) if frame_at(data, n)), len(data) + STAMP_BYTES)
-            missing.torn_bytes += start - STAMP_BYTES - at
-            at = start - STAMP_BYTES
+            next_record = _next_record(data, start + 1)
+            missing.torn_bytes += next_record - at
+            at = next_record
             continue
         sender, number = numbered(frame)
         lost = (number - last.get(sender, number - 1) - 1) % 256
@@ -95,14 +95,19 @@ def read_tlog(path: str | Path, missing: LostFrames | None = None) -> Iterator[R
         at = start + len(frame)
 
 
-def _beginnings(data: bytes, at: int) -> Iterator[int]:
-    while (at := next_magic(data, at)) >= 0:
-        yield at
-        at += 1
+def _next_record(data: bytes, at: int) -> int:
+    """Return the index of the next record with a good frame, else the end."""
+    start = next_magic(data, at)
+    while start >= 0 and not frame_at(data, start):
+        start = next_magic(data, start + 1)
+    return len(data) if start < 0 else start - STAMP_BYTES
 
 
 def _unknown_frame(data: bytes, start: int) -> bytes | None:
     """Return an unknown message's frame before another record or the end."""
-    end = start + unknown_frame(data, start)
+    frame = unknown_frame(data, start)
+    if frame is None:
+        return None
+    end = start + len(frame)
     is_followed = end == len(data) or next_magic(data, end + STAMP_BYTES) == end + STAMP_BYTES
-    return data[start:end] if is_followed and end > start else None
+    return frame if is_followed else None

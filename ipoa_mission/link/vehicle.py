@@ -333,10 +333,10 @@ class Vehicle:
         logbook = self._logbook
         onboard = self._onboard_lists.get(MissionType.MISSION)
         proved = None if onboard is None or onboard.changed else onboard
-        known = KnownVehicle(self.system, self.state, logbook.clock_s, self._about, proved)
+        known = KnownVehicle(self.system, self.state, logbook.clock_s, self._about, proved, self._patience)
         self.order.cut(True)
         report = partial(count, progress, logbook.done, logbook.total, "item ")
-        messages = self.link_loss.end(lost, known, self._patience, report, self._until)
+        messages = self.link_loss.end(lost, known, report, self._until)
         self.order.cut(False)
         logbook.note_return()
         for message in sorted(messages, key=lambda message: isinstance(message, Heartbeat)):

@@ -74,7 +74,8 @@ class VehicleState:
             case m.Heartbeat():
                 self.kind = VehicleKind(message.autopilot, message.type)
                 self.booted = message.system_status >= m.STANDBY
-                self.armed, self.custom_mode = message.armed, message.custom_mode
+                self.armed = message.armed
+                self.custom_mode = message.custom_mode
             case m.ExtendedState(landed_state) if landed_state:
                 self.landed_state = landed_state
             case m.Position():

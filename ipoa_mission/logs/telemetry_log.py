@@ -116,7 +116,8 @@ def vehicle_times(stamps: Vector, clock_at: Vector, clock: Vector) -> Vector:
     """Return the vehicle's time at `stamps`, from `clock` at others, all increasing; without a clock the stamps."""
     if not len(clock):
         return stamps
-    first, last = clock_at[0], clock_at[-1]
+    first = clock_at[0]
+    last = clock_at[-1]
     begins = clock[0] + (stamps - first) * _pace(clock_at, clock, slice(None))
     ends = clock[-1] + (stamps - last) * _pace(clock_at, clock, slice(None, None, -1))
     between = np.interp(stamps, clock_at, clock)
@@ -124,7 +125,8 @@ def vehicle_times(stamps: Vector, clock_at: Vector, clock: Vector) -> Vector:
 
 
 def _pace(clock_at: Vector, clock: Vector, order: slice) -> float:
-    at, times = clock_at[order], clock[order]
+    at = clock_at[order]
+    times = clock[order]
     near = np.abs(at - at[0]) <= 2.0  # [s], the span that gives the rate
     span = at[near][-1] - at[0]
     if not span:

@@ -18,7 +18,8 @@ from ipoa_mission.geometry import Points
 from ipoa_mission.mission.items import ComplexItem, Item, camera_trigger, waypoint
 from ipoa_mission.mission.json_node import Node
 
-TRANSECTS, ITEMS = "TransectStyleComplexItem", "Items"
+TRANSECTS = "TransectStyleComplexItem"
+ITEMS = "Items"
 
 
 def complex_item(items: Sequence[Item], document: Any) -> ComplexItem:
@@ -85,13 +86,16 @@ def lay_out(node: Node) -> tuple[list[Item], float]:
     height = layer.length()
     if height <= 0:
         raise layer.wrong("more than 0 m, the height of a layer")
-    top, bottom = (node[name].length() for name in ("StructureHeight", "ScanBottomAlt"))
-    if not (ratio := (top - bottom) / height) <= MAX_LAYERS:
+    top = node["StructureHeight"].length()
+    bottom = node["ScanBottomAlt"].length()
+    ratio = (top - bottom) / height
+    if not ratio <= MAX_LAYERS:
         raise node["StructureHeight"].wrong(f"a structure of at most {MAX_LAYERS} layers")
     layers = max(math.ceil(ratio), 1)
     descends = node["StartFromTop"].flag()
     first = top - height / 2 if descends else bottom + height / 2
-    entrance, pitch = node["EntranceAltitude"].length(), node["GimbalPitch"].number("degrees")
+    entrance = node["EntranceAltitude"].length()
+    pitch = node["GimbalPitch"].number("degrees")
     spacing = camera["AdjustedFootprintSide"].length()
     places = _round(node["polygon"], camera["DistanceToSurface"].length())
     lateral_yaw = 90.0  # [deg], relative to the next waypoint
@@ -143,6 +147,7 @@ def _area(plane: Points) -> float:
 
 def _corner(corner: Points, into: Points, out: Points, distance: float) -> Points:
     """Return the corner of a clockwise polygon, its sides moved outwards by `distance` [m]."""
-    left, next_left = np.array([-into[1], into[0]]), np.array([-out[1], out[0]])
+    left = np.array([-into[1], into[0]])
+    next_left = np.array([-out[1], out[0]])
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.asarray(corner + distance * (left + next_left) / (1.0 + float(left @ next_left)))

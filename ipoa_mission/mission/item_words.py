@@ -44,7 +44,8 @@ def count_words(count: int, noun: str = "item") -> str:
 
 def name_items(seqs: Iterable[int]) -> str:
     """Return "items 3 to 5, 7" for 3, 4, 5 and 7."""
-    numbers, runs = sorted(set(seqs)), list[list[int]]()
+    numbers = sorted(set(seqs))
+    runs = list[list[int]]()
     for seq in numbers:
         if runs and seq == runs[-1][-1] + 1:
             runs[-1].append(seq)

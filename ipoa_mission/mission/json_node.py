@@ -90,8 +90,9 @@ class Node:
 
 def parse_document(path: Path, text: str) -> Node:
     try:
-        constant, pairs = partial(_reject_constant, path, text), partial(_unique, path)
-        return Node(str(path), "", json.loads(text, parse_constant=constant, object_pairs_hook=pairs))
+        reject_constant = partial(_reject_constant, path, text)
+        document = json.loads(text, parse_constant=reject_constant, object_pairs_hook=partial(_unique, path))
+        return Node(str(path), "", document)
     except json.JSONDecodeError as error:
         place = f"{path}: line {error.lineno}, column {error.colno}"
         raise WrongFormat(f"expected JSON: {error.msg}", hint=why_no_json(text, error.pos), place=place) from error

@@ -15,22 +15,27 @@ from ipoa_mission.mission.items import Mission
 def landing_height(mission: Mission) -> float | None:
     """Return height above home [m], if known."""
     known = mission.landing_ground
-    if known is None or (place := landing_place(mission)) is None:
+    place = landing_place(mission)
+    if known is None or place is None:
         return None
     away_m = math.dist(place, _local(mission, known.latitude_deg, known.longitude_deg))
     return known.altitude if away_m <= 0.1 else None
 
 
 def landing_ground_entry(mission: Mission) -> dict[str, float]:
-    if not (height := landing_height(mission)) or (there := landing_on(mission, height).landing_ground) is None:
+    height = landing_height(mission)
+    ground = landing_on(mission, height).landing_ground if height else None
+    if ground is None:
         return {}
-    return {"aboveHome": height, "latitude": round(there.latitude_deg, 9), "longitude": round(there.longitude_deg, 9)}
+    latitude = round(ground.latitude_deg, 9)
+    longitude = round(ground.longitude_deg, 9)
+    return {"aboveHome": ground.altitude, "latitude": latitude, "longitude": longitude}
 
 
 def known_ground(mission: Mission) -> Ground:
-    if (height := landing_height(mission)) is None or (place := landing_place(mission)) is None:
-        return LEVEL
-    return Ground(HighPlace(place, height))
+    height = landing_height(mission)
+    place = landing_place(mission)
+    return LEVEL if height is None or place is None else Ground(HighPlace(place, height))
 
 
 def landing_on(mission: Mission, height: float) -> Mission:

@@ -50,8 +50,9 @@ def read_mission(path: str | Path, autopilot: Autopilot | None = None) -> Missio
         True
     """
     file = read_mission_file(path, autopilot)
-    if wrong := [finding for finding in file.findings if finding.severity is Severity.ERROR]:
-        raise BadInput(wrong[0].message, hint=wrong[0].hint, code=wrong[0].code, place=path)
+    for finding in file.findings:
+        if finding.severity is Severity.ERROR:
+            raise BadInput(finding.message, hint=finding.hint, code=finding.code, place=path)
     return file.mission
 
 
@@ -82,7 +83,8 @@ def read_mission_file(
 def parse_mission(
     path: Path, text: str, autopilot: Autopilot | None = None, otherwise: Autopilot | None = None
 ) -> MissionFile:
-    parameters_file, record = parameter_path(path), mission_record(path, text)
+    parameters_file = parameter_path(path)
+    record = mission_record(path, text)
     listed = read_parameter_file(parameters_file) if parameters_file.is_file() else ParameterFile({})
     parameters = listed.parameters
     firmware = firmware_of(listed.parameters)
@@ -106,9 +108,11 @@ def parse_mission(
 
 def read_by_items(path: Path, file: MissionFile) -> MissionFile:
     """Choose the autopilot of a `.waypoints` file that names none by its items."""
-    if file.taken_for is None or (taker := only_taker(file.mission.items)) is None:
+    taker = None if file.taken_for is None else only_taker(file.mission.items)
+    if taker is None:
         return file
-    return replace(parse_mission(path, file.source, taker[0]), taken_for=taker[1])
+    autopilot, reason = taker
+    return replace(parse_mission(path, file.source, autopilot), taken_for=reason)
 
 
 def _parsed(path: Path, text: str, autopilot: Autopilot | None, named: Autopilot | None) -> MissionFile:
@@ -116,9 +120,9 @@ def _parsed(path: Path, text: str, autopilot: Autopilot | None, named: Autopilot
     if beginning.startswith("{") or (path.suffix.lower() == ".plan" and not beginning.startswith("QGC WPL")):
         return parse_plan(path, text, autopilot)
     if beginning.startswith("QGC WPL") or path.suffix.lower() == ".waypoints":
-        if (chosen := autopilot or named) is not None:
-            return parse_waypoints(path, text, chosen)
-        return replace(parse_waypoints(path, text, default_autopilot()), taken_for="")
+        chosen = autopilot or named
+        file = parse_waypoints(path, text, chosen or default_autopilot())
+        return replace(file, taken_for="") if chosen is None else file
     raise WrongFormat(f"expected a .plan file, or a .waypoints file that begins with {FIRST_LINE}", place=path)
 
 
@@ -165,10 +169,10 @@ def only_taker(items: Sequence[Item]) -> tuple[Autopilot, str] | None:
 def _reasons_against(items: Sequence[Item], autopilot: Autopilot) -> Iterator[str]:
     firmware = autopilot.firmware()
     for seq, item in enumerate(items, start=1):
-        at, placed = f"item {seq} ({item.name})", item.command in firmware.placed
+        at = f"item {seq} ({item.name})"
         if not firmware.takes(item.command):
             yield f"{at}: {firmware.name} does not take it"
-        elif placed and item.frame not in firmware.frames:
+        elif item.command in firmware.placed and item.frame not in firmware.frames:
             yield f"{at}: {firmware.name} does not take frame {item.frame}"
         elif item.is_takeoff and (item.latitude_deg, item.longitude_deg) == (0.0, 0.0):
             if not item.is_here(autopilot):
@@ -194,7 +198,8 @@ def write_several(
     pages: Mapping[Path, str] | None = None,
 ) -> tuple[Path, ...]:
     """Write the files of all missions, the pages and NAME.json of `about`, all or none."""
-    contents, digests = Contents(), dict[str, str]()
+    contents = Contents()
+    digests = dict[str, str]()
     for part, mission, about_part in missions:
         part_contents, part_digests = _mission_contents(mission, folder, part, about_part)
         contents |= part_contents

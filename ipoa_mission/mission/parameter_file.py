@@ -64,13 +64,14 @@ def _in_force(rows: list[_Row], owner: _Owner | None) -> dict[str, _Row]:
 
 
 def _row(text: str, line: int, place: str) -> _Row:
-    owner, whole = None, False
+    owner = None
+    is_whole = False
     match re.split(r"[,\s]+", text):
         case [name, value]:
             pass
         case [vehicle, component, name, value, kind] if (vehicle + component + kind).isdigit():
             owner = (vehicle, component)
-            whole = int(kind) not in (9, 10)  # MAV_PARAM_TYPE: floats
+            is_whole = int(kind) not in (9, 10)  # MAV_PARAM_TYPE: floats
             if not 1 <= int(kind) <= 10:
                 raise BadInput(f"expected a MAV_PARAM_TYPE from 1 to 10, not {kind}", place=f"{place}: {name}")
         case _:
@@ -83,7 +84,7 @@ def _row(text: str, line: int, place: str) -> _Row:
         raise BadInput(f"expected a number, not {value[:40]!r}", place=place)
     if abs(number) > SINGLE_MAX:
         raise BadInput(f"expected a number that fits in single precision, not {value[:40]!r}", place=place)
-    if whole and not number.is_integer():
+    if is_whole and not number.is_integer():
         raise BadInput(f"expected a whole number, as its type is, not {value[:40]!r}", place=place)
     return _Row(line, name.upper(), number, owner)
 
@@ -120,7 +121,8 @@ def _unread(file: str, text: str, rows: list[_Row], owner: _Owner | None) -> Ite
 def _doubtful(file: str, in_force: Mapping[str, _Row], autopilot: Autopilot) -> Iterator[Unread]:
     table = autopilot.parameter_table
     for name, (old, unit) in table.renamed.items():
-        newer, older = in_force.get(name), in_force.get(old)
+        newer = in_force.get(name)
+        older = in_force.get(old)
         if newer and older and not math.isclose(newer.value * unit, older.value, rel_tol=1e-5):
             yield Unread(file, f"old name next to {name}", f"line {older.line}: {old}", f"{older.value:g}")
         default = abs(table.moving.get(old, 0.0))

@@ -104,7 +104,8 @@ def _plan(mission: Mission) -> dict[str, Any]:
     }
     if mission.cruise_speed is not None:
         header |= {"cruiseSpeed": tidy(mission.cruise_speed), "hoverSpeed": tidy(mission.cruise_speed)}
-    circles, polygons = list[dict[str, Any]](), list[dict[str, Any]]()
+    circles = list[dict[str, Any]]()
+    polygons = list[dict[str, Any]]()
     for part in mission.fence:
         entry = {"inclusion": part.inclusion, "version": 1}
         if isinstance(part, FencePolygon):
@@ -259,7 +260,8 @@ def read_item(node: Node) -> ListedItem:
 
 def _check_altitude(node: Node, frame: int, param7: float) -> None:
     """QGroundControl flies `AltitudeMode` and `Altitude`."""
-    mode, altitude = node.given("AltitudeMode"), node.given("Altitude")
+    mode = node.given("AltitudeMode")
+    altitude = node.given("Altitude")
     if mode is not None and frame != Frame.MISSION:
         frame_of: dict[int, Frame] = {mode: frame for frame, mode in ALTITUDE_MODES.items()}
         frame_of[AltitudeMode.CALCULATED] = Frame.GLOBAL
@@ -288,13 +290,13 @@ def _fence(node: Node | None) -> tuple[FencePolygon | FenceCircle, ...]:
     if node.get("breachReturn"):
         node["breachReturn"].note("the return point is dropped")
     fence = list[FencePolygon | FenceCircle]()
-    for part in polygons.array() if (polygons := node.get("polygons")) else []:
+    for part in _parts(node.get("polygons")):
         vertices = [vertex.array(2, "numbers (latitude, longitude)") for vertex in part["polygon"].array()]
         if len(vertices) < 3:
             raise part["polygon"].wrong("three vertices or more")
         ring = tuple((latitude.degrees(), longitude.degrees()) for latitude, longitude in vertices)
         fence.append(FencePolygon(ring, part["inclusion"].flag()))
-    for part in circles.array() if (circles := node.get("circles")) else []:
+    for part in _parts(node.get("circles")):
         latitude, longitude = part["circle"]["center"].array(2, "numbers (latitude, longitude)")
         radius = part["circle"]["radius"]
         if radius.number("a radius in meters") <= 0:
@@ -304,11 +306,13 @@ def _fence(node: Node | None) -> tuple[FencePolygon | FenceCircle, ...]:
     return tuple(fence)
 
 
+def _parts(listed: Node | None) -> list[Node]:
+    return [] if listed is None else listed.array()
+
+
 def _rally(node: Node | None) -> tuple[Geodetic, ...]:
-    points = node.get("points") if node else None
-    if points is None:
-        return ()
-    nodes = [point.array(3, "numbers (latitude, longitude, altitude)") for point in points.array()]
+    points = _parts(node.get("points") if node else None)
+    nodes = [point.array(3, "numbers (latitude, longitude, altitude)") for point in points]
     return tuple(Geodetic(lat.degrees(), lon.degrees(), alt.number("an altitude in meters")) for lat, lon, alt in nodes)
 
 

@@ -10,7 +10,8 @@ from ipoa_mission.geodesy import Geodetic, apart
 from ipoa_mission.mission.items import FenceCircle, FencePolygon, Item, Mission, Numbered, numbered_items
 
 MAX_DISTANCE = 100_000.0  # from home [m]
-MAX_HEIGHT, MIN_HEIGHT = 10_000.0, -500.0  # above home [m]
+MIN_HEIGHT = -500.0  # above home [m]
+MAX_HEIGHT = 10_000.0  # above home [m]
 POSITION_OPTIONAL = {Command.NAV_TAKEOFF, Command.NAV_LAND, Command.NAV_PAYLOAD_PLACE}
 
 
@@ -107,7 +108,8 @@ def out_of_range(latitude_deg: float, longitude_deg: float) -> str | None:
 
 
 def _position(at: Numbered, mission: Mission) -> Iterator[Finding]:
-    item, model = at.item, mission.autopilot.model
+    item = at.item
+    model = mission.autopilot.model
     if wrong := out_of_range(item.latitude_deg, item.longitude_deg):
         yield at.error("position-out-of-range", wrong)
     elif item.command in FLOWN_TO and (item.latitude_deg, item.longitude_deg) == (0.0, 0.0):

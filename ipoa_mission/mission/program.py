@@ -65,7 +65,8 @@ def led_to(items: Sequence[Item], index: int, moving: frozenset[int]) -> Iterato
 def as_flown(mission: Mission) -> Mission:
     """Return the mission with a place and a height in each item that is flown to."""
     latitude, longitude = mission.home.latitude_deg, mission.home.longitude_deg
-    altitude, frame = 0.0, int(Frame.GLOBAL_RELATIVE_ALT)
+    altitude = 0.0
+    frame = int(Frame.GLOBAL_RELATIVE_ALT)
     items: list[Item] = []
     for item in mission.items:
         if item.is_as_high_as_now(mission.autopilot):
@@ -77,7 +78,8 @@ def as_flown(mission: Mission) -> Mission:
             latitude, longitude = item.latitude_deg, item.longitude_deg
         keeps_height = item.command == Command.NAV_LAND or item.frame == Frame.MISSION
         if item.command in FLOWN_TO and math.isfinite(item.altitude) and not keeps_height:
-            altitude, frame = item.altitude, plain_frame(item.frame)
+            altitude = item.altitude
+            frame = plain_frame(item.frame)
     return replace(mission, items=tuple(items))
 
 
@@ -133,7 +135,8 @@ class Program:
 
     @cached_property
     def places(self) -> Points:
-        items, home = self.items, self.frame.home
+        items = self.items
+        home = self.frame.home
         rows = [(item.latitude_deg, item.longitude_deg, item.height(home)) for item in items]
         latitude, longitude, up = np.array(rows).reshape(-1, 3).T
         flat = self.frame.to_local(latitude, longitude, np.full(len(items), home.altitude)).reshape(-1, 3)
@@ -205,7 +208,8 @@ class Program:
         at = self.after(index)
         while at is not None and not self.items[at].moves:
             if len(passed) == MAX_ACTIONS:
-                self.stuck_at, at = at, None
+                self.stuck_at = at
+                at = None
                 break
             passed.append(at)
             at = self.after(at)
@@ -220,10 +224,12 @@ class Program:
 
     def followed(self) -> tuple[Steps, dict[int, int]]:
         """Return passed items and the next one by step; and wrong next items."""
-        steps, elsewhere = Steps(), dict[int, int]()
+        steps = Steps()
+        elsewhere = dict[int, int]()
         at: int | None = -1
         while at is not None and len(steps) < 5_000:
-            if at >= 0 and (instead := self.mistaken(at)) is not None:
+            instead = self.mistaken(at) if at >= 0 else None
+            if instead is not None:
                 elsewhere.setdefault(at, instead)
             steps.append(self.advance(at))
             at = steps[-1][1]
@@ -241,10 +247,12 @@ class Program:
         return ahead if wrong else None
 
     def ahead(self, index: int) -> Iterator[int]:
+        next_index = self.after(index, taking=False)
         for _ in self.items:
-            if (next_index := self.after(index, taking=False)) is None:
+            if next_index is None:
                 return
-            yield (index := next_index)
+            yield next_index
+            next_index = self.after(next_index, taking=False)
 
     def onward(self, index: int) -> int | None:
         return onward(self.items, index, self.autopilot, self.ahead(index))

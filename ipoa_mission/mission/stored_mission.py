@@ -38,7 +38,8 @@ def from_wire(items: Sequence[Item], autopilot: Autopilot, home: Geodetic | None
     """
     firmware = autopilot.firmware()
     if firmware.home_is_item_0:
-        first, items = items[:1], items[1:]
+        first = items[:1]
+        items = items[1:]
         if home is None and first:
             home = Geodetic(first[0].latitude_deg, first[0].longitude_deg, first[0].altitude)
     if home is None:

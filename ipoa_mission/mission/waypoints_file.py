@@ -107,7 +107,8 @@ def _number(value: float, least_digits: int = 6) -> str:
 
 class _Line:
     def __init__(self, path: Path, number: int, fields: list[str]) -> None:
-        self.number, self.where = number, f"{path}: line {number}"
+        self.number = number
+        self.where = f"{path}: line {number}"
         if len(fields) != len(FIELDS):
             raise BadInput(f"expected {len(FIELDS)} fields, not {len(fields)}", place=self.where)
         self.fields = dict(zip(FIELDS, fields, strict=True))

@@ -98,7 +98,8 @@ class BuiltInAutopilot:
         self.transfers.tick(vehicle.now)
         vehicle.report_changes()
         for name in self._schedule.due(vehicle.now):
-            if (message := vehicle.message(name)) is not None:
+            message = vehicle.message(name)
+            if message is not None:
                 vehicle.send(message)
 
     def outgoing(self) -> list[tuple[m.Message, Target]]:
@@ -117,11 +118,12 @@ class BuiltInAutopilot:
         return self.transfers.deadline < math.inf or self.vehicle.will_stop_motors
 
     def _command(self, number: int, params: tuple[float, ...], source: Target) -> None:
-        vehicle, profile = self.vehicle, self.profile
-        earlier = vehicle.outbox
-        vehicle.outbox = []
+        vehicle = self.vehicle
+        profile = self.profile
+        before = len(vehicle.outbox)
         result = vehicle.execute(number, params)
-        caused, vehicle.outbox = vehicle.outbox, earlier
+        caused = vehicle.outbox[before:]
+        del vehicle.outbox[before:]
         asked = as_integer(params[0])
         requested = message_name(asked) if number == VehicleCommand.REQUEST_MESSAGE else OLD_REQUESTS.get(number)
         answer = vehicle.message(requested) if result == m.CommandResult.ACCEPTED and requested else None

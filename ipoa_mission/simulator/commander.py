@@ -21,10 +21,10 @@ class Commander(MockVehicle):
     _takeoff_altitude = math.nan  # PX4: AMSL [m]; NaN: from its parameter
 
     def execute(self, number: int, params: Sequence[float]) -> CommandResult:
-        profile, accepted, unsupported = self.profile, CommandResult.ACCEPTED, CommandResult.UNSUPPORTED
+        profile = self.profile
         match number:
             case _ if number in profile.unsupported:
-                return unsupported
+                return CommandResult.UNSUPPORTED
             case Command.NAV_RETURN_TO_LAUNCH:
                 return self.set_mode(profile.modes[FlightMode.RETURN])
             case Command.NAV_LAND:
@@ -38,7 +38,8 @@ class Commander(MockVehicle):
             case VehicleCommand.DO_REPOSITION:
                 return self._reposition(params)
             case VehicleCommand.DO_SET_MISSION_CURRENT:
-                return accepted if self.set_current(as_integer(params[0]), params[1] == 1.0) else CommandResult.DENIED
+                is_there = self.set_current(as_integer(params[0]), params[1] == 1.0)
+                return CommandResult.ACCEPTED if is_there else CommandResult.DENIED
             case VehicleCommand.PREFLIGHT_REBOOT_SHUTDOWN:
                 return self._reboot(params[0])
             case VehicleCommand.MISSION_START:
@@ -46,9 +47,10 @@ class Commander(MockVehicle):
             case Command.COMPONENT_ARM_DISARM:
                 return self._arm_or_disarm(params[0], forced=params[1] == FORCED)
             case VehicleCommand.RUN_PREARM_CHECKS:
-                if profile.reports_prearm and (reason := self.arming_refusal()):
+                reason = self.arming_refusal()
+                if profile.reports_prearm and reason:  # PX4 answers by events
                     self.send_text(CRITICAL, f"PreArm: {reason}")
-                return accepted  # PX4 answers by events
+                return CommandResult.ACCEPTED
             case VehicleCommand.REQUEST_MESSAGE:
                 return self._find_message(message_name(as_integer(params[0])))
             case (
@@ -59,21 +61,23 @@ class Commander(MockVehicle):
                 | VehicleCommand.SET_MESSAGE_INTERVAL
                 | VehicleCommand.REQUEST_AUTOPILOT_CAPABILITIES
             ):
-                return accepted
-        return unsupported
+                return CommandResult.ACCEPTED
+        return CommandResult.UNSUPPORTED
 
     def _find_message(self, name: str | None) -> CommandResult:
-        versions = {"AUTOPILOT_VERSION"} if self.profile.protocol is None else {"AUTOPILOT_VERSION", "PROTOCOL_VERSION"}
-        return CommandResult.ACCEPTED if name in KNOWN_MESSAGES | versions else self.profile.no_such_message
+        known = KNOWN_MESSAGES | {"AUTOPILOT_VERSION"}
+        if self.profile.protocol is not None:
+            known |= {"PROTOCOL_VERSION"}
+        return CommandResult.ACCEPTED if name in known else self.profile.no_such_message
 
     def _is_armed_on_ground(self) -> bool:
-        flight, items = self.flight, self.items
+        flight = self.flight
         if not (flight.armed and flight.on_ground):
             return False
         if flight.mode is FlightMode.HOLD:
             return True
-        is_at_item = self.profile.runs_on_ground and flight.current < len(items)
-        return is_at_item and items[flight.current].command == Command.NAV_DELAY
+        is_at_item = self.profile.runs_on_ground and flight.current < len(self.items)
+        return is_at_item and self.items[flight.current].command == Command.NAV_DELAY
 
     def _arm_or_disarm(self, order: float, forced: bool) -> CommandResult:
         if order not in (0.0, 1.0):
@@ -87,7 +91,8 @@ class Commander(MockVehicle):
             self._stop_motors(self.profile.arm_texts[1])
         if order == 0.0 or self.flight.armed:
             return CommandResult.ACCEPTED
-        if reason := self.arming_refusal():
+        reason = self.arming_refusal()
+        if reason:
             text = f"Arm: {reason}" if self.profile.reports_prearm else f"Arming denied: {reason}\t"
             self.send_text(CRITICAL, text)
             return refused
@@ -155,11 +160,12 @@ class Commander(MockVehicle):
             self._run()
             return
         self.send_text(INFO, "Executing Mission\t")
-        ahead = (item.altitude for item in self.items[self.flight.current :] if item.has_position)
-        if takes_off and (height := next(ahead, None)) is not None:
-            item = self.items[self.flight.current]
-            above = height - self.flight.home.altitude if item.frame in (Frame.GLOBAL, Frame.GLOBAL_INT) else height
-            self.send_text(INFO, f"Climb to {above:.1f} meters above home\t")
+        placed = [item for item in self.items[self.flight.current :] if item.has_position]
+        if takes_off and placed:
+            height = placed[0].altitude
+            if self.items[self.flight.current].frame in (Frame.GLOBAL, Frame.GLOBAL_INT):
+                height -= self.flight.home.altitude
+            self.send_text(INFO, f"Climb to {height:.1f} meters above home\t")
 
     def _start_mission(self, params: Sequence[float]) -> CommandResult:
         """Command 300: PX4 starts at the given item and arms by itself."""
@@ -319,7 +325,8 @@ class Commander(MockVehicle):
             return CommandResult.UNSUPPORTED
         if self.flight.armed:
             return CommandResult.FAILED
-        self.powered_s, self.idle_mode = self.now, self.profile.first_mode
+        self.powered_s = self.now
+        self.idle_mode = self.profile.first_mode
         self.mission_begun = self.mission_runs = False
         self.flight.rewind()
         return CommandResult.ACCEPTED

@@ -1,7 +1,7 @@
 """MAVFTP: ArduPilot's mission file, and the checksums of the lists."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 from ipoa_mission.errors import MissionError
 from ipoa_mission.link import mavftp
@@ -33,19 +33,15 @@ class FileSession:
     last: tuple[FileMessage, ...] = ()
 
 
+@dataclass
 class FileService:
     """`replace` returns False if it refuses a mission."""
 
-    def __init__(
-        self,
-        offered: bool,
-        most_items: int,
-        listed: Callable[[int], tuple[Item, ...]],
-        replace: Callable[[tuple[Item, ...]], bool],
-    ) -> None:
-        self._offered, self._listed, self._replace = offered, listed, replace
-        self._longest = LIST_HEADER.size + most_items * ITEM.layout.size
-        self._sessions: dict[Target, FileSession] = {}
+    is_offered: bool
+    most_items: int
+    listed: Callable[[int], tuple[Item, ...]]
+    replace: Callable[[tuple[Item, ...]], bool]
+    _sessions: dict[Target, FileSession] = field(default_factory=dict)
 
     def answers(self, message: FileTransfer, client: Target) -> list[FileTransfer]:
         question = mavftp.unpack(message)
@@ -73,7 +69,8 @@ class FileService:
                 return self._sum_up(question)
             case Opcode.WRITE_FILE if session.writing is not None:
                 end = question.offset + len(question.data)
-                if question.offset > len(session.writing) or end > self._longest:
+                longest = LIST_HEADER.size + self.most_items * ITEM.layout.size
+                if question.offset > len(session.writing) or end > longest:
                     return nak(question, FileError.FAIL)
                 session.writing[question.offset : end] = question.data
                 return _ack(question)
@@ -84,29 +81,30 @@ class FileService:
         return nak(question, FileError.UNKNOWN_COMMAND)
 
     def _open(self, question: FileMessage, session: FileSession) -> FileMessage:
-        if not self._offered or question.data.rstrip(b"\0") != mavftp.MISSION_FILE.encode():
+        if not self.is_offered or question.data.rstrip(b"\0") != mavftp.MISSION_FILE.encode():
             return nak(question, FileError.FILE_NOT_FOUND)
         if question.opcode == Opcode.CREATE_FILE:
             session.reading = None
             session.writing = bytearray()
             return _ack(question)
-        session.reading = pack_mission(self._listed(MissionType.MISSION))
+        session.reading = pack_mission(self.listed(MissionType.MISSION))
         session.writing = None
         return _ack(question, len(session.reading).to_bytes(4, "little"))
 
     def _sum_up(self, question: FileMessage) -> FileMessage:
         name = question.data.rstrip(b"\0")
         kind = next((kind for kind, path in mavftp.LIST_FILES.items() if path.encode() == name), None)
-        if not self._offered or kind is None:
+        if not self.is_offered or kind is None:
             return nak(question, FileError.FAIL)
-        return _ack(question, mavftp.file_checksum(pack_mission(self._listed(kind), kind)).to_bytes(4, "little"))
+        return _ack(question, mavftp.file_checksum(pack_mission(self.listed(kind), kind)).to_bytes(4, "little"))
 
     def _close(self, question: FileMessage, session: FileSession) -> FileMessage:
-        written, session.writing, session.reading = session.writing, None, None
+        written = session.writing
+        session.reading = session.writing = None
         if written is None:
             return _ack(question)
         try:
-            taken = self._replace(unpack_mission(bytes(written)))
+            taken = self.replace(unpack_mission(bytes(written)))
         except MissionError:
             taken = False
         return _ack(question) if taken else nak(question, FileError.FAIL)

@@ -25,23 +25,24 @@ KINDS = (m.MissionType.MISSION, m.MissionType.FENCE, m.MissionType.RALLY)
 MAX_READERS = 16
 
 
+@dataclass
 class Store:
     """`truncating`: drop the old items at a transfer's start; a failed one leaves a mixture."""
 
-    def __init__(self, profile: MockProfile, truncating: bool) -> None:
-        self._profile, self._truncating = profile, truncating
-        self.items: tuple[Item, ...] = ()
-        self.staged: tuple[Item, ...] = ()  # the list after a complete transfer
+    profile: MockProfile
+    truncating: bool
+    items: tuple[Item, ...] = ()
+    staged: tuple[Item, ...] = ()  # the list after a complete transfer
 
     def begin(self, count: int) -> None:
         self.staged = ()
-        if self._truncating:
+        if self.truncating:
             self.items = self.items[:count]
 
     def keep(self, seq: int, item: Item) -> None:
-        stored = as_stored((item,), self._profile.autopilot, self._profile.firmware.version)
+        stored = as_stored((item,), self.profile.autopilot, self.profile.firmware.version)
         self.staged = (*self.staged[:seq], *stored, *self.staged[seq + 1 :])
-        if self._truncating:
+        if self.truncating:
             self.items = (*self.staged[: seq + 1], *self.items[seq + 1 :])
 
     def put(self, items: tuple[Item, ...]) -> None:
@@ -78,7 +79,10 @@ class MissionService:
     ) -> None:
         self.booted = False
         self.stores = {kind: Store(profile, kind in profile.truncating) for kind in KINDS}
-        self._profile, self._home, self._say, self._changed = profile, home, say, changed
+        self._profile = profile
+        self._home = home
+        self._say = say
+        self._changed = changed
         self._nak_at = nak_at
         self._incoming: dict[int, Incoming] = {}
         self._readers: dict[tuple[Target, int], Exchange[int | None]] = {}
@@ -234,7 +238,8 @@ class MissionService:
             self._conclude(incoming, incoming.exchange.result)
 
     def _conclude(self, incoming: Incoming, result: int) -> None:
-        client, kind = incoming.client, incoming.kind
+        client = incoming.client
+        kind = incoming.kind
         store = self.stores[m.MissionType(kind)]
         if result == m.Result.ACCEPTED and kind == m.MissionType.FENCE:
             try:
@@ -289,12 +294,14 @@ class MissionService:
         return checksum_of(items) if items and self._profile.reports_list_id else 0
 
     def _read(self, message: m.Request, client: Target, now: float) -> None:
-        seq, kind = message.seq, message.kind
+        seq = message.seq
+        kind = message.kind
+        reader = self._readers.get((client, kind))
         if kind not in KINDS:
             return
         if self._slot(kind) in self._incoming:
             self._reply(self._profile.read_during_upload, kind, client)
-        elif reader := self._readers.get((client, kind)):
+        elif reader is not None:
             reader.receive(message, now)
             self._flush_reader((client, kind), reader)
         elif self._profile.reads_item_by_item:

@@ -37,8 +37,11 @@ class Server:
     ) -> None:
         if not 0.01 <= speedup <= 1000.0:
             raise BadInput(f"expected 0.01 to 1000, not {speedup}", place="speedup")
-        self._channel, self._station, self._speedup = channel, station, speedup
-        self._faults, self._seed = faults, seed
+        self._channel = channel
+        self._station = station
+        self._speedup = speedup
+        self._faults = faults
+        self._seed = seed
         self._real_s = channel.now()
         self._virtual_s = 0.0
         self._lost_s = 0.0

@@ -71,7 +71,9 @@ class MockVehicle:
         powered_s: float,
         nak_at: int | None,
     ) -> None:
-        self.profile, self.flight, self.parameters = profile, flight, parameters
+        self.profile = profile
+        self.flight = flight
+        self.parameters = parameters
         self.transfers = MissionService(profile, lambda: flight.home, self.send, self.load_list, nak_at)
         self.now = 0.0
         self.powered_s = powered_s
@@ -143,7 +145,9 @@ class MockVehicle:
 
     def message(self, name: str) -> Message | None:
         """Return a message to send now; None: not sent."""
-        profile, flight, now = self.profile, self.flight, self.now
+        profile = self.profile
+        flight = self.flight
+        now = self.now
         is_placed = self.age >= profile.start_up.origin_s
         place = flight.position
         east, north, up = map(float, flight.velocity)
@@ -209,7 +213,9 @@ class MockVehicle:
             self.send(reached)
 
     def _heartbeat(self) -> m.Heartbeat:
-        profile, armed, state = self.profile, self.flight.armed, MavState.STANDBY
+        profile = self.profile
+        armed = self.flight.armed
+        state = MavState.STANDBY
         if not self.transfers.booted:
             state = MavState.BOOT if profile.reports_prearm else MavState.UNINIT
         elif armed and not (profile.reports_prearm and self.flight.on_ground):
@@ -220,7 +226,8 @@ class MockVehicle:
         return m.Heartbeat(QUADROTOR, profile.autopilot.mav_autopilot, base_mode, self.mode, state)
 
     def current(self) -> m.Current:
-        profile, flight = self.profile, self.flight
+        profile = self.profile
+        flight = self.flight
         total = len(self.transfers.stores[MissionType.MISSION].items) - self.first_item
         if total <= 0:
             mode = 0 if self.first_item else MissionMode.SUSPENDED
@@ -252,7 +259,8 @@ class MockVehicle:
 
     def report_changes(self) -> None:
         """Send what this firmware does not leave to its streams."""
-        profile, flight = self.profile, self.flight
+        profile = self.profile
+        flight = self.flight
         if len(flight.reached) < self._reported_count:
             self._reported_count = 0
         done = flight.reached[self._reported_count :]

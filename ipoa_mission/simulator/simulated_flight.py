@@ -32,8 +32,11 @@ class SimulatedFlight(Situation):
         self, autopilot: Autopilot, home: Geodetic, parameters: Parameters, conditions: Conditions = STANDARD_CONDITIONS
     ) -> None:
         """`parameters` are read again at each arming."""
-        self.autopilot, self.home, self.frame = autopilot, home, LocalFrame(home)
-        self._parameters, self.conditions = parameters, conditions
+        self.autopilot = autopilot
+        self.home = home
+        self.frame = LocalFrame(home)
+        self.conditions = conditions
+        self._parameters = parameters
         super().__init__(self._program(()))
         self._body = SimulatedVehicle(conditions)
         self._chance = random.Random(conditions.seed)
@@ -44,8 +47,8 @@ class SimulatedFlight(Situation):
         return self.autopilot.part(MockProfile).controller(self._body, self, self.parameters, self._chance)
 
     def _program(self, items: tuple[Item, ...]) -> Program:
-        first, version = self.autopilot.guidance.first_item, self.conditions.version
-        return Program(items, self.frame, self.autopilot, first=first, version=version)
+        first = self.autopilot.guidance.first_item
+        return Program(items, self.frame, self.autopilot, first=first, version=self.conditions.version)
 
     @property
     def parameters(self) -> Parameters:
@@ -79,7 +82,8 @@ class SimulatedFlight(Situation):
     @property
     def attitude(self) -> tuple[float, float, float]:
         """Return roll (right side down), pitch (nose up), yaw (clockwise from north) [rad]."""
-        (east, north), yaw = self._body.tilt_accel, self._body.yaw
+        east, north = self._body.tilt_accel
+        yaw = self._body.yaw
         forward = east * math.sin(yaw) + north * math.cos(yaw)
         right = east * math.cos(yaw) - north * math.sin(yaw)
         return math.atan2(right, GRAVITY), -math.atan2(forward, GRAVITY), yaw

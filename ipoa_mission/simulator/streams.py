@@ -21,7 +21,8 @@ class Schedule:
 
     def __init__(self, usual: Mapping[str, float], fixed: Set[str]) -> None:
         """`usual`: default intervals [s]; `fixed`: streams of constant interval."""
-        self._usual, self._fixed = usual, fixed
+        self._usual = usual
+        self._fixed = fixed
         self._wishes: dict[Target, dict[str, float]] = {}
         self._intervals = dict(usual)
         self._due = dict.fromkeys(usual, 0.0)

@@ -60,7 +60,7 @@ def test_the_users_time_ends_the_waiting_for_a_lost_link(monkeypatch: pytest.Mon
     monkeypatch.setattr(LinkLoss, "_report_loss", lambda self, report: None)
     monkeypatch.setattr(LinkLoss, "_identified", lambda self, *known: None)
     with pytest.raises(TimeUp):
-        link_loss.end(NoAnswer("silence"), None, None, print, until_s=5.0)
+        link_loss.end(NoAnswer("silence"), None, print, until_s=5.0)
 
 
 def conformance(in_air: bool, mode: int, under_way: bool = False) -> Any:
