@@ -3,7 +3,7 @@
 import logging
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Protocol
 
 from ipoa_mission.autopilot.commands import Command, VehicleCommand
@@ -64,19 +64,19 @@ class _Step:
     due_s: float = -math.inf
 
 
+@dataclass
 class FlightOrder:
     """Repeat an order until the vehicle obeys or refuses.
 
     `words`: why it does not obey. Nothing is ordered while the link is lost: the state at the reconnect is unknown.
     """
 
-    def __init__(self, state: VehicleState, now: Callable[[], float]) -> None:
-        self.words = ""
-        self.is_paused = False
-        self._state = state
-        self._now = now
-        self._is_cut = False
-        self._steps: list[_Step] = []
+    state: VehicleState
+    now: Callable[[], float]
+    words: str = ""
+    is_paused: bool = False
+    _is_cut: bool = False
+    _steps: list[_Step] = field(default_factory=list)
 
     def give(self, mode: int) -> None:
         self._take(self._change(mode))
@@ -84,22 +84,22 @@ class FlightOrder:
     def hold(self) -> None:
         if self.is_paused or any(step.pauses for step in self._steps):
             return  # a second pause would be refused
-        autopilot = self._state.autopilot
+        autopilot = self.state.autopilot
         brake = self._change(autopilot.modes.hold)
-        if autopilot.protocol_profile.pauses_in_mission and self._state.custom_mode == autopilot.modes.mission:
+        if autopilot.protocol_profile.pauses_in_mission and self.state.custom_mode == autopilot.modes.mission:
             self._take(_Step("pause", order(Command.DO_PAUSE_CONTINUE, 0.0), pauses=True, otherwise=brake))
         else:
             self._take(brake)
 
     def go_on(self) -> None:
-        steps = [self._change(self._state.autopilot.modes.mission)]
+        steps = [self._change(self.state.autopilot.modes.mission)]
         if self.is_paused:
             steps.append(_Step("go on", order(Command.DO_PAUSE_CONTINUE, 1.0)))
         self._take(*steps)
 
     @property
     def is_held(self) -> bool:
-        return self.is_paused or self._state.custom_mode == self._state.autopilot.modes.hold
+        return self.is_paused or self.state.custom_mode == self.state.autopilot.modes.hold
 
     @property
     def is_under_way(self) -> bool:
@@ -112,7 +112,7 @@ class FlightOrder:
             self._steps.clear()
 
     def observe(self, heard: Message, now_s: float) -> Dialogue[None]:
-        state = self._state
+        state = self.state
         self.is_paused = self.is_paused and state.custom_mode == state.autopilot.modes.mission
         if not state.armed:
             self._steps.clear()
@@ -121,14 +121,14 @@ class FlightOrder:
             if not self._steps:
                 return
             state.expect_flown()
-            if self._now() >= self._steps[0].due_s:
+            if self.now() >= self._steps[0].due_s:
                 if self._steps[0].times_sent == ORDER_REPEATS:
                     name = self._steps[0].name
                     words = f"{name} was ordered {ORDER_REPEATS} times, and the vehicle does not show it"
                     self._refused(NotReady(words, code="mode-not-shown"))
                 step = self._steps[0]
                 step.times_sent += 1
-                step.due_s = self._now() + 1.0
+                step.due_s = self.now() + 1.0
                 yield SendOnce(step.message)
         except (NotFlown, NotReady, CommandRefused) as reason:
             self.words = str(reason)
@@ -136,7 +136,7 @@ class FlightOrder:
             log.warning("%s", reason)
 
     def _change(self, mode: int) -> _Step:
-        autopilot = self._state.autopilot
+        autopilot = self.state.autopilot
         return _Step(autopilot.modes.name(mode), mode_order(mode, autopilot), mode)
 
     def _take(self, *steps: _Step) -> None:
@@ -147,7 +147,7 @@ class FlightOrder:
             self._steps.clear()
 
     def _hear(self, heard: Message) -> None:
-        while self._steps and self._steps[0].mode is not None and self._steps[0].mode == self._state.custom_mode:
+        while self._steps and self._steps[0].mode is not None and self._steps[0].mode == self.state.custom_mode:
             self._take(*self._steps[1:])
         if not self._steps or not self._steps[0].times_sent:
             return  # an answer to somebody else's order
@@ -214,20 +214,20 @@ class Monitor(Protocol):
     def see(self, time: float, place: "Vector", item: int | None) -> Deviation | None: ...
 
 
+@dataclass
 class Conformance:
     """React to deviations of one vehicle's flight; `report` gets each, with its time from the arming [s]."""
 
-    def __init__(self, state: VehicleState, order: FlightOrder) -> None:
-        self.on_deviation = OnDeviation.HOLD
-        self.report: Callable[[Deviation], None] = lambda deviation: None
-        self.ends_held = True  # watching ends when a deviation holds the vehicle
-        self.deviations: list[Deviation] = []
-        self._state = state
-        self._order = order
-        self._monitor: Monitor | None = None
-        self._logbook: Logbook | None = None
-        self._seen_s = -math.inf
-        self._is_ordered = False
+    state: VehicleState
+    order: FlightOrder
+    on_deviation: OnDeviation = OnDeviation.HOLD
+    report: Callable[[Deviation], None] = lambda deviation: None
+    ends_held: bool = True  # watching ends when a deviation holds the vehicle
+    deviations: list[Deviation] = field(default_factory=list)
+    _monitor: Monitor | None = None
+    _logbook: Logbook | None = None
+    _seen_s: float = -math.inf
+    _is_ordered: bool = False
 
     def compare(self, monitor: "Monitor | None") -> None:
         self._monitor = monitor
@@ -241,7 +241,7 @@ class Conformance:
 
     @property
     def is_held(self) -> bool:
-        return self._is_ordered and self.on_deviation is OnDeviation.HOLD and self._order.is_held
+        return self._is_ordered and self.on_deviation is OnDeviation.HOLD and self.order.is_held
 
     @property
     def is_over(self) -> bool:
@@ -260,13 +260,13 @@ class Conformance:
         if self._monitor is None or not isinstance(heard, Position) or heard.time_s - self._seen_s < 0.2:
             return
         self._seen_s = heard.time_s
-        if not self._state.in_air:
+        if not self.state.in_air:
             return
-        in_mission = self._state.custom_mode == self._state.autopilot.modes.mission
-        if self._order.is_paused or not (in_mission or self._returns_at_its_end):
+        in_mission = self.state.custom_mode == self.state.autopilot.modes.mission
+        if self.order.is_paused or not (in_mission or self._returns_at_its_end):
             self._monitor.interrupt()
             return
-        if self._is_ordered and self._order.is_under_way:
+        if self._is_ordered and self.order.is_under_way:
             return  # ignore deviations until the vehicle obeys
         if in_mission:
             self._is_ordered = False  # refused, or the mission was resumed
@@ -278,7 +278,7 @@ class Conformance:
     @property
     def _returns_at_its_end(self) -> bool:
         logbook = self._logbook
-        if logbook is None or self._state.custom_mode not in logbook.modes & self._state.autopilot.modes.returns:
+        if logbook is None or self.state.custom_mode not in logbook.modes & self.state.autopilot.modes.returns:
             return False
         return logbook.is_flown or logbook.done >= logbook.total - 1
 
@@ -286,8 +286,8 @@ class Conformance:
     def _item(self) -> int | None:
         if self._logbook is not None and self._returns_at_its_end:
             return self._logbook.total - 1
-        current = self._state.current
-        return None if current is None else current.seq - self._state.autopilot.counts_home
+        current = self.state.current
+        return None if current is None else current.seq - self.state.autopilot.counts_home
 
     def _react(self, deviation: Deviation) -> None:
         armed_s = 0.0 if self._logbook is None else self._logbook.armed_s
@@ -300,6 +300,6 @@ class Conformance:
             return
         self._is_ordered = True
         if self.on_deviation is OnDeviation.HOLD:
-            self._order.hold()
+            self.order.hold()
         else:
-            self._order.give(self._state.autopilot.modes.returning)
+            self.order.give(self.state.autopilot.modes.returning)

@@ -44,16 +44,21 @@ class KnownVehicle:
     patience: Patience
 
 
+@dataclass
 class LinkLoss:
     """`seconds`: its duration so far, None without a loss. `meanwhile`: what the vehicle does alone."""
 
-    def __init__(self, line: Carrier) -> None:
-        self.seconds: float | None = None
-        self.words = self.meanwhile = ""
-        self._line = line
-        self._is_open = True
-        self._since_s = self._ends_s = self._reported_s = self._reopens_s = 0.0
-        self._why = self._others = ""
+    line: Carrier
+    seconds: float | None = None
+    words: str = ""
+    meanwhile: str = ""
+    _is_open: bool = True
+    _since_s: float = 0.0
+    _ends_s: float = 0.0
+    _reported_s: float = 0.0
+    _reopens_s: float = 0.0
+    _why: str = ""
+    _others: str = ""
 
     def end(
         self, lost: MissionError, known: KnownVehicle, report: Callable[[str], None], until_s: float = math.inf
@@ -63,9 +68,9 @@ class LinkLoss:
         Raise LinkDown (no link), NotTheSameVehicle, OtherKind, NoAnswer (after `GIVE_UP_S`) or TimeUp (at `until_s`).
         """
         self._is_open = not isinstance(lost, LinkDown)
-        if not (self._is_open or self._line.reopens):
+        if not (self._is_open or self.line.reopens):
             raise lost
-        self._reopens_s = self._line.now()
+        self._reopens_s = self.line.now()
         self._since_s = self._reopens_s - SILENT_S * self._is_open
         self._ends_s = min(self._since_s + GIVE_UP_S, until_s)
         self._reported_s = -RETRY_S
@@ -77,14 +82,14 @@ class LinkLoss:
             with noted_interrupts() as interrupt:
                 messages = self._identified(known, interrupt, report)
                 while messages is None:
-                    if self._line.now() >= until_s:
+                    if self.line.now() >= until_s:
                         raise TimeUp("the time is up")
                     if self._is_over:
                         words = _with(f"the link is lost for {GIVE_UP_S:g} s: ", self._why, self._others)
                         raise NoAnswer(words, code="link-lost")
                     messages = self._identified(known, interrupt, report)
             words = "it is the same vehicle" + (", with the mission that was uploaded" if known.onboard else "")
-            log.warning("the link is back after %.0f s: %s", self._line.now() - self._since_s, words)
+            log.warning("the link is back after %.0f s: %s", self.line.now() - self._since_s, words)
             return messages
         finally:
             self.seconds = None
@@ -116,36 +121,36 @@ class LinkLoss:
                     elif autopilots_in([heard]):
                         self._others = f"vehicle {heard.system} is heard; nothing is sent to it"
             dialogue = observed(recognize(candidate, known), lambda heard: candidate.expect_flown())
-            converse(self._line, target, dialogue, Tempo(known.patience), Listening(note, self._ends_s, SILENT_S))
+            converse(self.line, target, dialogue, Tempo(known.patience), Listening(note, self._ends_s, SILENT_S))
             return messages
         except LinkDown as down:
             self._is_open = False
-            self._reopens_s = self._line.now() + RETRY_S
+            self._reopens_s = self.line.now() + RETRY_S
             self._why = str(down)
         except (NoAnswer, NotReady, Silence) as unknown:
             self._why = f"it was heard, but {unknown}"
         except TimeUp:
             return None
         except (IdentityChanged, Replaced) as other:
-            raise NotTheSameVehicle(known.system, self._line.now() - self._since_s, str(other)) from None
+            raise NotTheSameVehicle(known.system, self.line.now() - self._since_s, str(other)) from None
         return None
 
     def _receive(self) -> list[Heard]:
-        now = self._line.now()
+        now = self.line.now()
         if not self._is_open:
             if now < self._reopens_s:
                 time.sleep(NOTICE_S)
                 return []
-            self._line.reopen()
+            self.line.reopen()
             self._is_open = True
-        return self._line.receive(now + NOTICE_S)
+        return self.line.receive(now + NOTICE_S)
 
     @property
     def _is_over(self) -> bool:
-        return self._line.now() >= self._ends_s
+        return self.line.now() >= self._ends_s
 
     def _report_loss(self, report: Callable[[str], None]) -> None:
-        now = self._line.now()
+        now = self.line.now()
         self.seconds = now - self._since_s
         if now - self._reported_s >= RETRY_S:
             self._reported_s = now

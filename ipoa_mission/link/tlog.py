@@ -41,12 +41,6 @@ class TlogWriter:
     def close(self) -> None:
         self._file.close()
 
-    def __enter__(self) -> "TlogWriter":
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.close()
-
 
 @dataclass(frozen=True)
 class Record:

@@ -3,7 +3,7 @@
 import math
 import zlib
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from typing import Any
 
@@ -66,27 +66,22 @@ class Incoming:
     exchange: Exchange[int]
 
 
+@dataclass
 class MissionService:
-    """`say` sends a message, `changed` gets each replaced list."""
+    """`say` sends a message, `changed` gets each replaced list, `nak_at` is an item that is refused."""
 
-    def __init__(
-        self,
-        profile: MockProfile,
-        home: Callable[[], Geodetic],
-        say: Callable[[m.Message, Target], None],
-        changed: Callable[[int], None],
-        nak_at: int | None = None,
-    ) -> None:
-        self.booted = False
-        self.stores = {kind: Store(profile, kind in profile.truncating) for kind in KINDS}
-        self._profile = profile
-        self._home = home
-        self._say = say
-        self._changed = changed
-        self._nak_at = nak_at
-        self._incoming: dict[int, Incoming] = {}
-        self._readers: dict[tuple[Target, int], Exchange[int | None]] = {}
-        self._last_done: tuple[Target, int, int] | None = None
+    profile: MockProfile
+    home: Callable[[], Geodetic]
+    say: Callable[[m.Message, Target], None]
+    changed: Callable[[int], None]
+    nak_at: int | None = None
+    booted: bool = False
+    _incoming: dict[int, Incoming] = field(default_factory=dict)
+    _readers: dict[tuple[Target, int], Exchange[int | None]] = field(default_factory=dict)
+    _last_done: tuple[Target, int, int] | None = None
+
+    def __post_init__(self) -> None:
+        self.stores = {kind: Store(self.profile, kind in self.profile.truncating) for kind in KINDS}
 
     def receive(self, message: m.Message, client: Target, now: float) -> bool:
         """Return whether a message belongs to the mission protocol."""
@@ -131,23 +126,23 @@ class MissionService:
 
     def listed(self, kind: int) -> tuple[Item, ...]:
         items = self.stores[m.MissionType(kind)].items
-        if kind == m.MissionType.MISSION and self._profile.autopilot.counts_home and items:
-            return (home_item(self._home()), *items[1:])
+        if kind == m.MissionType.MISSION and self.profile.autopilot.counts_home and items:
+            return (home_item(self.home()), *items[1:])
         return items
 
     def replace(self, items: tuple[Item, ...]) -> bool:
         """Return False if an item is refused."""
         kind = m.MissionType.MISSION
-        if not self.booted or self._slot(kind) in self._incoming or len(items) > self._profile.limits[kind]:
+        if not self.booted or self._slot(kind) in self._incoming or len(items) > self.profile.limits[kind]:
             return False
         if any(self._judge(item, kind, len(items)) != m.Result.ACCEPTED for item in items):
             return False
         self.stores[kind].put(items)
-        self._changed(kind)
+        self.changed(kind)
         return True
 
     def _begin(self, count: int, kind: int, client: Target, now: float) -> None:
-        profile = self._profile
+        profile = self.profile
         busy = self._incoming.get(self._slot(kind))
         if kind not in KINDS:
             return self._ack(m.Result.UNSUPPORTED, kind, client)
@@ -164,38 +159,38 @@ class MissionService:
         limit = profile.limits[kind]
         if count > limit:
             self._ack(m.Result.NO_SPACE, kind, client)
-            return self._say(m.Text(m.WARNING, f"Only {limit} items are supported"), client)
+            return self.say(m.Text(m.WARNING, f"Only {limit} items are supported"), client)
         self._incoming.pop(self._slot(kind), None)
         store = self.stores[m.MissionType(kind)]
         store.begin(count)
         if count == 0:
             self._ack(m.Result.ACCEPTED, kind, client)
             store.put(())
-            return self._changed(kind)
+            return self.changed(kind)
         return self._open(range(count), kind, client, now)
 
     def _begin_partial(self, message: m.WritePartialList, client: Target, now: float) -> None:
         first, last, kind = message.start_index, message.end_index, message.kind
-        if not self._profile.partial_lists or kind not in KINDS:
+        if not self.profile.partial_lists or kind not in KINDS:
             return
         store = self.stores[m.MissionType(kind)]
         if self._slot(kind) in self._incoming:
             self._ack(m.Result.DENIED, kind, client)
         elif not 0 <= first <= last < len(store.items):
             self._ack(m.Result.ERROR, kind, client)
-            self._say(m.Text(m.WARNING, "Flight plan update rejected"), client)
+            self.say(m.Text(m.WARNING, "Flight plan update rejected"), client)
         else:
             store.staged = store.items
             self._open(range(first, last + 1), kind, client, now)
 
     def _open(self, seqs: range, kind: int, client: Target, now: float) -> None:
-        profile = self._profile
+        profile = self.profile
         store = self.stores[m.MissionType(kind)]
 
         def take(seq: int, heard: Item | bytes) -> int:
             item = item_of(heard)
             count = max(seqs.stop, len(store.staged))
-            result = m.Result.ERROR if seq == self._nak_at else self._judge(item, kind, count)
+            result = m.Result.ERROR if seq == self.nak_at else self._judge(item, kind, count)
             if result == m.Result.ACCEPTED:
                 store.keep(seq, item)
                 incoming.received += 1
@@ -207,17 +202,17 @@ class MissionService:
         self._flush(incoming.exchange, client)
 
     def _judge(self, item: Item, kind: int, count: int) -> m.Result:
-        return judge(self._profile.autopilot, self._profile.firmware, item, kind, count)
+        return judge(self.profile.autopilot, self.profile.firmware, item, kind, count)
 
     def _take(self, message: m.ItemAt, client: Target, now: float) -> None:
         incoming = self._incoming.get(self._slot(message.kind))
-        if message.current in self._profile.item_orders:
-            self._ack(self._profile.item_orders[message.current], message.kind, client)
+        if message.current in self.profile.item_orders:
+            self._ack(self.profile.item_orders[message.current], message.kind, client)
         elif incoming is None or incoming.client != client:
-            if self._profile.confirms_last_item_again and self._last_done == (client, message.kind, message.seq):
+            if self.profile.confirms_last_item_again and self._last_done == (client, message.kind, message.seq):
                 self._ack(m.Result.ACCEPTED, message.kind, client)
             else:
-                self._reply(self._profile.stray_item, message.kind, client)
+                self._reply(self.profile.stray_item, message.kind, client)
         elif incoming.kind != message.kind:
             self._ack(m.Result.ERROR, message.kind, client)
         else:
@@ -228,9 +223,9 @@ class MissionService:
             step(incoming.exchange)
         except (NoAnswer, MissionRefused):
             self._drop(incoming)
-            if self._profile.timeout_result is not None:
-                self._ack(self._profile.timeout_result, incoming.kind, incoming.client)
-            self._say(m.Text(m.WARNING, self._profile.timeout_text), incoming.client)
+            if self.profile.timeout_result is not None:
+                self._ack(self.profile.timeout_result, incoming.kind, incoming.client)
+            self.say(m.Text(m.WARNING, self.profile.timeout_text), incoming.client)
             return
         self._flush(incoming.exchange, incoming.client)
         if incoming.exchange.finished:
@@ -251,10 +246,10 @@ class MissionService:
             return
         store.items = store.staged
         self._last_done = (client, kind, incoming.count - 1)
-        self._say(m.Ack(result, kind, self.list_id(kind)), client)
-        if text := self._profile.stored_text.get(kind):
-            self._say(m.Text(m.INFO, text), EVERYONE)
-        self._changed(kind)
+        self.say(m.Ack(result, kind, self.list_id(kind)), client)
+        if text := self.profile.stored_text.get(kind):
+            self.say(m.Text(m.INFO, text), EVERYONE)
+        self.changed(kind)
 
     def _drop(self, incoming: Incoming) -> None:
         if self._incoming.get(self._slot(incoming.kind)) is incoming:
@@ -262,17 +257,17 @@ class MissionService:
 
     def _flush(self, exchange: Exchange[Any], client: Target) -> None:
         for message in exchange.outgoing():
-            self._say(message, client)
+            self.say(message, client)
 
     def _list(self, kind: int, client: Target, now: float) -> None:
         if kind not in KINDS:
             self._ack(m.Result.UNSUPPORTED, kind, client)
         elif self._slot(kind) in self._incoming:
-            self._reply(self._profile.read_during_upload, kind, client)
-        elif self._profile.reads_item_by_item:
-            self._say(m.Count(len(self.listed(kind)), kind), client)
+            self._reply(self.profile.read_during_upload, kind, client)
+        elif self.profile.reads_item_by_item:
+            self.say(m.Count(len(self.listed(kind)), kind), client)
         else:
-            exchange = Exchange(offer(self._read_back(kind), kind, Tell), now, self._profile.patience)
+            exchange = Exchange(offer(self._read_back(kind), kind, Tell), now, self.profile.patience)
             self._readers.pop((client, kind), None)
             self._readers[client, kind] = exchange
             while len(self._readers) > MAX_READERS:
@@ -282,16 +277,16 @@ class MissionService:
     def _read_back(self, kind: int) -> tuple[Item, ...]:
         """Return items with the flags and frames that this firmware reports."""
         items = self.listed(kind)
-        if kind not in self._profile.flags_kept:
+        if kind not in self.profile.flags_kept:
             items = tuple(replace(item, autocontinue=False) for item in items)
-        if self._profile.int_frames:
+        if self.profile.int_frames:
             int_frames = {plain: int_frame for int_frame, plain in PLAIN_FRAME.items()}
             items = tuple(replace(item, frame=int_frames.get(item.frame, item.frame)) for item in items)
         return items
 
     def list_id(self, kind: int) -> int:
         items = self.stores[m.MissionType(kind)].items
-        return checksum_of(items) if items and self._profile.reports_list_id else 0
+        return checksum_of(items) if items and self.profile.reports_list_id else 0
 
     def _read(self, message: m.Request, client: Target, now: float) -> None:
         seq = message.seq
@@ -300,23 +295,23 @@ class MissionService:
         if kind not in KINDS:
             return
         if self._slot(kind) in self._incoming:
-            self._reply(self._profile.read_during_upload, kind, client)
+            self._reply(self.profile.read_during_upload, kind, client)
         elif reader is not None:
             reader.receive(message, now)
             self._flush_reader((client, kind), reader)
-        elif self._profile.reads_item_by_item:
+        elif self.profile.reads_item_by_item:
             items = self._read_back(kind)  # as they are now, even if the list has changed
             if seq < len(items):
-                self._say(m.ItemAt(seq, items[seq], kind), client)
+                self.say(m.ItemAt(seq, items[seq], kind), client)
                 return
             if not message.legacy:
-                self._say(m.Count(len(items), kind), client)
+                self.say(m.Count(len(items), kind), client)
             self._ack(m.Result.INVALID_SEQUENCE, kind, client)
 
     def _acknowledge(self, message: m.Ack, client: Target) -> None:
         incoming = self._incoming.get(self._slot(message.kind))
         if incoming and incoming.client == client and message.result == m.Result.OPERATION_CANCELLED:
-            if self._profile.obeys_cancel:
+            if self.profile.obeys_cancel:
                 self._drop(incoming)
             return
         self._readers.pop((client, message.kind), None)
@@ -328,29 +323,29 @@ class MissionService:
 
     def _clear(self, kind: int, client: Target) -> None:
         kinds = KINDS if kind == m.MissionType.ALL else tuple(known for known in KINDS if known == kind)
-        if kind not in KINDS and not self._profile.clears_all:
+        if kind not in KINDS and not self.profile.clears_all:
             self._ack(m.Result.UNSUPPORTED, kind, client)
             return
         busy = {self._slot(each) for each in kinds} & set(self._incoming)
-        if busy and self._profile.clear_during_upload is not Answer.OBEY:
-            self._reply(self._profile.clear_during_upload, kind, client)
+        if busy and self.profile.clear_during_upload is not Answer.OBEY:
+            self._reply(self.profile.clear_during_upload, kind, client)
             return
         for slot in busy:
             del self._incoming[slot]
         for each in kinds:
             self.stores[each].put(())
-            self._changed(each)
+            self.changed(each)
         self._ack(m.Result.ACCEPTED, kind, client)
 
     def _ack(self, result: int, kind: int, client: Target) -> None:
-        self._say(m.Ack(result, kind), client)
+        self.say(m.Ack(result, kind), client)
 
     def _slot(self, kind: int) -> int:
         """Return the key of transfers that exclude each other."""
-        return kind if self._profile.separate_lists else 0
+        return kind if self.profile.separate_lists else 0
 
     def _reply(self, answer: Answer, kind: int, client: Target) -> None:
         if answer is Answer.TEXT:
-            self._say(m.Text(m.WARNING, "mission transfer busy"), client)
+            self.say(m.Text(m.WARNING, "mission transfer busy"), client)
         elif answer is not Answer.SILENCE:
             self._ack(m.Result[answer.value], kind, client)

@@ -115,11 +115,11 @@ def test_cancellation_between_two_lists_names_the_state_of_both() -> None:
         listed(kind)
         press()
 
-    mock.transfers._changed = store_and_press
+    mock.transfers.changed = store_and_press
     items = (takeoff(HOME, 10.0), waypoint(Geodetic(47.4002, 8.5), 12.0))
     with refuses("cancelled", list_on_vehicle="new"):
         vehicle.upload(Mission(HOME, items, PX4, fence=(FenceCircle((47.4, 8.5), 300.0),)))
-    mock.transfers._changed = lambda kind: press() if kind == MissionType.FENCE else listed(kind)
+    mock.transfers.changed = lambda kind: press() if kind == MissionType.FENCE else listed(kind)
     with refuses("cancelled", list_on_vehicle="new"):
         vehicle.upload(Mission(HOME, items, PX4, fence=(FenceCircle((47.4, 8.5), 300.0),)))
 

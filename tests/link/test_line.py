@@ -1,5 +1,6 @@
 import threading
 from collections.abc import Callable
+from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
 
@@ -277,7 +278,7 @@ def test_made_up_ids_do_not_evict_whom_we_speak_to() -> None:
 def test_a_log_is_read_back_and_a_torn_record_is_passed_over(tmp_path: Path) -> None:
     path, codec = tmp_path / "a.tlog", Codec(1, 1)
     sent = [codec.encode(Text(3, f"words {n}"), EVERYONE, 0.0) for n in range(5)]
-    with TlogWriter(path) as log:
+    with closing(TlogWriter(path)) as log:
         for n, frame in enumerate(sent):
             log.write(frame, 1_767_225_600.25 + n)
     records = list(read_tlog(path))

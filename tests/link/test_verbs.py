@@ -1,6 +1,6 @@
 import math
 import re
-from contextlib import AbstractContextManager
+from contextlib import AbstractContextManager, closing
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -274,7 +274,7 @@ def test_a_timestamp_that_cannot_be_locked_is_bad_input(tmp_path: Path, monkeypa
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="no device that is always full")
 def test_a_disk_that_is_full_ends_the_log_and_not_the_flight(caplog: pytest.LogCaptureFixture) -> None:
-    with TlogWriter("/dev/full") as log:
+    with closing(TlogWriter("/dev/full")) as log:
         for _ in range(3):
             log.write(b"frame", 1.0)
     assert len(caplog.messages) == 1
@@ -288,7 +288,7 @@ def test_a_disk_that_takes_half_a_record_is_full(tmp_path: Path, caplog: pytest.
 
         def close(self) -> None: ...
 
-    with TlogWriter(tmp_path / "x.tlog") as log:
+    with closing(TlogWriter(tmp_path / "x.tlog")) as log:
         log._file.close()
         log._file = Half()  # type: ignore[assignment]
         log.write(b"frame", 1.0)

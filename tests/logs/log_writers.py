@@ -2,6 +2,7 @@
 
 import struct
 from collections.abc import Callable, Mapping
+from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -56,7 +57,7 @@ def write_tlog(flown: Flown, path: Path, ardupilot: bool) -> None:
     messages += [(time, _position(flown, time)) for time, _ in messages]  # independent of the telemetry rate
     messages += [(float(time), _position(flown, float(time))) for time in flown.times]
     codec = Codec(7, 1)
-    with TlogWriter(path) as log:
+    with closing(TlogWriter(path)) as log:
         log.write(Codec(245, 190).encode(Heartbeat(6, MavAutopilot.INVALID), EVERYONE, 0.0), 1.7e9)
         for time, message in sorted(messages, key=lambda timed: (timed[0], not isinstance(timed[1], Position))):
             log.write(codec.encode(message, EVERYONE, 0.0), 1.7e9 + time)

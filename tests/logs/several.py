@@ -1,6 +1,7 @@
 """Merge logs of one vehicle each, under other system ids."""
 
 from collections.abc import Iterator, Mapping
+from contextlib import closing
 from pathlib import Path
 
 from pymavlink.dialects.v20 import ardupilotmega
@@ -40,7 +41,7 @@ def write_several(path: Path, first: Path, others: Mapping[int, Path], plane_fir
         records += [Record(record.unix_s + shift, record.frame) for record in theirs]
     if plane_first is not None:
         records.append(plane(plane_first, begins - 1.0))
-    with TlogWriter(path) as log_file:
+    with closing(TlogWriter(path)) as log_file:
         for record in sorted(records, key=lambda each: each.unix_s):
             log_file.write(record.frame, record.unix_s)
     return path

@@ -1,5 +1,6 @@
 import sys
 from collections.abc import Callable
+from contextlib import closing
 from pathlib import Path
 from typing import Any
 
@@ -130,7 +131,7 @@ def written(folder: Path, *messages: tuple[float, Message]) -> Path:
     """Write a log of a vehicle's messages at these times."""
     path = folder / "said.tlog"
     vehicle, station = Codec(1, 1), Codec(245, 190)
-    with TlogWriter(path) as log:
+    with closing(TlogWriter(path)) as log:
         for at, message in messages:
             codec = station if isinstance(message, CommandLong) else vehicle
             log.write(codec.encode(message, EVERYONE, 1.8e9 + at), 1.8e9 + at)

@@ -3,6 +3,7 @@
 import math
 import struct
 from collections.abc import Sequence
+from contextlib import closing
 from pathlib import Path
 
 import numpy as np
@@ -89,7 +90,7 @@ def test_a_current_that_was_not_measured_is_named(amperes: tuple[float, ...], wo
 def with_messages(path: Path, *definitions: tuple[Message, Message]) -> LoggedFlight:
     """Read a .tlog with each message in its two forms by turns."""
     codec = Codec(1, 1)
-    with TlogWriter(path) as log:
+    with closing(TlogWriter(path)) as log:
         for n, record in enumerate(read_tlog(LOGS / "sitl-ardupilot.tlog")):
             log.write(record.frame, record.unix_s)
             for forms in definitions:

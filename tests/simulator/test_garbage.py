@@ -12,6 +12,7 @@ import random
 import struct
 import tempfile
 from collections.abc import Callable
+from contextlib import closing
 from pathlib import Path
 from typing import Any
 
@@ -198,7 +199,7 @@ def spoil_a_log(chance: random.Random) -> None:
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "a.tlog"
         codec = Codec(1, 1)
-        with TlogWriter(path) as log:
+        with closing(TlogWriter(path)) as log:
             for n in range(chance.randrange(30)):
                 log.write(codec.encode(m.Text(3, f"words {n}"), EVERYONE, 0.0), 1.7e9 + n)
         path.write_bytes(spoil(chance, path.read_bytes()))
