@@ -174,7 +174,7 @@ def load_mission(vehicle: Vehicle, forecast: Forecast, options: ProcedureOptions
     mission = forecast.mission_as_read
     anyway = options.anyway
     stages = options.stages
-    vehicle.expect_on_ground()
+    vehicle.state.expect_on_ground()
     with stages(Stage.POSITION) as show:
         preflight.await_home(vehicle, show)
     if options.set_params:

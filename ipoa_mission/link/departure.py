@@ -78,22 +78,16 @@ def unsubscribe() -> Dialogue[None]:
         yield from request_stream(name, 0.0)
 
 
-def expect_on_ground(state: VehicleState) -> None:
-    if state.armed:
-        words = f"a flight begins disarmed and on the ground, but {state}"
-        raise NotReady(words, hint="land and disarm it first", code="not-on-ground")
-
-
 def prepare(departure: Departure, ready_s: float = LIMITS.ready_s) -> Dialogue[None]:
     """Prepare for arming: current item, mode, position, pre-arm checks. Raise as `Vehicle.prepare`."""
     state = departure.state
     yield from until(lambda: state.armed is not None and state.custom_mode is not None, SHOWN_S)
     state.expect_flown()
-    expect_on_ground(state)
+    state.expect_on_ground()
     yield from subscribe(state)
     yield from _set_first(departure)
     yield from _await_ready(departure, ready_s)
-    expect_on_ground(state)
+    state.expect_on_ground()
     yield from _set_first(departure)
 
 

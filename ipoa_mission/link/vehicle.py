@@ -225,10 +225,6 @@ class Vehicle:
         """Raises as `pause` does."""
         self._tell_flying(return_to_launch)
 
-    def expect_on_ground(self) -> None:
-        """Raise NotReady if armed."""
-        departure.expect_on_ground(self.state)
-
     def prepare(
         self, first: int = 0, progress: Progress = silent, permit: Callable[[Geodetic], object] | None = None
     ) -> None:

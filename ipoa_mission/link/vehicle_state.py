@@ -94,6 +94,12 @@ class VehicleState:
         if self.kind is not None and self.other_kind is not None:
             raise OtherKind(self.kind, self.other_kind)
 
+    def expect_on_ground(self) -> None:
+        """Raise NotReady if armed."""
+        if self.armed:
+            words = f"a flight begins disarmed and on the ground, but {self}"
+            raise NotReady(words, hint="land and disarm it first", code="not-on-ground")
+
     def owns(self, message: m.Message) -> bool:
         if not isinstance(message, m.Heartbeat):
             return True

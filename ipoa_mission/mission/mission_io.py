@@ -16,13 +16,7 @@ from ipoa_mission.files import MISSIONS, read_text, write_together
 from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.mission.items import Item, Mission, MissionFile
 from ipoa_mission.mission.landing_ground import landing_height, landing_on
-from ipoa_mission.mission.parameter_file import (
-    PARAMETERS_HEADER,
-    ParameterFile,
-    parameter_path,
-    parameters_text,
-    read_parameter_file,
-)
+from ipoa_mission.mission.parameter_file import ParameterFile, parameter_contents, parameter_path, read_parameter_file
 from ipoa_mission.mission.plan_file import parse_plan, plan_text
 from ipoa_mission.mission.waypoints_file import FIRST_LINE, lost_in_waypoints, parse_waypoints, waypoints_text
 
@@ -149,7 +143,7 @@ def write_mission(mission: Mission, path: str | Path, read_from: MissionFile | N
     if suffix not in MISSIONS:
         raise WrongSuffix(f'expected a name that ends in .plan or .waypoints, not in "{suffix}"', place=path)
     text = mission_text(mission, suffix, read_from)
-    _write({Path(path): text, **_parameter_contents(mission, Path(path))})
+    _write({Path(path): text, **parameter_contents(mission, Path(path))})
     return lost_in_waypoints(mission) if suffix == ".waypoints" else ()
 
 
@@ -224,19 +218,7 @@ def _mission_contents(
     digests = {path.name: digest(text) for path, text in contents.items() if text is not None}
     if about is not None:
         contents[folder / f"{name}.json"] = _as_text({**about, "sha256": digests})
-    return contents | _parameter_contents(mission, plan), digests
-
-
-def _parameter_contents(mission: Mission, path: Path) -> Contents:
-    target = parameter_path(path)
-    is_ours = target.exists() and read_text(target).startswith(PARAMETERS_HEADER.partition("{}")[0])
-    if not mission.parameters:
-        return {target: None} if is_ours else {}
-    if target.exists() and not is_ours:
-        words = "expected a free name for the mission's parameters, not a file of another origin"
-        hint = "move it, or write the mission under another name"
-        raise BadInput(words, hint=hint, code="already-there", place=target)
-    return {target: parameters_text(mission.parameters, mission.autopilot, path.stem)}
+    return contents | parameter_contents(mission, plan), digests
 
 
 def _as_text(contents: Mapping[str, Any]) -> str:

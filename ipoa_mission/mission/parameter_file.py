@@ -11,6 +11,7 @@ from ipoa_mission.autopilot.known_parameters import firmware_of, known_names
 from ipoa_mission.autopilot.parameters import REAL32, SINGLE_MAX, Parameters
 from ipoa_mission.errors import BadInput
 from ipoa_mission.files import read_text
+from ipoa_mission.mission.items import Mission
 from ipoa_mission.unread import Unread, gathered
 
 NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,15}", re.ASCII)  # of MAVLink's param_id
@@ -48,15 +49,24 @@ def parameter_path(path: Path) -> Path:
     return path.with_suffix(".params")
 
 
-def parameters_text(parameters: Parameters, autopilot: Autopilot, name: str) -> str:
-    """Return a file of QGroundControl, which requires the vehicle's own types; `name` is the mission's."""
-    lines = [PARAMETERS_HEADER.format(name), "# Vehicle-Id Component-Id Name Value Type"]
-    table = autopilot.parameter_table
+def parameter_contents(mission: Mission, path: Path) -> dict[Path, str | None]:
+    """Return the text of the file next to `path`; None: remove ours. Raise BadInput for a file of another origin."""
+    target = parameter_path(path)
+    is_ours = target.exists() and read_text(target).startswith(PARAMETERS_HEADER.partition("{}")[0])
+    if not mission.parameters:
+        return {target: None} if is_ours else {}
+    if target.exists() and not is_ours:
+        words = "expected a free name for the mission's parameters, not a file of another origin"
+        hint = "move it, or write the mission under another name"
+        raise BadInput(words, hint=hint, code="already-there", place=target)
+    lines = [PARAMETERS_HEADER.format(path.stem), "# Vehicle-Id Component-Id Name Value Type"]
+    table = mission.autopilot.parameter_table
     kinds = {row.name: row.kind for row in (*table.set_up, *table.by_name.values())}
-    for parameter, value in parameters.items():
+    for name, value in mission.parameters.items():
         number = f"{value:.0f}" if value == int(value) else repr(float(value))
-        lines.append(f"1\t1\t{parameter}\t{number}\t{kinds.get(parameter, REAL32)}")
-    return "\n".join(lines) + "\n"
+        kind = kinds.get(name, REAL32)  # QGroundControl requires the vehicle's own type
+        lines.append(f"1\t1\t{name}\t{number}\t{kind}")
+    return {target: "\n".join(lines) + "\n"}
 
 
 def _in_force(rows: list[_Row], owner: _Owner | None) -> dict[str, _Row]:

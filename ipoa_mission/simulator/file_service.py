@@ -6,16 +6,7 @@ from dataclasses import dataclass, field, replace
 from ipoa_mission.errors import MissionError
 from ipoa_mission.link import mavftp
 from ipoa_mission.link.codec import Target
-from ipoa_mission.link.mavftp import (
-    LIST_HEADER,
-    LONGEST_DATA,
-    FileError,
-    FileMessage,
-    Opcode,
-    nak,
-    pack_mission,
-    unpack_mission,
-)
+from ipoa_mission.link.mavftp import LONGEST_DATA, FileError, FileMessage, Opcode, nak
 from ipoa_mission.link.messages import FileTransfer, MissionType
 from ipoa_mission.link.wire import ITEM
 from ipoa_mission.mission.items import Item
@@ -69,7 +60,7 @@ class FileService:
                 return self._sum_up(question)
             case Opcode.WRITE_FILE if session.writing is not None:
                 end = question.offset + len(question.data)
-                longest = LIST_HEADER.size + self.most_items * ITEM.layout.size
+                longest = mavftp.LIST_HEADER.size + self.most_items * ITEM.layout.size
                 if question.offset > len(session.writing) or end > longest:
                     return nak(question, FileError.FAIL)
                 session.writing[question.offset : end] = question.data
@@ -87,7 +78,7 @@ class FileService:
             session.reading = None
             session.writing = bytearray()
             return _ack(question)
-        session.reading = pack_mission(self.listed(MissionType.MISSION))
+        session.reading = mavftp.pack_mission(self.listed(MissionType.MISSION))
         session.writing = None
         return _ack(question, len(session.reading).to_bytes(4, "little"))
 
@@ -96,7 +87,7 @@ class FileService:
         kind = next((kind for kind, path in mavftp.LIST_FILES.items() if path.encode() == name), None)
         if not self.is_offered or kind is None:
             return nak(question, FileError.FAIL)
-        return _ack(question, mavftp.file_checksum(pack_mission(self.listed(kind), kind)).to_bytes(4, "little"))
+        return _ack(question, mavftp.file_checksum(mavftp.pack_mission(self.listed(kind), kind)).to_bytes(4, "little"))
 
     def _close(self, question: FileMessage, session: FileSession) -> FileMessage:
         written = session.writing
@@ -104,7 +95,7 @@ class FileService:
         if written is None:
             return _ack(question)
         try:
-            taken = self.replace(unpack_mission(bytes(written)))
+            taken = self.replace(mavftp.unpack_mission(bytes(written)))
         except MissionError:
             taken = False
         return _ack(question) if taken else nak(question, FileError.FAIL)

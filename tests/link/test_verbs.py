@@ -51,7 +51,7 @@ def met(autopilot: Autopilot, **habits: Any) -> Vehicle:
 @pytest.mark.parametrize("autopilot", registered())
 def test_rally_points_are_uploaded_and_set_current_counts_as_the_mission(autopilot: Autopilot) -> None:
     vehicle = met(autopilot)
-    vehicle.expect_on_ground()
+    vehicle.state.expect_on_ground()
     vehicle.upload(suited(vehicle, MISSION))
     assert vehicle.download().rally == RALLY
     assert not any("rally points" in remark for remark in upload_mission(vehicle, suited(vehicle, MISSION)))
@@ -79,7 +79,7 @@ def test_silence_on_rally_points_refuses_the_flight(silence: Exception, monkeypa
         raise silence
 
     monkeypatch.setattr(vehicle, "download_items", download)
-    vehicle.expect_on_ground()
+    vehicle.state.expect_on_ground()
     with refuses("other-rally-points", "", "unknown", str(silence)):
         load_mission(vehicle, Forecast(plain), ProcedureOptions())
     remarks = " ".join(upload_mission(vehicle, plain))
@@ -137,7 +137,7 @@ def test_a_vehicle_that_is_armed_is_not_on_the_ground_to_be_prepared() -> None:
     vehicle.prepare()
     vehicle.start()
     with pytest.raises(NotReady):
-        vehicle.expect_on_ground()
+        vehicle.state.expect_on_ground()
 
 
 def test_running_order_ends_after_its_time() -> None:
