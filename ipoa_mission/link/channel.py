@@ -21,7 +21,7 @@ Peer: TypeAlias = Hashable
 MAX_READ = 65536
 LOOPBACK = "127.0.0.1"
 DEFAULT_BAUD = 57600
-SELECTABLE_FILES = 1024  # FD_SETSIZE: `select` fails for greater file numbers
+SELECTABLE_FILES = 1024  # FD_SETSIZE: `select` refuses greater numbers
 
 
 class Transport(StrEnum):
@@ -118,14 +118,14 @@ class RealTime:
 
 
 def readable(files: Sequence[Any], seconds: float) -> list[Any]:
-    """Return the sockets or file numbers with data to read, or none after `seconds`."""
+    """Return sockets or file numbers with data, none after `seconds`."""
     by_number = {file if isinstance(file, int) else file.fileno(): file for file in files}
     if os.name != "posix" or max(by_number) < SELECTABLE_FILES:
         return select.select(files, [], [], seconds)[0]
     poll = select.poll()
     for number in by_number:
         poll.register(number, select.POLLIN)
-    return [by_number[number] for number, _ in poll.poll(1000.0 * seconds)]  # rounded up to milliseconds
+    return [by_number[number] for number, _ in poll.poll(1000.0 * seconds)]
 
 
 def _family(host: str) -> socket.AddressFamily:

@@ -98,7 +98,7 @@ class LinkLoss:
     def _identified(
         self, known: KnownVehicle, interrupt: Interrupt, report: Callable[[str], None]
     ) -> list[Message] | None:
-        """Return the vehicle's messages, None if it is not heard or does not answer; raise NotTheSameVehicle."""
+        """Return its messages, None without an answer; raise NotTheSameVehicle."""
         candidate = VehicleState(known.state.autopilot, known.state.kind)
         messages = list[Message]()
 

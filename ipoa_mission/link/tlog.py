@@ -90,7 +90,7 @@ def read_tlog(path: str | Path, missing: LostFrames | None = None) -> Iterator[R
 
 
 def _next_record(data: bytes, at: int) -> int:
-    """Return the index of the next record with a good frame, else the end."""
+    """Return the next record's index, else the end."""
     start = next_magic(data, at)
     while start >= 0 and not frame_at(data, start):
         start = next_magic(data, start + 1)

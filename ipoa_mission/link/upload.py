@@ -1,4 +1,4 @@
-"""Upload a list, item by item or as ArduPilot's file, until the vehicle provably holds it."""
+"""Upload a list, by items or as a file, until the vehicle provably holds it."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field

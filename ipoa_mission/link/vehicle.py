@@ -91,7 +91,7 @@ class Vehicle:
         self.overhearing: Callable[[Message], None] = lambda message: None
         """Called with every message of the vehicle while a dialogue is held."""
         self._about: AutopilotVersion | None = None
-        self._until = math.inf  # of the present verb, on the line's clock
+        self._until = math.inf
         self._mission: Mission | None = None
         self._onboard_lists: dict[int, OnboardList] = {}
         self._departure: departure.Departure | None = None
@@ -417,7 +417,7 @@ class Vehicle:
             self._tell(order(self.state))
 
     def _tell(self, dialogue: Dialogue[T]) -> T:
-        """Hold a dialogue that changes something on a supported multicopter; raise NotFlown."""
+        """Hold a dialogue that changes a supported multicopter."""
         self.state.expect_flown()
         return self._hold(conversations.observed(dialogue, lambda heard: self.state.expect_flown()))
 

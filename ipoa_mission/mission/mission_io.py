@@ -1,4 +1,4 @@
-"""Read mission files by content, write them by suffix; all files of a mission, and the NAME.json written with it."""
+"""Read mission files by content, write them by suffix, and all files of a mission."""
 
 import json
 import math

@@ -1,4 +1,4 @@
-"""Read and write parameter files: NAME,VALUE or NAME VALUE of ArduPilot, ids, NAME, VALUE, type of QGroundControl."""
+"""Parameter files: NAME,VALUE or NAME VALUE of ArduPilot, ids, NAME, VALUE, type of QGroundControl."""
 
 import math
 import re
@@ -50,7 +50,7 @@ def parameter_path(path: Path) -> Path:
 
 
 def parameter_contents(mission: Mission, path: Path) -> dict[Path, str | None]:
-    """Return the text of the file next to `path`; None: remove ours. Raise BadInput for a file of another origin."""
+    """Return the file next to `path`; None: remove ours. Raise BadInput for another's."""
     target = parameter_path(path)
     is_ours = target.exists() and read_text(target).startswith(PARAMETERS_HEADER.partition("{}")[0])
     if not mission.parameters:

@@ -48,7 +48,7 @@ PERFECT = Faults()
 
 
 class Pipe:
-    """One direction of a link; the same seed gives the same faults."""
+    """One direction; the same seed gives the same faults."""
 
     MAX_QUEUED = 100_000
 

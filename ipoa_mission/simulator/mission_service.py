@@ -68,7 +68,7 @@ class Incoming:
 
 @dataclass
 class MissionService:
-    """`say` sends a message, `changed` gets each replaced list, `nak_at` is an item that is refused."""
+    """`say` sends a message, `changed` gets each replaced list."""
 
     profile: MockProfile
     home: Callable[[], Geodetic]

@@ -1,4 +1,4 @@
-"""The built-in autopilot's end of a link, and a link within one process."""
+"""Ends of a link: the built-in autopilot's, and a loopback to it."""
 
 import math
 from typing import Protocol
@@ -80,7 +80,7 @@ class FarEnd(Protocol):
 
 
 class Loopback:
-    """A channel to a far end, on a virtual clock that only `receive` moves."""
+    """A channel whose virtual clock only `receive` moves."""
 
     PEER = "loopback"
 
