@@ -97,21 +97,14 @@ AutopilotOption: TypeAlias = Annotated[
 ]
 FirmwareVersionOption: TypeAlias = Annotated[
     str | None,
-    typer.Option(
-        "--firmware-version",
-        metavar="X.Y",
-        help="Firmware version, like 1.17; default: the newest measured one, on a link the vehicle's.",
-    ),
+    typer.Option("--firmware-version", metavar="X.Y", help="Firmware version; default: newest measured, or vehicle's."),
 ]
 UnmeasuredVersionOption: TypeAlias = Annotated[
-    bool,
-    typer.Option("--unmeasured-version", help="Continue although the firmware's version was not measured in flights."),
+    bool, typer.Option("--unmeasured-version", help="Accept a firmware version that was not measured in flights.")
 ]
 ParameterOption: TypeAlias = Annotated[
     list[str] | None,
-    typer.Option(
-        "--param", metavar="NAME=VALUE", help="A parameter of the autopilot that is not its default. Repeatable."
-    ),
+    typer.Option("--param", metavar="NAME=VALUE", help="An autopilot's parameter that is not its default. Repeatable."),
 ]
 ParameterFileOption: TypeAlias = Annotated[
     Path | None, typer.Option("--param-file", metavar="FILE", help="A file of such parameters: .parm or .params.")
@@ -121,12 +114,10 @@ LinkOption: TypeAlias = Annotated[
     link_option("--link", metavar="URL", help="udpin:HOST:PORT, udpout:HOST:PORT, tcp:HOST:PORT, serial:DEVICE:BAUD."),
 ]
 SystemOption: TypeAlias = Annotated[
-    int | None,
-    link_option("--system", metavar="N", min=1, max=255, help="System id of the vehicle, if there are several."),
+    int | None, link_option("--system", metavar="N", min=1, max=255, help="System id of the vehicle among several.")
 ]
 LogSystemOption: TypeAlias = Annotated[
-    int | None,
-    typer.Option("--system", metavar="N", min=1, max=255, help="System id of the vehicle, in a .tlog of several."),
+    int | None, typer.Option("--system", metavar="N", min=1, max=255, help="System id of the vehicle in a .tlog.")
 ]
 KeyOption: TypeAlias = Annotated[
     Path | None,

@@ -48,10 +48,7 @@ class LogOptions:
 def compare(
     files: Annotated[
         list[Path],
-        typer.Argument(
-            metavar="[FILE] LOG",
-            help="The log: .tlog, ArduPilot .bin or PX4 .ulg; first the mission, unless the log has it.",
-        ),
+        typer.Argument(metavar="[FILE] LOG", help="A .tlog, .bin or .ulg, after the mission if the log lacks it."),
     ],
     flown_by: FlownByOptions,
     options: LogOptions,

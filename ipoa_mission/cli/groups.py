@@ -34,11 +34,7 @@ class FlownByOptions:
     param_file: options.ParameterFileOption = None
     wind: Annotated[
         str | None,
-        typer.Option(
-            "--wind",
-            metavar="M/S@DEG",
-            help="A steady wind: its speed, and where it blows from, like 6@270 (from the west).",
-        ),
+        typer.Option("--wind", metavar="M/S@DEG", help="A steady wind by speed and origin: 6@270 is from the west."),
     ] = None
     vehicle: Annotated[
         Path | None,
@@ -90,9 +86,7 @@ class LinkOptions:
     system: options.SystemOption = None
     log: Annotated[
         Path | None,
-        options.link_option(
-            "--log", metavar="FILE", help="Log of every frame (.tlog); default: next to the mission's files."
-        ),
+        options.link_option("--log", metavar="FILE", help="Log of every frame (.tlog); default: next to the mission."),
     ] = None
     key: options.KeyOption = None
     timeout: Annotated[
@@ -119,24 +113,15 @@ class LinkOptions:
 class FlightOptions:
     link: Annotated[
         str | None,
-        options.link_option(
-            "--link", metavar="URL", help="A real vehicle, like udpin:127.0.0.1:14550; default: the built-in autopilot."
-        ),
+        options.link_option("--link", metavar="URL", help="Vehicle, like udpin:HOST:PORT; default: the built-in one."),
     ] = None
     begin: Annotated[
         int,
-        options.link_option(
-            "--from",
-            metavar="N",
-            min=1,
-            help="Begin at item N instead of the first, as `show` numbers it; the path there is checked.",
-        ),
+        options.link_option("--from", metavar="N", min=1, help="Begin at item N of `show`; the path there is checked."),
     ] = 1
     set_params: Annotated[
         bool,
-        options.link_option(
-            "--set-params", help="Write parameters of the scenario and --param that differ on the vehicle."
-        ),
+        options.link_option("--set-params", help="Write parameters of the scenario and --param that differ aboard."),
     ] = False
     on_deviation: Annotated[
         OnDeviation,
