@@ -2,7 +2,7 @@
 
 import re
 from collections import defaultdict
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from pathlib import Path
 from typing import Any, NamedTuple, TypeAlias
@@ -12,7 +12,7 @@ import numpy as np
 from ipoa_mission.errors import BadInput, NotCovered, NothingThere, Unreadable, WrongFormat, imported
 from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.maps import wind_levels
-from ipoa_mission.maps.wind_levels import Component, Datum, ForecastWinds
+from ipoa_mission.maps.wind_levels import Component, Datum, ForecastWinds, WindSamples
 
 SHORT_NAME = re.compile(r"(\d*)(u|v|si|ws|wdir)")  # of eccodes: u, 10u, 100v, 10si, wdir
 SHORT_NAMES = {
@@ -52,37 +52,44 @@ def grib_winds(path: Path, place: Geodetic) -> ForecastWinds:
     axes = dict[_Moment, float]()
     parts = defaultdict[_Moment, dict[Component, list[float]]](lambda: defaultdict(list))
     for number, handle in enumerate(_messages(eccodes, path), 1):
-        if (message := _read(eccodes, handle, f"message {number}", winds, nearest)) is not None:
+        message = _read(eccodes, handle, f"message {number}", winds, nearest)
+        if message is not None:
             parts[message.moment][message.component].append(message.value)
             if message.axis_deg is not None:
                 axes[message.moment] = message.axis_deg
-    levels = defaultdict[tuple[float, Datum], list[tuple[np.datetime64, float, float]]](list)
+
     members = defaultdict[tuple[float, Datum, np.datetime64], set[int]](set)
     for moment, values in parts.items():
-        height, datum, time, member = moment
-        east, north, speeds, directions = (values[component] for component in list(Component)[:4])
-        pairs = list(zip(east, north, strict=False))
-        if odd := len(east) + len(north) - 2 * len(pairs):
-            winds.note("one component of a wind without the other", f"{height:g} m", str(time), True, odd)
-        if pairs and moment in axes:
-            pairs = wind_levels.to_east_north(np.array(pairs), axes[moment]).tolist()
-        if not pairs:  # components take precedence
-            polar = [*zip(speeds, np.radians(directions), strict=False)]
-            pairs = [(-speed * np.sin(angle), -speed * np.cos(angle)) for speed, angle in polar]
-            if odd := len(speeds) + len(directions) - 2 * len(pairs):
-                winds.note("speed or direction of a wind without the other", f"{height:g} m", str(time), True, odd)
-        if pairs:
-            levels[height, datum] += [(time, *pair) for pair in pairs]
-            members[height, datum, time].add(member)
+        samples = _samples(moment, values, axes.get(moment), winds)
+        if len(samples.winds):
+            winds.samples.append(samples)
+            members[moment.height, moment.datum, moment.time].add(moment.member)
     most = max(map(len, members.values()), default=0)
-    if fewer := {key: len(numbers) for key, numbers in members.items() if len(numbers) < most}:
+    fewer = {key: len(numbers) for key, numbers in members.items() if len(numbers) < most}
+    if fewer:
         subject = f"members: {most} at some levels and times, fewer at {len(fewer)} of {len(members)}"
         (height, _, time), count = next(iter(fewer.items()))
         winds.note(subject, f"{height:g} m, {time}", count)
-    for (height, datum), rows in levels.items():
-        components = np.array([row[1:] for row in rows], float).reshape(-1, 2)
-        winds.samples.append(wind_levels.WindSamples(height, datum, components, np.array([row[0] for row in rows])))
     return winds
+
+
+def _samples(
+    moment: _Moment, values: Mapping[Component, list[float]], axis_deg: float | None, winds: ForecastWinds
+) -> WindSamples:
+    """Components take precedence over speeds and directions."""
+    east, north, speeds, directions = (values.get(component, []) for component in list(Component)[:4])
+    where = (f"{moment.height:g} m", str(moment.time), True)
+    pairs = list(zip(east, north, strict=False))
+    winds.note("one component of a wind without the other", *where, len(east) + len(north) - 2 * len(pairs))
+    if pairs and axis_deg is not None:
+        pairs = wind_levels.to_east_north(np.array(pairs), axis_deg).tolist()
+    if not pairs:
+        polar = [*zip(speeds, np.radians(directions), strict=False)]
+        pairs = [(-speed * np.sin(angle), -speed * np.cos(angle)) for speed, angle in polar]
+        odd = len(speeds) + len(directions) - 2 * len(pairs)
+        winds.note("speed or direction of a wind without the other", *where, odd)
+    components = np.array(pairs, float).reshape(-1, 2)
+    return WindSamples(moment.height, moment.datum, components, np.full(len(pairs), moment.time))
 
 
 def _messages(eccodes: Any, path: Path) -> Iterator[Any]:
@@ -111,7 +118,8 @@ def _read(eccodes: Any, handle: Any, where: str, winds: ForecastWinds, nearest: 
     def get(key: str, kind: type = str) -> Any:
         return eccodes.codes_get(handle, key, kind) if eccodes.codes_is_defined(handle, key) else None
 
-    name, level_type = get("shortName"), get("typeOfLevel")
+    name = get("shortName")
+    level_type = get("typeOfLevel")
     short = SHORT_NAME.fullmatch(name)
     if get("edition", int) == 2:
         is_wind = (get("discipline", int), get("parameterCategory", int)) == (0, 2)
@@ -129,8 +137,9 @@ def _read(eccodes: Any, handle: Any, where: str, winds: ForecastWinds, nearest: 
     if datum is None:
         winds.note(f"wind at {level_type}, which is no height", where, get("level"))
         return None
-    if why := _no_single_forecast(get):
-        winds.note(f"{get('name')}, {why}", where, get("level"))
+    aggregation = _aggregation(get)
+    if aggregation:
+        winds.note(f"{get('name')}, {aggregation}", where, get("level"))
         return None
     index, *place = _nearest(eccodes, handle, winds, nearest)
     axis_deg = _axis_deg(eccodes, get, winds.path, *place) if component in (Component.EAST, Component.NORTH) else None
@@ -156,25 +165,26 @@ def _axis_deg(eccodes: Any, get: Any, path: Path, latitude_deg: float, longitude
         south = get("latitudeOfSouthernPoleInDegrees", float), get("longitudeOfSouthernPoleInDegrees", float)
         return wind_levels.grid_north((-south[0], south[1] + 180.0), latitude_deg, longitude_deg)
     with suppress(eccodes.CodesInternalError):
-        if projection := get("projTargetString"):
+        projection = get("projTargetString")
+        if projection:
             return wind_levels.grid_north(str(projection), latitude_deg, longitude_deg)
     words = f"expected winds towards the east and the north, not along the axes of a {kind} grid"
     raise BadInput(words, hint="turn them first, as `wgrib2 IN -new_grid_winds earth` does", place=path)
 
 
-def _no_single_forecast(get: Any) -> str:
-    """Describe averages, spreads and percentiles."""
+def _aggregation(get: Any) -> str:
+    """Describe an average, a spread or a percentile; empty for a single forecast."""
     if get("stepType") not in (None, "instant"):
         return f"its {get('stepType')} over a time"
     template = get("productDefinitionTemplateNumber", int)
-    if template in (None, 0, 1) or get("derivedForecast", int) in (0, 1):
-        return ""
-    return f"by product template {template}"
+    is_single = template in (None, 0, 1) or get("derivedForecast", int) in (0, 1)
+    return "" if is_single else f"by product template {template}"
 
 
 def _valid_time(get: Any) -> np.datetime64:
-    date, clock = get("validityDate", int), get("validityTime", int)
-    day = np.datetime64(f"{date // 10000:04d}-{date // 100 % 100:02d}-{date % 100:02d}", "s")
+    date = str(get("validityDate", int)).zfill(8)
+    clock = get("validityTime", int)
+    day = np.datetime64(f"{date[:4]}-{date[4:6]}-{date[6:]}", "s")
     return day + np.timedelta64(clock // 100 * 60 + clock % 100, "m")
 
 

@@ -26,7 +26,8 @@ STANDARD_COMPONENTS = {
     "wind_from_direction": Component.FROM,
     "wind_to_direction": Component.TO,
 }
-GEOGRAPHIC, ALONG_AXES = ("eastward_wind", "northward_wind"), ("x_wind", "y_wind")
+GEOGRAPHIC = ("eastward_wind", "northward_wind")
+ALONG_AXES = ("x_wind", "y_wind")
 AXES_GRID = "the grid of its axes"  # internal attribute
 ALONE = {
     Component.EAST: "eastward wind without a northward one",
@@ -63,14 +64,16 @@ def netcdf_winds(path: Path, place: Geodetic) -> ForecastWinds:
     with _open_dataset(path) as data:
         parts: dict[Component, dict[str, Any]] = {component: {} for component in Component}
         for variable in data.data_vars.values():
-            if (component := _component(variable)) is not None:
+            component = _component(variable)
+            if component is not None:
                 parts[component][str(variable.name)] = variable.assign_attrs({AXES_GRID: _grid(data, variable)})
             elif re.search(r"wind|gust", " ".join([str(variable.name), *_descriptions(variable)]).lower()):
                 winds.note("variable that may be a wind", str(variable.name), next(iter(_descriptions(variable)), ""))
         pairs = (Component.EAST, Component.NORTH), (Component.SPEED, Component.FROM), (Component.SPEED, Component.TO)
         for component, partner in pairs:
             for name, first in [*parts[component].items()]:
-                if (second := _partner(first, parts[partner].values())) is None:
+                second = _partner(first, parts[partner].values())
+                if second is None:
                     continue
                 del parts[component][name], parts[partner][str(second.name)]
                 for height, datum, pair in _levels(first, second, winds):
@@ -108,7 +111,8 @@ def _groups(path: Path) -> list[str]:
 
 
 def _component(variable: Any) -> Component | None:
-    if (standard := _standard_name(variable)) is not None:
+    standard = _standard_name(variable)
+    if standard is not None:
         return STANDARD_COMPONENTS.get(standard)
     name = str(variable.name).lower()
     return next((component for pattern, component in COMPONENT_NAMES if pattern.fullmatch(name)), None)
@@ -200,9 +204,8 @@ def _heights(path: Path, coordinate: Any) -> _Heights | None:
 def _height_in_name(name: str, long_name: str) -> tuple[float, Datum] | None:
     """Read u10 and the like; an unusual name must have the unit m."""
     match = re.fullmatch(r"\D*(\d+)_?(mabove\w*|m(?![a-z]))?\D*", name.lower())
-    if match is None or any(
-        re.search(r"\d ?(hpa|mb|mbar|millibars?|pa)\b", text.lower()) for text in (long_name, name)
-    ):
+    is_pressure = re.search(r"\d ?(hpa|mb|mbar|millibars?|pa)\b", f"{long_name}\n{name}".lower())
+    if match is None or is_pressure:
         return None
     height = float(match[1])
     unit = match[2]
@@ -235,9 +238,8 @@ def _samples(
         unit = variable.attrs.get("units")
         if unit is None:
             winds.note(f"unit of a wind, taken as {target}", str(variable.name))
-        factor = (
-            1.0 if unit is None else wind_levels.unit_factor(str(unit), target, f"{winds.path}: {variable.name}.units")
-        )
+            unit = target
+        factor = wind_levels.unit_factor(str(unit), target, f"{winds.path}: {variable.name}.units")
         at_home, axis_deg = _at_place(variable, winds)
         times, at_home = _valid_times(at_home, winds.path)
         values.append(np.asarray(at_home, float).ravel() * factor)
@@ -246,9 +248,9 @@ def _samples(
         angle = np.radians(values[1])
         values = [speed * np.sin(angle), speed * np.cos(angle)]
     components = np.stack(values, axis=-1)
-    return wind_levels.WindSamples(
-        height, datum, components if axis_deg is None else wind_levels.to_east_north(components, axis_deg), times
-    )
+    if axis_deg is not None:
+        components = wind_levels.to_east_north(components, axis_deg)
+    return wind_levels.WindSamples(height, datum, components, times)
 
 
 def _grid(data: Any, variable: Any) -> CRS | tuple[float, float] | None:

@@ -54,7 +54,9 @@ class ForecastWinds:
     unread: list[Unread] = field(default_factory=list)
 
     def note(self, subject: str, place: str, example: object = "", may_limit: bool = False, count: int = 1) -> None:
-        self.unread.append(Unread(self.path.name, subject, place, str(example), count, may_limit))
+        """Note, unless the count is 0."""
+        if count:
+            self.unread.append(Unread(self.path.name, subject, place, str(example), count, may_limit))
 
 
 @dataclass(frozen=True)
@@ -73,7 +75,8 @@ def grid_north(grid: str | CRS | tuple[float, float], latitude_deg: float, longi
 
 def to_east_north(along: Points, axis_deg: float) -> Points:
     """Return winds (n, 2) along the x and y axes, with y towards `axis_deg`, as east and north."""
-    sin, cos = np.sin(np.radians(axis_deg)), np.cos(np.radians(axis_deg))
+    sin = np.sin(np.radians(axis_deg))
+    cos = np.cos(np.radians(axis_deg))
     return np.asarray(along @ np.array([[cos, -sin], [sin, cos]]))
 
 

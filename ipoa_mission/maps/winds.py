@@ -34,11 +34,12 @@ def read_wind(path: Path, place: Geodetic, time: np.datetime64 | None) -> Foreca
         raise BadInput(f"{words}{unread}", place=path)
     is_unknown = any(level.datum is Datum.UNKNOWN for level in winds.samples)
     assumed = (Datum.GROUND, Datum.SEA) if is_unknown else (Datum.GROUND,)
-    strongest = max((_profile(winds, time, datum) for datum in assumed), key=_disturbance)
+    strongest = max((_profile(winds, time, datum) for datum in assumed), key=_strength)
     return replace(strongest, unread=gathered((*winds.unread, *strongest.unread)))
 
 
-def _disturbance(forecast: ForecastWind) -> tuple[float, float]:
+def _strength(forecast: ForecastWind) -> tuple[float, float]:
+    """Return greatest and mean speed [m/s]."""
     speeds = [forecast.wind.at(height) + forecast.wind.spread for height in range(0, 160, 10)]
     return max(speeds), float(np.mean(speeds))
 
@@ -89,8 +90,7 @@ def _flown_levels(heights: list[float], notes: ForecastWinds) -> list[float]:
         home = f"home, which is at {notes.place.altitude:g} m"
         words = f"expected winds above {home}; the highest are {-heights[-1]:g} m below it"
         raise NotCovered(words, place=notes.path)
-    if len(above) < len(heights):
-        notes.note("wind below the ground at home", "height", f"{heights[0]:g}", count=len(heights) - len(above))
+    notes.note("wind below the ground at home", "height", f"{heights[0]:g}", count=len(heights) - len(above))
     flown = above[: sum(height < HIGHEST for height in above) + 1]
     if len(flown) < len(above):
         subject = f"wind more than {flown[-1]:g} m above home"
@@ -112,10 +112,10 @@ def _winds_at_time(
     if not len(known):
         words = f"expected a wind at home, but there is none at the nearest point, {height:g} m up"
         raise NothingThere(words, place=notes.path)
-    if gaps := len(winds) - len(known):
-        subject = f"wind of a member or time: {len(known)} others count"
-        notes.note(subject, f"{height:g} m up", "missing", count=gaps)
-    if (strongest := np.abs(known).max()) > 150.0:  # [m/s], at a height without jet streams
+    subject = f"wind of a member or time: {len(known)} others count"
+    notes.note(subject, f"{height:g} m up", "missing", count=len(winds) - len(known))
+    strongest = np.abs(known).max()
+    if strongest > 150.0:  # [m/s], at a height without jet streams
         words = f"expected winds, not {strongest:g} m/s, {height:g} m up"
         raise BadInput(words, code="winds-absurd", place=notes.path)
     return np.asarray(known)
