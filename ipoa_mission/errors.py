@@ -72,7 +72,8 @@ class MissionError(Exception):
         super().__init__(message)
         self.code = code or self.code
         self.place = None if place is None else str(place)
-        self.hint, self.remedies = hint, remedies
+        self.hint = hint
+        self.remedies = remedies
         self.known: dict[str, object] = dict(known or {})
 
     def __str__(self) -> str:

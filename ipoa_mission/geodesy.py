@@ -24,7 +24,8 @@ class SphericalPlane:
 
     def to_plane(self, latitude_deg: Vector, longitude_deg: Vector) -> Points:
         """Return east and north, (n, 2) [m]."""
-        latitude, middle = np.radians(latitude_deg), np.radians(self.latitude_deg)
+        latitude = np.radians(latitude_deg)
+        middle = np.radians(self.latitude_deg)
         turn = np.radians(np.asarray(longitude_deg) - self.longitude_deg)
         east = np.cos(latitude) * np.sin(turn)
         north = np.cos(middle) * np.sin(latitude) - np.sin(middle) * np.cos(latitude) * np.cos(turn)

@@ -75,7 +75,8 @@ def print_table(title: str, columns: Sequence[str], rows: Sequence[tuple[str, ..
     console = Console(highlight=False, width=None if sys.stdout.isatty() else _columns())
 
     def needed(whole: set[int]) -> int:
-        gap, least = 2, 7  # characters
+        gap = 2  # characters
+        least = 7  # characters
         return gap * len(kept) + sum(widths[i] if i in whole else min(widths[i], least) for i in kept)
 
     whole = numbers | names if needed(numbers | names) <= console.width else numbers

@@ -88,7 +88,8 @@ def estimate(file: FileArgument, options: WorldOptions, as_json: JsonOption = Fa
     from ipoa_mission.unread import unread_as_json
 
     requested, forecast = read_forecast(file, options)
-    if wrong := refusals(requested.mission):
+    wrong = refusals(requested.mission)
+    if wrong:
         raise BadInput(wrong[0], place=file).followed_by(*(f"{file}: {words}" for words in wrong[1:]))
     as_read = forecast.mission_as_read
     refuse_errors(tuple(check_version(as_read.autopilot, as_read.firmware_version, as_read.unmeasured_version)))

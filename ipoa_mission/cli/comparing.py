@@ -23,8 +23,6 @@ if TYPE_CHECKING:
 
 
 class _Row(NamedTuple):
-    """A flight of the log; `compared`: with the forecast of a known mission, `clearance`: in a scenario."""
-
     number: int
     flight: "LoggedFlight"
     record: "FlightRecord"

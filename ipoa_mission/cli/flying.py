@@ -58,7 +58,9 @@ def fly(
     from ipoa_mission.flight.flight import plan_flight
     from ipoa_mission.scenario import read_scenario
 
-    search, flown_by, on_link, to = asked.search, asked.flown_by, asked.on_link, asked.files
+    search = asked.search
+    flown_by = asked.flown_by
+    to = asked.files
     is_planned = source.suffix.lower() == ".toml"
     link = asked.on_vehicle.link
     ignore = asked.ignore or ()
@@ -66,13 +68,14 @@ def fly(
         _expect_no_plan(source, {"--report": to.report, "--optimizer": search.optimizer})
     _expect_link(asked.on_vehicle)
     expect_folder(to.folder)
-    expect_log(on_link.log)
+    expect_log(asked.on_link.log)
     fly_job: FlyJob = partial(_fly_built_in, changes, search.seed)
     if link is not None:
         fly_job = partial(_fly_on_link, changes, source, asked)
     if is_planned:
         scenario = adapt_scenario(read_scenario(source).ignoring(ignore), search, flown_by)
-        if (planner := planner_of(scenario, [make() for make in planners()])) is not None:
+        planner = planner_of(scenario, [make() for make in planners()])
+        if planner is not None:
             planner.fly(scenario, asked, fly_job, changes)
             return
         to.expect_plans([scenario.name])
@@ -88,7 +91,7 @@ def fly(
             print_planned(job.flight, planned_files)
         frames_log = asked.log_of(job.name)
         flown = fly_job(job, frames_log)
-    written = [*map(Path, on_link.written(frames_log))]
+    written = [*map(Path, asked.on_link.written(frames_log))]
     if to.report and job.flight is not None:
         page = to.folder / f"{job.name}.html"
         job.flight.report(page, flown.record)
@@ -127,7 +130,8 @@ def _fly_on_link(changes: ChangesMade, source: Path, asked: FlyOptions, job: "Jo
     from ipoa_mission.cli.mission_source import FlownJob, read_job
     from ipoa_mission.flight.post_flight import landed_elsewhere
 
-    on_vehicle, on_link = asked.on_vehicle, asked.on_link
+    on_vehicle = asked.on_vehicle
+    on_link = asked.on_link
     first = on_vehicle.begin - 1
     _begun(job, first)  # an unknown item is an error before connecting
     try:
@@ -185,11 +189,12 @@ def _fly_stages(
                     contingencies.append(ContingenciesNow(flown))
             if stage is Stage.FLIGHT and contingencies:
                 display = ContingencyDisplay(flown, vehicle, show, job.reserves, contingencies[0])
-                vehicle.overhearing, show = display.hear, display.show
+                vehicle.overhearing = display.hear
+                show = display.show
             yield show
 
-    first, set_params = asked.on_vehicle.begin - 1, asked.on_vehicle.set_params
-    options = ProcedureOptions(first, asked.on_link.anyway, job.ignore, set_params, stages, remark)
+    first = asked.on_vehicle.begin - 1
+    options = ProcedureOptions(first, asked.on_link.anyway, job.ignore, asked.on_vehicle.set_params, stages, remark)
     try:
         with changes.reporting(""):  # between two stages
             loaded = load_mission(vehicle, planned, options)

@@ -117,7 +117,7 @@ class ChangesMade:
             yield show_parameters if stage is Stage.PARAMETERS else show
 
     def interrupted_by(self, error: BaseException, hint: str | None = None, if_interrupted: str = "") -> Interrupted:
-        """Return all changes as an error; words of the link about the list on the vehicle replace `if_interrupted`."""
+        """Return all changes; the link's words about its list replace `if_interrupted`."""
         known = error.known if isinstance(error, MissionError) else {}
         states = [state for state in self.states.values() if state != if_interrupted]
         last = str(error) if "list_on_vehicle" in known else if_interrupted
@@ -133,7 +133,7 @@ class ChangesMade:
 
 
 def _is_ctrl_c(error: BaseException) -> bool:
-    """Return whether Ctrl-C raised it: in Python, in the link (`Cancelled`), or in Typer."""
+    """`Cancelled` is the link's, SystemExit Typer's."""
     if isinstance(error, SystemExit):
         return error.code == Interrupted.exit_code
     return isinstance(error, KeyboardInterrupt) or (isinstance(error, MissionError) and error.code == "cancelled")

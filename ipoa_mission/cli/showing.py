@@ -69,7 +69,9 @@ def _cells(row: "Row", done_s: float | None) -> tuple[str, ...]:
 
     leg = (shown(row.length), shown(row.heading_deg, "03.0f"), shown(row.climb, "+z.1f"))
     heights = (shown(row.height), shown(row.height_above_ground))
-    return (str(row.seq), row.command, *leg, *heights, shown(done_s), _detail(row))
+    does = row.detail or (f"hold {row.hold_s:g} s" if row.hold_s else f"{row.speed:g} m/s" if row.speed else "")
+    passes = f"{row.passes} passes" if row.passes > 1 and row.length is not None else ""
+    return (str(row.seq), row.command, *leg, *heights, shown(done_s), ", ".join(filter(None, (does, passes))))
 
 
 def _lengths(rows: "Sequence[Row]", flown: float, total: str) -> Iterator[str]:
@@ -82,12 +84,6 @@ def _lengths(rows: "Sequence[Row]", flown: float, total: str) -> Iterator[str]:
         yield "passes: leg of the first pass, time of the last"
         once += " once through" + (f", {flown:.0f} m flown in all passes" if flown else "")
     yield f"{once}; {total}"
-
-
-def _detail(row: "Row") -> str:
-    does = row.detail or (f"hold {row.hold_s:g} s" if row.hold_s else f"{row.speed:g} m/s" if row.speed else "")
-    passes = f"{row.passes} passes" if row.passes > 1 and row.length is not None else ""
-    return ", ".join(filter(None, (does, passes)))
 
 
 @dataclass

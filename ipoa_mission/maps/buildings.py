@@ -38,7 +38,8 @@ def name_for_pilot(feature: Feature, shape: Any) -> str:
     tags = feature.tags
     if tags.get("name") or tags.get("addr:housename"):
         return feature.name
-    street, number = tags.get("addr:street"), tags.get("addr:housenumber")
+    street = tags.get("addr:street")
+    number = tags.get("addr:housenumber")
     if "building" in tags and street and number:
         return make_printable(f"{_kind(tags)}, {street} {number}")
     return make_printable(f"{_kind(tags)}{_from_home(shape)} ({feature.name.rpartition(': ')[2]})")

@@ -30,7 +30,8 @@ HEIGHT_UNITS = {
     **dict.fromkeys(("ft", "foot", "feet"), FOOT),
     **dict.fromkeys(("us survey foot", "ftus"), 1200 / 3937),
 }
-LOWEST, HIGHEST = -500.0, 9_000.0  # of the ground [m]
+LOWEST = -500.0  # ground [m]
+HIGHEST = 9_000.0  # ground [m]
 SUSPECT_STEP = 100.0  # larger ones may be spoiled heights [m]
 
 
@@ -153,7 +154,8 @@ def _raise_over_posts(
     """Raise `ground` in place over posts (3, rows, columns); return the greatest raise [m]."""
     east, north, up = posts.reshape(3, -1)
     rows, columns = ground.shape
-    x, y = (east - lower[0]) / spacing, (north - lower[1]) / spacing
+    x = (east - lower[0]) / spacing
+    y = (north - lower[1]) / spacing
     inside = (x >= 0) & (y >= 0) & (x <= columns - 1) & (y <= rows - 1)
     x = x[inside]
     y = y[inside]
@@ -281,7 +283,8 @@ class _Raster:
                 yield f"heights differ by {most:.0f} m from one {side} to the next {where}: one may be missing"
 
     def _completed(self, posts: _Posts, fill: bool, why: str) -> tuple[_Posts, tuple[str, ...]]:
-        wild, missing = posts.heights > HIGHEST, np.isnan(posts.heights)
+        wild = posts.heights > HIGHEST
+        missing = np.isnan(posts.heights)
         if wild.any():
             words = f"expected heights of ground, not {posts.heights[wild][0]:g} m {self._where(wild, posts)}"
             hint = "if this number marks a missing height, set terrain.nodata to it"

@@ -235,7 +235,8 @@ def _slot(slot: Mapping[str, Any]) -> Slot:
     days = frozenset(known if len(known) == len(names) else range(7))  # "ANY", or a holiday of unknown date
     if "startTime" not in slot or "endTime" not in slot:  # dawn or dusk
         return Slot(days, -DAY_S / 2, 1.5 * DAY_S)
-    begin, end = _clock(slot["startTime"]), _clock(slot["endTime"])
+    begin = _clock(slot["startTime"])
+    end = _clock(slot["endTime"])
     return Slot(days, begin, end if end > begin else end + DAY_S)
 
 

@@ -179,7 +179,8 @@ def _shapes(parent: ElementTree.Element, place: str, depth: int = 0) -> Iterator
 
 
 def _polygon(element: ElementTree.Element, place: str) -> Any:
-    outer, inner = element.findall("outerBoundaryIs/*"), element.findall("innerBoundaryIs/*")
+    outer = element.findall("outerBoundaryIs/*")
+    inner = element.findall("innerBoundaryIs/*")
     if len(outer) != 1:
         raise BadInput(f"expected one LinearRing, not {len(outer)}", place=f"{place}.outerBoundaryIs")
     for ring in (*outer, *inner):

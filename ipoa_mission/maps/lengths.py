@@ -6,7 +6,8 @@ from functools import lru_cache
 
 from ipoa_mission.errors import BadInput
 
-INCH, FOOT = 0.0254, 0.3048
+INCH = 0.0254  # [m]
+FOOT = 0.3048  # [m]
 _UNITS = {
     1.0: "m metre metres meter meters mtr mtrs mt mts м metri metros mètre mètres",
     0.01: "cm centimetre centimetres centimeter centimeters",

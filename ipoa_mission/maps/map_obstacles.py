@@ -30,7 +30,6 @@ class MapObstacle(NamedTuple):
 
 
 def raise_obstacles(obstacles: Sequence[MapObstacle], ground: Ground) -> tuple[Obstacle, ...]:
-    """Return the obstacles above the ground, hanging ones last."""
     hanging = [wall for each in obstacles if each.hangs for wall in raise_span(each, ground)]
     upright = [each for each in obstacles if not each.hangs]
     if not upright:

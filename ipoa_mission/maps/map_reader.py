@@ -29,8 +29,6 @@ Reader: TypeAlias = Callable[[Path, MapWindow], Features]
 
 
 def _whole(read: Callable[[Path], Features]) -> Reader:
-    """Read a whole file, then select the features in the window."""
-
     def read_in_window(path: Path, around: MapWindow) -> Features:
         features = read(path)
         if around.window == around.near:
@@ -60,7 +58,7 @@ READERS = tuple(_READERS)
 
 @many_objects()
 def read_features(path: Path, around: MapWindow | None = None) -> Features:
-    """Return the features in a window (default: all), and count the others there."""
+    """Return the features in a window, by default all."""
     around = around or MapWindow()
     if path.suffix.lower() not in _READERS:
         words = f"expected a file that ends in {', '.join(READERS)}, not in {path.suffix or 'nothing'}"

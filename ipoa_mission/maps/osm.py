@@ -133,7 +133,8 @@ def _extract(path: Path) -> Extract:
 
 
 def _as_json(element: ElementTree.Element) -> dict[str, Any]:
-    nodes, bounds = element.findall("nd"), element.find("bounds")
+    nodes = element.findall("nd")
+    bounds = element.find("bounds")
     return {
         **element.attrib,
         "type": element.get("type", element.tag),

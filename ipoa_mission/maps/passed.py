@@ -15,7 +15,8 @@ from ipoa_mission.maps.planar import to_plane
 from ipoa_mission.unread import Unread
 
 MOST_NAMED = 3
-NOT_UNDERSTOOD, NOT_READ = "map-not-understood", "not-read"
+NOT_UNDERSTOOD = "map-not-understood"
+NOT_READ = "not-read"
 FAR_FROM_HOME = Reason("more than 100 km from home", False)
 
 

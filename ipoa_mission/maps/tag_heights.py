@@ -20,11 +20,9 @@ def height_of(tags: Mapping[str, str], height_key: str, storey_height: float, od
         return height_by_key
     others = [_top(tags, key, storey_height, odd) for key in keys_of(tags, Means.TOP) if key != height_key]
     heights = [height for height in (height_by_key, *others) if height is not None]
-    if (tip := _tip(tags, odd, bool(heights))) is not None:
-        heights.append(tip)
-    if height_by_key is None and (by_storeys := _by_storeys(tags, storey_height, odd)) is not None:
-        heights.append(by_storeys)
-    return max(heights, default=None)
+    tip = _tip(tags, odd, bool(heights))
+    by_storeys = _by_storeys(tags, storey_height, odd) if height_by_key is None else None
+    return max((height for height in (*heights, tip, by_storeys) if height is not None), default=None)
 
 
 def foot_of(tags: Mapping[str, str], storey_height: float, odd: Odd) -> float:

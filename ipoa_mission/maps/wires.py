@@ -35,16 +35,19 @@ class Wire:
 def wire_of(tags: Mapping[str, str], line_height: float | None, aerialway_height: float) -> Wire | None:
     if WIRES.keys().isdisjoint(tags):
         return None
-    if (lift := tags.get("aerialway")) in DRAG_LIFTS:
+    lift = tags.get("aerialway")
+    kind = tags.get("power")
+    if lift in DRAG_LIFTS:
         return Wire("drag lift(s)", min(aerialway_height, 15.0), 5.0, "aerialway_height")
     if lift in WIRES["aerialway"]:
         return Wire("aerialway(s)", aerialway_height, 5.0, "aerialway_height")  # half width with cabins
-    if (kind := tags.get("power")) in WIRES["power"]:
+    if kind in WIRES["power"]:
         volts = volts_of(tags.get("voltage", ""))
         words = f"power line(s) of {'unknown voltage' if volts is None else f'{volts / 1000:g} kV'}"
         most = (np.inf if kind == "line" else 60e3) if volts is None else volts
     elif "line" in (tags.get("communication"), tags.get("telecom")):
-        words, most = "telephone line(s)", 1e3
+        words = "telephone line(s)"
+        most = 1e3
     else:
         return None
     height, reach = next((height, reach) for volts, height, reach in POWER_LINES if most <= volts)

@@ -270,7 +270,7 @@ def _boxes(obstacles: Sequence[tuple[Path, MapObstacle]]) -> NDArray[np.float64]
 def _near(
     obstacles: Sequence[tuple[Path, MapObstacle]], no_fly: Sequence[NoFlyZone], corners: Box
 ) -> tuple[list[MapObstacle], list[NoFlyZone], list[PassedOver]]:
-    """Return the obstacles and zones within `MARGIN` of the bounds, and the others."""
+    """Return those within `MARGIN` of the bounds, and the others."""
     zone_boxes = shapely.bounds([zone.shape for _, zone in no_fly])
     is_near = meets(_boxes(obstacles), corners, MARGIN)
     is_zone_near = meets(zone_boxes, corners, MARGIN)
