@@ -23,44 +23,28 @@ from ipoa_mission.maps.planar import simple_parts
 from ipoa_mission.maps.table_layers import FIRST_BYTES, read_table
 
 GEOJSON = (".geojson", ".json", ".geojsonl", ".geojsons", ".geojsonseq", ".ndjson", ".jsonl")
-LARGEST_GEOJSON = 500_000_000  # [bytes], about a minute and 7 GB of memory
+LARGEST_WHOLE = 500_000_000  # [bytes]; a GeoJSON takes about a minute and 7 GB of memory
 Features: TypeAlias = tuple[Feature, ...]
-Reader: TypeAlias = Callable[[Path, MapWindow], Features]
-
-
-def _whole(read: Callable[[Path], Features]) -> Reader:
-    def read_in_window(path: Path, around: MapWindow) -> Features:
-        features = read(path)
-        if around.window == around.near:
-            return features
-        boxes = shapely.bounds([feature.shape for feature in features]).reshape(-1, 4)
-        return tuple(compress(features, around.wants(boxes).tolist()))
-
-    return read_in_window
-
-
-def _read_geojson(path: Path, around: MapWindow) -> Features:
-    cut = "ogr2ogr -spat {} {} {} {} town.geojson {file}"
-    expect_size(path, LARGEST_GEOJSON, around.window, cut)
-    return _whole(read_geojson)(path, around)
-
-
-_READERS: dict[str, Reader] = {
-    **dict.fromkeys(GEOJSON, _read_geojson),
-    ".kml": _whole(read_kml),
-    ".kmz": _whole(read_kmz),
-    ".osm": _whole(read_osm),
+# Of whole files.
+_READERS: dict[str, Callable[[Path], Features]] = {
+    **dict.fromkeys(GEOJSON, read_geojson),
+    ".kml": read_kml,
+    ".kmz": read_kmz,
+    ".osm": read_osm,
+}
+# Of parts of files.
+_WINDOW_READERS: dict[str, Callable[[Path, MapWindow], Features]] = {
     ".pbf": read_pbf,
     **dict.fromkeys(FIRST_BYTES, read_table),
 }
-READERS = tuple(_READERS)
+READERS = (*_READERS, *_WINDOW_READERS)
 
 
 @many_objects()
 def read_features(path: Path, around: MapWindow | None = None) -> Features:
     """Return the features in a window, by default all."""
     around = around or MapWindow()
-    if path.suffix.lower() not in _READERS:
+    if path.suffix.lower() not in READERS:
         words = f"expected a file that ends in {', '.join(READERS)}, not in {path.suffix or 'nothing'}"
         raise WrongSuffix(words, place=path)
     if around.window == around.near:
@@ -80,7 +64,15 @@ def _read_window(
 
 
 def _read(path: Path, around: MapWindow) -> Features:
-    features = _READERS[path.suffix.lower()](path, around)
+    suffix = path.suffix.lower()
+    if suffix in _WINDOW_READERS:
+        features = _WINDOW_READERS[suffix](path, around)
+    else:
+        expect_size(path, LARGEST_WHOLE, around.window, "ogr2ogr -spat {} {} {} {} town.geojson {file}")
+        features = _READERS[suffix](path)
+        if around.window != around.near:
+            boxes = shapely.bounds([feature.shape for feature in features]).reshape(-1, 4)
+            features = tuple(compress(features, around.wants(boxes).tolist()))
     around.expect_near(path)
     return features
 

@@ -127,7 +127,7 @@ def test_one_value_or_one_a_line_has_the_same_features(tmp_path: Path, text: str
 def test_too_large_file_is_refused_with_the_command_to_cut_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     path = tmp_path / "map.geojson"
     path.write_text(json.dumps(FEATURES[0]))
-    monkeypatch.setattr(map_reader, "LARGEST_GEOJSON", 100)
+    monkeypatch.setattr(map_reader, "LARGEST_WHOLE", 100)
     around = MapWindow.of(LocalFrame(Geodetic(47.0, 8.0)), (np.full(2, -150.0), np.full(2, 150.0)))
     with refuses("too-large", ".geojson", "0 MB") as caught:
         read_features(path, around)

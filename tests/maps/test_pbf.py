@@ -107,7 +107,7 @@ def test_a_small_part_is_read_once_until_the_file_is_another(make: Make, monkeyp
         times += 1
         return pbf.read_pbf(path, around)
 
-    monkeypatch.setitem(map_reader._READERS, ".pbf", count)
+    monkeypatch.setitem(map_reader._WINDOW_READERS, ".pbf", count)
     moved = HERE[0] + 5.0, HERE[1] + 5.0
     first, second = (search_buildings(binary, BuildingRules(), HOME, box) for box in (HERE, moved))
     assert (times, len(first.obstacles)) == (1, len(second.obstacles))
