@@ -160,6 +160,7 @@ def _why_no_zone(rest: Sequence[Any]) -> Reason:
 
 
 def _outline(shape: Any, tags: Mapping[str, str]) -> Any:
-    if shape.geom_type == "Point" and (radius := radius_of(tags)) is not None:
+    radius = radius_of(tags) if shape.geom_type == "Point" else None
+    if radius is not None:
         return shape.buffer(radius / math.cos(math.pi / 64), quad_segs=16)  # circumscribed: 64 corners
     return close_as_polygon(shape)

@@ -78,10 +78,10 @@ def _volume(zone: Mapping[str, Any], volume: Any, place: str) -> Feature:
 
 
 def layers_apart(feature: Any) -> list[Any]:
+    """Divide a collection whose members have vertical limits of their own (ED-318)."""
     geometry = feature.get("geometry") if isinstance(feature, dict) else None
-    members = geometry.get("geometries") if isinstance(geometry, dict) else None
-    if not isinstance(geometry, dict) or not isinstance(members, list):
-        return [feature]
+    geometry = geometry if isinstance(geometry, dict) else {}
+    members = geometry["geometries"] if isinstance(geometry.get("geometries"), list) else []
     if not any(isinstance(member, dict) and "layer" in member for member in members):
         return [feature]
     shared = {"layer": geometry["layer"]} if "layer" in geometry else {}
@@ -90,13 +90,15 @@ def layers_apart(feature: Any) -> list[Any]:
 
 
 def zone_tags(properties: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
-    if isinstance(names := properties.get("name"), list):  # ED-318: by language
+    names = properties.get("name")
+    if isinstance(names, list):  # ED-318: by language
         texts = [name for name in names if isinstance(name, dict) and isinstance(name.get("text"), str)]
         english = [name for name in texts if str(name.get("lang", "")).startswith("en")]
-        if chosen := english or texts:
-            yield "name", chosen[0]["text"]
+        for name in (english or texts)[:1]:
+            yield "name", name["text"]
     yield from _time_tags(properties.get("applicability"))
-    if isinstance(volume := properties.get("geometry"), dict):  # Estonia: an ED-269 volume
+    volume = properties.get("geometry")
+    if isinstance(volume, dict):  # Estonia: an ED-269 volume
         yield from limit_tags(volume)
 
 
@@ -157,7 +159,8 @@ def _limit(values: Mapping[str, str], side: str, odd: list[tuple[str, str]]) -> 
     number, name, datum = in_words.groups() if in_words else (text, unit or "M", reference)
     if name in LENGTH_UNITS and datum in REFERENCES and _is_number(number):
         return VerticalLimit(float(number) * LENGTH_UNITS[name], REFERENCES[datum])
-    if _is_number(meters := values[f"{side}Meters"]) and not reference:  # Estonia's, rounded
+    meters = values[f"{side}Meters"]
+    if _is_number(meters) and not reference:  # Estonia's, rounded
         odd.append((f"reference of {side}Meters, taken as AGL", meters))
         return VerticalLimit(float(meters), "AGL")
     if text or meters:

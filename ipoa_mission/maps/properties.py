@@ -46,7 +46,8 @@ def find_truncated(properties: Mapping[str, Any], shape: Any) -> Missing | None:
     """Find packed tags that a Shapefile truncates to 254 bytes."""
     for key in PACKED:
         text = properties.get(key)
-        if isinstance(text, str) and (rest := _rest(text)):
+        rest = _rest(text) if isinstance(text, str) else ""
+        if rest:
             words = f"of which {key} is not whole (... {rest[-20:]!r})"
             return Missing(words, shape, "write the map as a GeoPackage, which keeps long texts")
     return None
@@ -54,7 +55,8 @@ def find_truncated(properties: Mapping[str, Any], shape: Any) -> Missing | None:
 
 def _unpacked(key: str, text: str) -> Iterator[tuple[str, str]]:
     with suppress(ValueError, RecursionError):
-        if isinstance(value := json.loads(text), dict):
+        value = json.loads(text)
+        if isinstance(value, dict):
             yield from tags_of(value)
             return
     pairs = HSTORE.findall(text)
@@ -83,7 +85,8 @@ def _measures(key: str, value: Any, depth: int = 3) -> Iterator[tuple[str, str]]
             yield from _measures(key, inner, depth - 1)
     elif meaning(key) is not Means.NOTHING:
         items = value if isinstance(value, list) else [value]
-        if texts := [text for item in items for _, text in _plain(key, item)]:
+        texts = [text for item in items for _, text in _plain(key, item)]
+        if texts:
             yield key, ";".join(texts)
 
 
