@@ -11,7 +11,7 @@ from typing import TypeAlias
 import numpy as np
 
 from ipoa_mission import Box, Command, NoRoute, Plan, Scenario, assemble_mission, estimate, fly_built_in, read_scenario
-from ipoa_mission.errors import BadInput, UnknownName, imported
+from ipoa_mission.errors import imported
 from ipoa_mission.files import packed
 from ipoa_mission.geometry import polyline_length, turning_angles
 from ipoa_mission.optimize.search import Candidates, Costs, Optimum
@@ -22,7 +22,6 @@ from ipoa_mission.planning.spline import Spline
 #: F_i* of Table 1
 OPTIMA = (300.0, 400.0, 600.0, 800.0, 900.0, 1800.0, 2000.0, 2200.0, 2300.0, 2400.0, 2600.0, 2700.0)
 FUNCTIONS = tuple(f"f{i}" for i in range(1, 13))
-DIMENSIONS = (10, 20)
 MAPS = ("map-8-1", "map-8-2", "map-8-3", "map-8-4", "map-8-5", "map-6-1", "map-10-1")
 #: Table 5's experiments; the other tables use the first.
 WEIGHTS = {"1": (0.7, 0.15, 0.15), "2": (0.15, 0.7, 0.15), "3": (0.15, 0.15, 0.7)}
@@ -43,10 +42,6 @@ class Problem:
 
 def cec2022(function: str, dimension: int) -> Problem:
     """Return cost minus optimum of "f1" to "f12", by `minionpy`; `opfunu` 1.0.4 is wrong on eleven of them."""
-    if function not in FUNCTIONS:
-        raise UnknownName(f"expected f1 to f12, not {function!r}", place="function")
-    if dimension not in DIMENSIONS:
-        raise BadInput(f"expected 10 or 20, not {dimension}", place="dimension")
     cec = imported("minionpy.cec", "the CEC2022 functions need minionpy, which is not installed", "paper")
     number = FUNCTIONS.index(function)
     raw = cec.CEC2022Functions(number + 1, dimension)
@@ -57,20 +52,11 @@ def cec2022(function: str, dimension: int) -> Problem:
     return Problem(error_of, Box(np.full(dimension, -100.0), np.full(dimension, 100.0)))
 
 
-def map_problem(case: str, dimension: int) -> Problem:
-    """Return the problem of a map, or map and experiment of Table 5, "map-8-1/2"."""
-    if dimension != 3 * INNER:
-        raise BadInput(f"expected {3 * INNER}, not {dimension}", place="dimension")
-    return path_problem(map_scenario(case))
-
-
 def map_scenario(case: str) -> Scenario:
+    """Return a map, with the weights of an experiment of Table 5 for a case like "map-8-1/2"."""
     name, _, experiment = case.partition("/")
-    weights = WEIGHTS.get(experiment or "1")
-    if name not in MAPS or weights is None:
-        words = f"expected one of {', '.join(MAPS)}, with or without /1, /2 or /3, not {case!r}"
-        raise UnknownName(words, place="case")
     scenario = paper_scenario(name)
+    weights = WEIGHTS[experiment or "1"]
     return scenario.model_copy(update={"cost": scenario.cost.model_copy(update={"omega": weights})})
 
 
@@ -132,12 +118,8 @@ def campus_scenario() -> Scenario:
     )
 
 
-def campus_problem(case: str, dimension: int) -> Problem:
-    if case != "campus":
-        raise UnknownName(f"expected campus, not {case!r}", place="case")
+def campus_problem() -> Problem:
     scenario = campus_scenario()
-    if dimension != 3 * scenario.planning.control_points:
-        raise BadInput(f"expected {3 * scenario.planning.control_points}, not {dimension}", place="dimension")
     problem = path_problem(scenario)
 
     def measure(optimum: Optimum) -> Measures:
@@ -161,7 +143,8 @@ def flown(curve: Spline, scenario: Scenario, optimum: Optimum) -> Measures:
         mission = assemble_mission(plan, close)
     except NoRoute:
         return {"flyable": 0.0}
-    record, predicted = fly_built_in(mission), estimate(mission)
+    record = fly_built_in(mission)
+    predicted = estimate(mission)
     waypoints = [k for k, item in enumerate(mission.items) if item.command == Command.NAV_WAYPOINT]
     first = waypoints[0] - 1
     last = waypoints[-1]

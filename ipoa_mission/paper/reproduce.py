@@ -24,8 +24,6 @@ from ipoa_mission.progress import Progress, silent
 @contextmanager
 def open_executor(jobs: int, address: str | None, patience_s: float = 10.0) -> Iterator[Executor]:
     """Open `jobs` local processes, or the workers of the Dask scheduler at `address`."""
-    if jobs < 1:
-        raise BadInput(f"expected at least 1, not {jobs}", place="jobs")
     if address is None:
         try:
             ignore_ctrl_c = (signal.SIGINT, signal.SIG_IGN)  # it ends the parent
@@ -112,8 +110,6 @@ def reproduce(
         close = get_close_matches(what, [*ITEMS, "all"], n=1)
         meant = f" (did you mean {close[0]!r}?)" if close else ""
         raise UnknownName(f"expected {', '.join(ITEMS)} or all, not {what!r}{meant}", place="what")
-    if runs is not None and runs < 1:
-        raise BadInput(f"expected at least 1, not {runs}", place="runs")
     names = list(ITEMS) if what == "all" else [what]
     needed = {series.name: series for name in names for series in ITEMS[name].needs}
     rows: dict[str, Sequence[TrialRow]] = {}

@@ -13,10 +13,10 @@ from typing import Any
 import numpy as np
 from threadpoolctl import threadpool_info, threadpool_limits
 
-from ipoa_mission.errors import BadInput, UnknownName, imported
-from ipoa_mission.optimize.registry import build_optimizer, optimizer_names
+from ipoa_mission.errors import imported
+from ipoa_mission.optimize.registry import build_optimizer
 from ipoa_mission.optimize.search import Box, Candidates, Costs, CountedCost, Optimum, minimize
-from ipoa_mission.paper.problems import Problem, campus_problem, cec2022, map_problem
+from ipoa_mission.paper.problems import Problem, campus_problem, cec2022, map_scenario, path_problem
 from ipoa_mission.paper.rows import Trial, TrialRow, line_of, open_to_append, read_rows
 from ipoa_mission.progress import Progress, count, silent
 
@@ -65,25 +65,23 @@ RIVALS: dict[str, Rival] = {
     "de": _by_scipy,
 }
 
-
 #: shares of a run's evaluations
 CHECKPOINTS = np.linspace(0, 1, 26)
 
 
-PROBLEMS: dict[str, Callable[[str, int], Problem]] = {"cec2022": cec2022, "map": map_problem, "campus": campus_problem}
-
-
 def run_trial(trial: Trial) -> TrialRow:
-    if trial.problem not in PROBLEMS:
-        raise UnknownName(f"expected {' or '.join(PROBLEMS)}, not {trial.problem!r}", place="problem")
-    if trial.algorithm in RIVALS and trial.algorithm in optimizer_names():
-        raise BadInput(f"expected one optimizer {trial.algorithm}, not that of paper/runs.py and a registered one")
     with threadpool_limits(1, "blas"):  # two threads sum in another order
         return _run(trial)
 
 
+def _problem_of(trial: Trial) -> Problem:
+    if trial.problem == "cec2022":
+        return cec2022(trial.case, trial.dimension)
+    return campus_problem() if trial.problem == "campus" else path_problem(map_scenario(trial.case))
+
+
 def _run(trial: Trial) -> TrialRow:
-    problem = PROBLEMS[trial.problem](trial.case, trial.dimension)
+    problem = _problem_of(trial)
     rng = np.random.default_rng([*trial.problem.encode(), *trial.case.encode(), trial.dimension, trial.run])
     started = time.process_time()
     if trial.algorithm in RIVALS:

@@ -5,9 +5,8 @@ import numpy as np
 import pytest
 
 from ipoa_mission.optimize.search import Optimum
-from ipoa_mission.paper.problems import INNER, MAPS, iterations_to_converge, map_problem, map_scenario, measures_of
+from ipoa_mission.paper.problems import INNER, MAPS, iterations_to_converge, map_scenario, measures_of
 from ipoa_mission.planning.spline import Spline
-from tests.refused import refuses
 from tools.generate.paper_maps import paper_map
 
 
@@ -56,9 +55,3 @@ def test_a_path_through_a_mast_is_not_collision_free() -> None:
 def test_convergence_is_when_the_cost_was_within_a_hundredth_of_its_last() -> None:
     optimum = Optimum(np.zeros(1), 100.0, np.array([30, 60, 90, 120]), np.array([500.0, 102.0, 100.5, 100.0]))
     assert iterations_to_converge(optimum) == 750
-
-
-@pytest.mark.parametrize("case", ["map-9-1", "map-8-1/4", "map-8-1/x"])
-def test_a_map_that_does_not_exist_is_refused(case: str) -> None:
-    with refuses("unknown-name", "case", "8-1"):
-        map_problem(case, 3 * INNER)

@@ -1,13 +1,10 @@
 import math
 from concurrent.futures import Executor, Future, ThreadPoolExecutor
-from dataclasses import replace
-from importlib.metadata import EntryPoint
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-from ipoa_mission.optimize import registry
 from ipoa_mission.paper.rows import Trial, TrialRow, open_to_append, read_rows, settings_text
 from ipoa_mission.paper.runs import CHECKPOINTS, measure, run_trial
 from tests.refused import refuses
@@ -44,13 +41,6 @@ def test_a_row_holds_what_the_run_gave() -> None:
     assert len(row.history) == len(CHECKPOINTS)
     assert row.history[-1] == row.cost
     assert list(row.history) == sorted(row.history, reverse=True)
-
-
-def test_a_rival_that_is_also_registered_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
-    entry = EntryPoint("de", "other.de:DE", "ipoa_mission.optimizers")
-    monkeypatch.setattr(registry, "plug_ins", lambda group: (entry,))
-    with refuses("bad-input", "", "one optimizer de"):
-        run_trial(replace(TRIALS[0], algorithm="de"))
 
 
 def test_a_trial_is_a_function_of_itself() -> None:
@@ -162,8 +152,3 @@ def test_a_row_that_makes_no_sense_is_named_by_its_line(tmp_path: Path) -> None:
     path.write_text(lines[0] + lines[1] + lines[2].replace(",10,", ",ten,", 1))
     with refuses("wrong-format"):
         read_rows(path)
-
-
-def test_a_problem_that_does_not_exist_is_refused() -> None:
-    with refuses("unknown-name", "problem", "cec2022", "'cec2021'"):
-        run_trial(Trial("cec2021", "f1", 10, "poa", "{}", 0, 0))

@@ -162,12 +162,6 @@ def test_reproduce_measures_what_is_missing_and_tells_how_far_it_is(
     assert len((tmp_path / "out" / "rows" / "tiny.csv").read_text().splitlines()) == 1 + 6
 
 
-@pytest.mark.parametrize(
-    ("table_name", "runs", "message"),
-    [("table3", None, ("unknown-name", "what", "'table3'")), ("table-3", 0, ("bad-input", "runs"))],
-)
-def test_tables_that_cannot_be_reproduced_are_bad_input(
-    tmp_path: Path, table_name: str, runs: int | None, message: tuple[str, ...]
-) -> None:
-    with refuses(*message):
-        reproduce(table_name, runs, tmp_path, open_executor(1, None))
+def test_tables_that_cannot_be_reproduced_are_bad_input(tmp_path: Path) -> None:
+    with refuses("unknown-name", "what", "'table3'"):
+        reproduce("table3", None, tmp_path, open_executor(1, None))
