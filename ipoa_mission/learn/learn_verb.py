@@ -69,7 +69,7 @@ def learn(
             "left_out": [asdict(one) for one in judged],
             "median_error": {"before": round(before, 5), "after": round(after, 5)},
         }
-        print_json(fitted | {"not_told": why} | outcome)
+        print_json(fitted | {"undetermined": why} | outcome)
         return
     columns = ["flight", "flown\ns", "estimated\ns", "with the\nvehicle s", "measured\nWh", "estimated\nWh"]
     if judged:

@@ -121,6 +121,8 @@ def test_learn_takes_one_flight_for_its_power_alone(tmp_path: Path) -> None:
     document = json.loads(CliRunner().invoke(app, ["learn", str(LOG), "--out", str(out), "--force", "--json"]).output)
     assert document["vehicle"]["autopilot"] == vehicle.autopilot.name
     assert document["vehicle"]["hover_power"]["value"] == pytest.approx(vehicle.hover_power.value, rel=1e-3)
+    assert document["undetermined"].keys() == {name for name, value in document["vehicle"].items() if value is None}
+    assert "drag" in document["undetermined"]
 
 
 def test_real_flights_are_foretold_by_the_others(samples: Path) -> None:
