@@ -62,10 +62,7 @@ def plan(
         files = [*write_parts(flight, parts, summary, out, to.report)]
     else:
         summary = flight.summary()
-        files = [*flight.write(out)]
-        if to.report:
-            files.append(out / f"{flight.name}.html")
-            flight.report(files[-1])
+        files = [*flight.write(out, to.report)]
     if to.as_json:
         print_json(summary | {"written": [str(file) for file in files]})
     elif len(parts) > 1:

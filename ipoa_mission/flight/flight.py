@@ -112,14 +112,18 @@ class Flight:
         warned = {words for finding in self.findings for words in (finding.message, finding.hint)}
         return tuple(remark for remark in self.remarks if remark not in warned)
 
-    def write(self, folder: str | Path = ".") -> tuple[Path, ...]:
-        """Write NAME.plan, .waypoints, .json, and .params for parameters; the same flight gives the same bytes.
+    def write(self, folder: str | Path = ".", report: bool = False) -> tuple[Path, ...]:
+        """Write NAME.plan, .waypoints, .json, .params for parameters, NAME.html for `report`: all or none.
+
+        The same flight gives the same bytes.
 
         Raises:
             BadInput: the folder cannot be written.
         """
-        make_folder(folder := Path(folder))
-        return write_files(self.mission, folder, self.name, self.summary())
+        folder = Path(folder)
+        make_folder(folder)
+        pages = {folder / f"{self.name}.html": self._page()} if report else {}
+        return write_files(self.mission, folder, self.name, self.summary(), pages)
 
     def summary(self) -> dict[str, object]:
         """Return NAME.json in meters, seconds and degrees."""
@@ -161,10 +165,13 @@ class Flight:
         Raises:
             BadInput: the file cannot be written.
         """
+        write_atomically(Path(path), self._page(record))
+
+    def _page(self, record: "FlightRecord | None" = None) -> str:
         from ipoa_mission.report.page import PageNotes, report_html
 
         notes = PageNotes(self.findings, self.remarks)
-        write_atomically(Path(path), report_html(self.forecast, notes, self.plan, record))
+        return report_html(self.forecast, notes, self.plan, record)
 
 
 def plan_flight(scenario: Scenario, *, wind: Wind | None = None, seed: int = 0, progress: Progress = silent) -> Flight:

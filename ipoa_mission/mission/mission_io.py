@@ -179,9 +179,12 @@ def digest(text: str) -> str:
     return sha256(text.encode()).hexdigest()
 
 
-def write_files(mission: Mission, folder: Path, name: str, about: Mapping[str, Any]) -> tuple[Path, ...]:
-    """Write all files or none, NAME.json of `about`; return them."""
-    return _write(_mission_contents(mission, folder, name, about)[0])
+def write_files(
+    mission: Mission, folder: Path, name: str, about: Mapping[str, Any], pages: Mapping[Path, str] | None = None
+) -> tuple[Path, ...]:
+    """Write a mission's files, NAME.json of `about`, and the pages, all or none; return them."""
+    contents, _ = _mission_contents(mission, folder, name, about)
+    return _write({**contents, **(pages or {})})
 
 
 def write_several(

@@ -115,14 +115,7 @@ class PlanWorker:
             answer(strip)
 
     def write(self, order: JobOrder, answer: Answer) -> None:
-        plan = self._expect_plan()
-        folder = Path(order["folder"])
-        files = [*plan.write(folder)]
-        if isinstance(plan, Survey):
-            files += plan.report(folder)
-        else:
-            files.append(folder / f"{plan.name}.html")
-            plan.report(files[-1])
+        files = self._expect_plan().write(order["folder"], report=True)
         answer(Written(files=tuple(file.name for file in files)))
 
     def detach(self, order: JobOrder, _: Answer) -> None:

@@ -87,22 +87,26 @@ class Survey:
     def total_s(self) -> float:
         return sum(forecast.estimate.total_s for forecast in self.flights)
 
-    def write(self, folder: str | Path = ".") -> tuple[Path, ...]:
-        """Write .plan, .waypoints and .json of each flight, and NAME.json; the same survey gives the same bytes.
+    def write(self, folder: str | Path = ".", report: bool = False) -> tuple[Path, ...]:
+        """Write .plan, .waypoints and .json of each flight, NAME.json, pages for `report`: all or none.
+
+        The same survey gives the same bytes.
 
         Raises:
             BadInput: the folder cannot be written.
         """
         from ipoa_mission.survey.survey_report import forecast_as_json
 
-        make_folder(folder := Path(folder))
+        folder = Path(folder)
+        make_folder(folder)
+        pages = self._pages(folder) if report else {}
         if len(self.flights) == 1:
-            return write_files(self.flights[0].mission, folder, self.name, self.summary())
+            return write_files(self.flights[0].mission, folder, self.name, self.summary(), pages)
         parts = []
         for name, forecast in zip(self.names, self.flights, strict=True):
             about = {"name": name, "version": version("ipoa-mission"), **forecast_as_json(forecast)}
             parts.append((name, forecast.mission, about))
-        return write_several(parts, folder, self.name, self.summary())
+        return write_several(parts, folder, self.name, self.summary(), pages)
 
     def summary(self) -> dict[str, object]:
         """Return NAME.json in meters, seconds and watt hours."""
@@ -128,20 +132,24 @@ class Survey:
         Raises:
             BadInput: a file cannot be written.
         """
+        pages = self._pages(Path(folder))
+        write_together(pages)
+        return tuple(pages)
+
+    def _pages(self, folder: Path) -> dict[Path, str]:
         from ipoa_mission.report.page import PageNotes, report_html
         from ipoa_mission.survey.survey_report import survey_html, survey_panel
 
         panel = survey_panel(self.plan, self.names)
         pages = dict[Path, str]()
         if len(self.flights) > 1:
-            pages[Path(folder) / f"{self.name}.html"] = survey_html(self.plan, self.names, self.remarks)
+            pages[folder / f"{self.name}.html"] = survey_html(self.plan, self.names, self.remarks)
         of_flights = {*_messages_of_flights(self.plan, _repairs)}
         of_all = [words for words in self.notes if words not in of_flights]
         for name, flight in zip(self.names, self.plan.flights, strict=True):
             notes = PageNotes(flight.findings, (*_repairs(flight), *of_all), panel)
-            pages[Path(folder) / f"{name}.html"] = report_html(flight.forecast, notes)
-        write_together(pages)
-        return tuple(pages)
+            pages[folder / f"{name}.html"] = report_html(flight.forecast, notes)
+        return pages
 
 
 def describe(survey: Survey) -> list[str]:

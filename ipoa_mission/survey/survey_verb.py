@@ -116,7 +116,7 @@ def _print(survey: "Survey", written: list[Path]) -> None:
 
 def _write(survey: "Survey", files: FileOutput) -> list[Path]:
     files.expect_plans(dict.fromkeys((survey.name, *survey.names)))
-    return [*survey.write(files.folder), *(survey.report(files.folder) if files.report else ())]
+    return [*survey.write(files.folder, files.report)]
 
 
 def _expect_flyable(survey: "Survey", asked: FlyOptions) -> None:

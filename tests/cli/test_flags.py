@@ -154,6 +154,25 @@ def test_files_are_not_overwritten_without_force(run: Run) -> None:
     assert "the file exists" in run("export same.plan same.plan").err
 
 
+def test_plan_writes_mission_and_page_together_or_neither(
+    planned: Planned, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    flight = planned("sitl")[0]
+
+    def fail(*_: object) -> str:
+        raise OSError("no page")
+
+    with monkeypatch.context() as broken:
+        broken.setattr("ipoa_mission.report.page.report_html", fail)
+        with pytest.raises(OSError, match="no page"):
+            flight.write(tmp_path, report=True)
+    assert not list(tmp_path.iterdir())
+    *mission, page = flight.write(tmp_path, report=True)
+    assert mission == list(flight.write(tmp_path))
+    flight.report(tmp_path / "again.html")
+    assert (page.name, page.read_text()) == ("sitl.html", (tmp_path / "again.html").read_text())
+
+
 def test_a_plan_writes_over_a_plan_but_over_nobody_elses(run: Run, planned: Planned, tmp_path: Path) -> None:
     flight = planned("sitl")[0]
     flight.write(tmp_path)
