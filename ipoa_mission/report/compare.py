@@ -93,7 +93,8 @@ def compare_flight(estimate: Estimate, flight: FlightRecord) -> Comparison:
         if done is not None and item.seq not in legs:
             takes = item.done_s - estimated, done - flown
             legs[item.seq] = LegTime(item.seq, item.command, item.done_s, done, *takes)
-            estimated, flown = item.done_s, done
+            estimated = item.done_s
+            flown = done
     on_route = HOLDING | {Command.NAV_TAKEOFF}
     route = [leg for leg in legs.values() if leg.command in on_route]
     return Comparison(

@@ -5,10 +5,9 @@ import math
 
 def seconds(value: float) -> str:
     """`43.1 s`, `103 s`, `3 min 13 s`."""
-    if value < 99.95:
-        return f"{value:.1f}\N{NO-BREAK SPACE}s"
     if value < 119.5:
-        return f"{value:.0f}\N{NO-BREAK SPACE}s"
+        digits = 1 if value < 99.95 else 0
+        return f"{value:.{digits}f}\N{NO-BREAK SPACE}s"
     minutes, rest = divmod(round(value), 60)
     return f"{minutes}\N{NO-BREAK SPACE}min {rest:02d}\N{NO-BREAK SPACE}s"
 
@@ -23,11 +22,6 @@ def number(value: float | None, digits: int) -> str:
     if value is None or not math.isfinite(value):
         return ""
     return f"{round(value, digits) + 0.0:.{digits}f}".replace("-", "−")
-
-
-def share(value: float, of: float) -> str:
-    """As `+1.2 %`."""
-    return signed(100 * (value / of - 1), 1, "%") if of else ""
 
 
 def signed(value: float, digits: int, unit: str = "") -> str:

@@ -9,6 +9,7 @@ from typing import Any, Literal, TypeAlias
 
 import matplotlib
 import numpy as np
+import shapely
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import PolyCollection
@@ -169,8 +170,10 @@ def _draw_top(axes: Axes, airspace: Airspace, paths: Mapping[str, Points]) -> No
         axes.clabel(contours, fontsize=5, fmt="%g m")
     low_first = sorted(airspace.obstacles, key=lambda o: float(o.bounds[1, 2]))
     for obstacle, color in zip(low_first, _roof_colors(low_first), strict=True):
-        rings = [np.vstack([ring, ring[:1]]) for ring in obstacle.outline()]
-        outline = Outline.make_compound_path(*(Outline(ring, closed=True) for ring in _alternating(rings)))
+        outer, *holes = obstacle.outline()
+        footprint = shapely.orient_polygons(shapely.Polygon(outer, holes))  # filled by winding number
+        rings = [shapely.get_coordinates(ring) for ring in shapely.get_rings(footprint)]
+        outline = Outline.make_compound_path(*(Outline(ring, closed=True) for ring in rings))
         axes.add_patch(PathPatch(outline, facecolor=color, edgecolor=Color.OUTLINE, linewidth=0.4))
     _draw_paths(axes, paths, (0, 1))
     axes.set(xlim=extent[:2], ylim=extent[2:], aspect="equal")
@@ -218,12 +221,6 @@ def _mark_ends(axes: Axes, scenario: Scenario, plane: tuple[int, int]) -> None:
         spot = tuple(point[list(plane)])
         axes.plot(*spot, marker="o", markersize=6, markerfacecolor="white", markeredgecolor=Color.BLACK, zorder=6)
         axes.annotate(words, spot, zorder=7, bbox=box, **label)
-
-
-def _alternating(rings: list[Points]) -> list[Points]:
-    """Orient the outer ring to the left and holes to the right, for filling by winding number."""
-    left = [float((r[:-1, 0] * r[1:, 1] - r[1:, 0] * r[:-1, 1]).sum()) > 0 for r in rings]
-    return [ring if left[n] == (n == 0) else ring[::-1] for n, ring in enumerate(rings)]
 
 
 def _draw_leg_times(axes: Axes, comparison: Comparison) -> None:

@@ -11,13 +11,17 @@ from ipoa_mission import Forecast
 from ipoa_mission.report.drawn_flight import find_dangers, sample_track
 from ipoa_mission.report.number_format import seconds
 from ipoa_mission.report.page import page_of
+from ipoa_mission.report.panels.ground_plan import line_path, ring_path
 from ipoa_mission.report.panels.headline import verdict, warnings
+from ipoa_mission.report.panels.tables import scrolled_table
 from ipoa_mission.report.summary import clearance_as_json, findings_as_json, items_as_json, rounded
 from ipoa_mission.survey.survey_plan import SurveyFlight, SurveyPlan, coverage_lines, flight_table
 
 
 def survey_as_json(plan: SurveyPlan, names: tuple[str, ...]) -> dict[str, Any]:
-    seen, sight, flown = plan.coverage, plan.sight, plan.flown
+    seen = plan.coverage
+    sight = plan.sight
+    flown = plan.flown
     return {
         "lines": len(plan.tour.swaths),
         "covered_share": rounded(seen.share),
@@ -93,9 +97,8 @@ def _map(plan: SurveyPlan) -> str:
     seen = plan.coverage.seen.simplify(stroke / 10)
     layers.append(f'<path d="{_rings(seen)}" fill="currentColor" fill-opacity=".1" fill-rule="evenodd"/>')
     for n, flight in enumerate(plan.flights):
-        ends = ((swath.begin, swath.end) for swath in flight.tour.swaths)
-        lines = "".join(f"M{a[0]:.1f} {a[1]:.1f}L{b[0]:.1f} {b[1]:.1f}" for a, b in ends)
-        transits = "".join("M" + "L".join(f"{e:.1f} {h:.1f}" for e, h in path) for path in flight.tour.transits)
+        lines = "".join(line_path(swath.ends) for swath in flight.tour.swaths)
+        transits = "".join(map(line_path, flight.tour.transits))
         color = f"stroke:{_hue(n)};fill:none"
         layers.append(f'<path d="{lines}" style="{color};stroke-width:{1.6 * stroke:.2f}"/>')
         dashes = f"stroke-dasharray:{3 * stroke:.1f}"
@@ -114,10 +117,8 @@ def _hue(flight: int) -> str:
 
 
 def _rings(shape: Any) -> str:
-    polygons = [part for part in shapely.get_parts(shape) if part.geom_type == "Polygon"]
-    rings = (shapely.get_coordinates(ring) for part in polygons for ring in (part.exterior, *part.interiors))
-    lines = ("L".join(f"{east:.1f} {north:.1f}" for east, north in ring) for ring in rings if len(ring))
-    return "".join(f"M{line}Z" for line in lines)
+    polygons = [part for part in shapely.get_parts(shape) if part.geom_type == "Polygon" and not part.is_empty]
+    return "".join(ring_path(shapely.get_coordinates(ring)) for ring in shapely.get_rings(polygons))
 
 
 def _table(plan: SurveyPlan, names: Sequence[str]) -> str:
@@ -128,7 +129,7 @@ def _table(plan: SurveyPlan, names: Sequence[str]) -> str:
     for n, (file, *cells) in enumerate(flights):
         head_of = f'<th scope="row"><span aria-hidden="true" style="color:{_hue(n)}">━</span> {escape(file)}</th>'
         rows += f"<tr>{head_of}{''.join(f'<td>{escape(cell)}</td>' for cell in cells)}</tr>"
-    return f'<div class="scroll" tabindex="0"><table><thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table></div>'
+    return scrolled_table(f"<tr>{head}</tr>", rows)
 
 
 def survey_html(plan: SurveyPlan, names: Sequence[str], remarks: Sequence[str]) -> str:

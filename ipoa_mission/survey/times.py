@@ -7,7 +7,8 @@ from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
-from ipoa_mission import Forecast, MissionError
+from ipoa_mission.errors import MissionError
+from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.timing.flight_model import FlightModel
 from ipoa_mission.forecast.timing.track import Track
 from ipoa_mission.geodesy import Geodetic, LocalFrame

@@ -19,7 +19,7 @@ from ipoa_mission.mission.items import return_to_launch
 from ipoa_mission.mission.mission_io import read_mission
 from ipoa_mission.report.chart import GraphAxis, axis_over
 from ipoa_mission.report.drawn_flight import find_dangers, item_legs, sample_track
-from ipoa_mission.report.number_format import meters, number, seconds, share
+from ipoa_mission.report.number_format import meters, number, seconds, signed
 from ipoa_mission.report.panels.headline import verdict, warnings
 from ipoa_mission.report.panels.profile import near_track
 from ipoa_mission.scenario import Scenario, read_scenario
@@ -254,8 +254,8 @@ def test_an_axis_over_one_value_still_has_a_length() -> None:
         (meters(-0.5), "−0.50 m"),
         (meters(float("inf")), "free"),
         (number(-0.04, 1), "0.0"),
-        (share(29.0, 103.0), "−71.8 %"),
-        (share(102.99, 103.0), "+0.0 %"),
+        (signed(100 * (29.0 / 103.0 - 1), 1, "%"), "−71.8 %"),
+        (signed(100 * (102.99 / 103.0 - 1), 1, "%"), "+0.0 %"),
     ],
 )
 def test_numbers_are_written_for_people(words: str, expected: str) -> None:

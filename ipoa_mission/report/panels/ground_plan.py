@@ -23,7 +23,7 @@ def ground_plan(flight: DrawnFlight, extent: Extent) -> str:
     bodies = sorted(extent.obstacles(airspace), key=lambda body: float(body.bounds[1, 2]))
     highest = max((float(body.bounds[1, 2]) for body in extent.buildings(airspace)), default=1.0)
     outline = outline_around(flight.predicted.points, flight.deviation_bound.level)
-    bound = "".join(_ring(ring[:-1]) for ring in outline)
+    bound = "".join(ring_path(ring[:-1]) for ring in outline)
     places = [(n, leg, leg.place) for n, leg in enumerate(flight.legs) if leg.place is not None]
     layers = [
         _relief(*ground_mesh(airspace, 120, extent)),
@@ -34,8 +34,10 @@ def ground_plan(flight: DrawnFlight, extent: Extent) -> str:
         "" if flight.flown is None else _line(flight.flown.points, "flown"),
         '<path class="way-home" d=""><title>RTL from there</title></path>',
     ]
-    (west, south), (east, north) = extent.lower, extent.upper
-    width, height = east - west, north - south
+    west, south = extent.lower
+    east, north = extent.upper
+    width = east - west
+    height = north - south
     buttons = "".join(
         f'<button type="button" class="stop" data-stop="{n}" style="left:{100 * ((place[0] - west) / width):.2f}%;'
         f'top:{100 * ((north - place[1]) / height):.2f}%" '
@@ -83,15 +85,15 @@ def _relief(east: Points, north: Points, up: Points) -> str:
     for n, level in enumerate(levels, start=1):
         polygons, offsets = maker.filled(float(level), np.inf)
         rings = [p[a:b] for p, o in zip(polygons, offsets, strict=True) for a, b in pairwise(o)]
-        drawn.append(f'<path class="ground{round(n / len(levels) * 8)}" d="{"".join(map(_ring, rings))}"/>')
+        drawn.append(f'<path class="ground{round(n / len(levels) * 8)}" d="{"".join(map(ring_path, rings))}"/>')
     for level in levels:
-        lines = "".join("M" + _pairs(line) for line in maker.lines(float(level)))
+        lines = "".join(line_path(line) for line in maker.lines(float(level)))
         drawn.append(f'<path class="contour" d="{lines}"><title>{level:g} m above home</title></path>')
     return "".join(drawn)
 
 
 def _footprint(body: Obstacle, highest: float) -> str:
-    rings = "".join(map(_ring, body.outline()))
+    rings = "".join(map(ring_path, body.outline()))
     name = escape(body.name)
     if not body.solid:
         return f'<path class="zone" d="{rings}"><title>{name}: no-fly zone</title></path>'
@@ -101,12 +103,12 @@ def _footprint(body: Obstacle, highest: float) -> str:
 
 
 def _line(points: Points, look: str) -> str:
-    return f'<path class="{look}" d="M{_pairs(points)}"/>' if len(points) else ""
+    return f'<path class="{look}" d="{line_path(points)}"/>' if len(points) else ""
 
 
-def _ring(points: Points) -> str:
-    return f"M{_pairs(points)}Z"
+def ring_path(points: Points) -> str:
+    return f"{line_path(points)}Z"
 
 
-def _pairs(points: Points) -> str:
-    return "L".join(f"{east:.1f} {north:.1f}" for east, north in points[:, :2])
+def line_path(points: Points) -> str:
+    return "M" + "L".join(f"{east:.1f} {north:.1f}" for east, north in points[:, :2])

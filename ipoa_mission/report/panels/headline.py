@@ -13,7 +13,7 @@ from ipoa_mission.forecast.timing.estimate import COUNTED_TERMS
 from ipoa_mission.planning.proof import Proof
 from ipoa_mission.report.compare import Comparison
 from ipoa_mission.report.drawn_flight import Danger
-from ipoa_mission.report.number_format import meters, number, seconds, share
+from ipoa_mission.report.number_format import meters, number, seconds, signed
 
 
 def verdict(
@@ -127,10 +127,10 @@ def _energy_card(budget: Budget) -> str:
 def _flown_card(comparison: Comparison) -> str:
     """Show the route if the log ends early."""
     if math.isfinite(comparison.flown_total_s):
-        off = share(comparison.estimated_total_s, comparison.flown_total_s)
+        off = signed(100 * comparison.total_error, 1, "%")
         return _card("flown", seconds(comparison.flown_total_s), f"the estimate is off by {off}", "flown")
     if math.isfinite(comparison.flown_route_s):
-        off = share(comparison.estimated_route_s, comparison.flown_route_s)
+        off = signed(100 * comparison.route_error, 1, "%")
         return _card("flown, route only", seconds(comparison.flown_route_s), f"estimate off by {off}", "flown")
     return _card("flown", "not known", "the log reports no item", "flown")
 

@@ -25,10 +25,7 @@ def legs_table(legs: Sequence[ItemLeg], flown_s: Mapping[int, float] | None) -> 
     for n, leg in enumerate(legs):
         done = None if open_s is None else open_s.pop(leg.time.seq - 1, math.nan)  # counts once
         rows += _leg(n, leg, done)
-    return (
-        f'<div class="scroll" tabindex="0"><table id="legs"><thead><tr>{head}<th scope="col" class="words">slow because'
-        f"</th></tr></thead><tbody>{rows}</tbody></table></div>"
-    )
+    return scrolled_table(f'<tr>{head}<th scope="col" class="words">slow because</th></tr>', rows, ' id="legs"')
 
 
 def _leg(n: int, leg: ItemLeg, flown_s: float | None) -> str:
@@ -96,7 +93,7 @@ def limits_table(proof: Proof) -> str:
     places = "".join(f"<th>{axis}<small>m</small></th>" for axis in ("east", "north", "up"))
     head = f'<tr><th></th><th>found</th><th>required</th><th class="words">nearest</th>{places}</tr>'
     note = "The least that the legs between waypoints have, exactly, and where."
-    return f'<section><h2>Limits, proved</h2><p class="note">{note}</p>{_table(head, rows)}</section>'
+    return f'<section><h2>Limits, proved</h2><p class="note">{note}</p>{scrolled_table(head, rows)}</section>'
 
 
 def parts_panel(parts: Sequence[Forecast], names: Sequence[str]) -> str:
@@ -116,8 +113,9 @@ def parts_panel(parts: Sequence[Forecast], names: Sequence[str]) -> str:
         f"One battery is not enough for the whole flight: it is flown in {len(parts)} flights, a battery each, "
         "one after the other. Each begins as the whole does, and continues where the one before returned."
     )
-    return f'<section><h2>Flights</h2><p class="note">{note}</p>{_table(f"<tr>{head}</tr>", rows)}</section>'
+    return f'<section><h2>Flights</h2><p class="note">{note}</p>{scrolled_table(f"<tr>{head}</tr>", rows)}</section>'
 
 
-def _table(head: str, rows: str) -> str:
-    return f'<div class="scroll" tabindex="0"><table><thead>{head}</thead><tbody>{rows}</tbody></table></div>'
+def scrolled_table(head: str, rows: str, attributes: str = "") -> str:
+    table = f"<table{attributes}><thead>{head}</thead><tbody>{rows}</tbody></table>"
+    return f'<div class="scroll" tabindex="0">{table}</div>'
