@@ -46,7 +46,8 @@ def table_3(rows: Sequence[TrialRow]) -> Table:
             least = 0.0 if metric == "sd" else optimum
             ratios = (factor(o - least, t - least) for o, t in zip(ours, theirs, strict=True))
             cells = ours_and_print(ours, theirs, (number, number))
-            firsts, printed_firsts = firsts + (places(ours)[0] == 1), printed_firsts + (places(theirs)[0] == 1)
+            firsts += places(ours)[0] == 1
+            printed_firsts += places(theirs)[0] == 1
             lines.append([function, metric, *(" · ".join(both) for both in zip(cells, ratios, strict=True))])
     means = mean_results(rows, FUNCTIONS, ALGORITHMS)
     widest = np.sqrt(30) * (PRINTED["table_3"]["f7"]["mean"][2] - PRINTED["table_3"]["f7"]["best"][2])
@@ -102,7 +103,9 @@ def contradictions() -> Table:
     lines = []
     for function in FUNCTIONS:
         printed = PRINTED["table_3"][function]
-        mean, sd, best = printed["mean"], printed["sd"], printed["best"]
+        mean = printed["mean"]
+        sd = printed["sd"]
+        best = printed["best"]
         for rival, p in zip(RIVALS_OF_TABLE_4, PRINTED["table_4"][function], strict=True):
             k = ALGORITHMS.index(rival)
             apart = (mean[k] - mean[0]) / np.sqrt((sd[k] ** 2 + sd[0] ** 2) / 30)

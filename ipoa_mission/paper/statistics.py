@@ -26,8 +26,11 @@ def holm(p: Sequence[float]) -> list[float]:
 
 def compare_pairs(pairs: Sequence[tuple[Samples, Samples]]) -> list[str]:
     """Return "+" (the first is lower), "-" or "=" for each pair, by rank sums at 0.05 with Holm's correction."""
-    corrected = holm([rank_sum(a, b) for a, b in pairs])
-    return ["=" if p >= 0.05 else "+" if _is_lower(a, b) else "-" for (a, b), p in zip(pairs, corrected, strict=True)]
+    signs = []
+    for (a, b), p in zip(pairs, holm([rank_sum(a, b) for a, b in pairs]), strict=True):
+        lower = "+" if scipy.stats.mannwhitneyu(a, b).statistic < len(a) * len(b) / 2 else "-"
+        signs.append(lower if p < 0.05 else "=")
+    return signs
 
 
 def against(
@@ -40,10 +43,6 @@ def against(
 
 def count_signs(signs: Sequence[str]) -> str:
     return " / ".join(str(signs.count(sign)) for sign in "+=-")
-
-
-def _is_lower(a: Samples, b: Samples) -> bool:
-    return bool(scipy.stats.mannwhitneyu(a, b).statistic < len(a) * len(b) / 2)
 
 
 def post_hoc(mean_ranks: NDArray[np.float64], blocks: int, control: int) -> list[float]:
