@@ -122,7 +122,13 @@ class PlanWorker:
         write_mission(self._planned(order["flight"]).forecast.mission, Path(order["file"]))
 
     def hand_over(self, order: JobOrder, _: Answer) -> None:
-        handed = _judged(order) if _is_mission(order) else self._planned(order["flight"])
+        if _is_mission(order):
+            file, forecast = _mission(order)
+            warnings = refuse_errors(check(forecast, read=file.findings))
+            refuse_unsound(forecast.mission_as_read)
+            handed = mission_over(Path(order["path"]).stem, forecast, warnings)
+        else:
+            handed = self._planned(order["flight"])
         handed.write(Path(order["file"]))
 
     def _expect_plan(self) -> Flight | Survey:
@@ -168,13 +174,6 @@ def _survey(
 
 def _is_mission(order: JobOrder) -> bool:
     return Path(order["path"]).suffix.lower() in MISSIONS
-
-
-def _judged(order: JobOrder) -> HandedOver:
-    file, forecast = _mission(order)
-    warnings = refuse_errors(check(forecast, read=file.findings))
-    refuse_unsound(forecast.mission_as_read)
-    return mission_over(Path(order["path"]).stem, forecast, warnings)
 
 
 def _mission(order: JobOrder) -> tuple[MissionFile, Forecast]:

@@ -146,7 +146,8 @@ def _survey_remedies(error: MissionError, scenario: Scenario) -> Iterator[Remedy
 def _wider_bounds(scenario: Scenario) -> Iterator[Remedy]:
     corners, height = scenario.added_reach
     ground = scenario.airspace.ground(corners)
-    (west, south), (east, north) = corners.min(axis=0).tolist(), corners.max(axis=0).tolist()
+    west, south = corners.min(axis=0).tolist()
+    east, north = corners.max(axis=0).tolist()
     needed = {"east": (west, east), "north": (south, north), "up": (float(ground.min()), float(ground.max()) + height)}
     changes: list[Change] = []
     margin = 5.0  # beyond the survey [m]

@@ -131,7 +131,8 @@ class Journal:
         text = self.text
         for splice in reversed(self.edits[first : self.done]):
             text = splice.undone(text)
-        self.edits, self.done = self.edits[first:], self.done - first
+        self.edits = self.edits[first:]
+        self.done -= first
         steps = [{"step": -1}] * (len(self.edits) - self.done)
         lines = [{"text": text, "saved_text": self.saved}, *map(asdict, self.edits), *steps]
         write_atomically(self.path, "".join(json.dumps(line, ensure_ascii=False) + "\n" for line in lines))

@@ -64,7 +64,8 @@ def studio(
     from ipoa_mission.studio.tiles import chosen_tiles
     from ipoa_mission.studio.web_server import ServerOptions, serve
 
-    home, built = page.home, built_page((lambda words: None) if as_json else print_lines)
+    built = built_page((lambda words: None) if as_json else print_lines)
+    home = page.home
     file = Path("mission.toml") if file is None and home is not None else file
     if file is not None and (home is not None or not file.exists()):
         _begin(file, home)

@@ -39,12 +39,10 @@ def chosen_tiles(asked: str | None, attribution: str | None) -> TileSource | Non
         memory.keep(tiles=(source, tiles.shown.attribution))
         return tiles
     remembered = memory.known().tiles
-    if remembered is None:
-        return None
-    try:
-        return open_tiles(*remembered)
-    except BadInput:
-        return None
+    if remembered is not None:
+        with suppress(BadInput):
+            return open_tiles(*remembered)
+    return None
 
 
 def open_tiles(source: str, attribution: str | None = None) -> TileSource:
@@ -147,8 +145,9 @@ def _of_pmtiles(path: Path) -> _TileFile:
         return None if tile is None else bytes(tile)
 
     header, about = ask(lambda reader: (reader.header(), reader.metadata()))
-    kind, packed = header["tile_type"].name.lower(), header["tile_compression"].name.lower()
-    if kind in VECTOR and packed not in ("none", "gzip"):
-        words = f"expected vector tiles compressed by gzip or not at all, not by {packed}"
+    kind = header["tile_type"].name.lower()
+    compression = header["tile_compression"].name.lower()
+    if kind in VECTOR and compression not in ("none", "gzip"):
+        words = f"expected vector tiles compressed by gzip or not at all, not by {compression}"
         raise WrongFormat(words, place=f"--tiles: {path}")
     return _TileFile(kind, (header["min_zoom"], header["max_zoom"]), about, read)
