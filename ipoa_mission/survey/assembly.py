@@ -1,6 +1,7 @@
 """Assemble a tour's mission: lines, transits, camera and gimbal commands."""
 
 import math
+from collections import defaultdict
 from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
@@ -44,17 +45,17 @@ def assemble_survey(tour: Tour, sight: Sight, scenario: Scenario, growth: Mappin
         route = Route(np.vstack([out, points, back]))
         mission = build_mission(route, scenario)
     numbers = items_of_waypoints(route)[len(out) :]
-    cameras = [_camera_items(sight.triggering(swath.length)[0], mission) for swath in tour.swaths]
-    after = [(numbers[corners[index]], 2 * n, cameras[n][0]) for n, index in enumerate(begins)]
-    after += [(numbers[corners[index]], 2 * n + 1, cameras[n][1]) for n, index in enumerate(ends)]
-    items = [*mission.items]
-    for place, _, camera in sorted(after, key=lambda row: row[:2], reverse=True):
-        items[place + 1 : place + 1] = camera
-    added = sum(len(camera) for *_, camera in after)
+    added = defaultdict[int, list[Item]](list)  # by the index of the item before
+    for swath, begin, end in zip(tour.swaths, begins, ends, strict=True):
+        start_photos, stop_photos = _camera_items(sight.triggering(swath.length)[0], mission)
+        added[numbers[corners[begin]]] += start_photos
+        added[numbers[corners[end]]] += stop_photos
+    count = sum(map(len, added.values()))
     gimbal = _gimbal_items(scenario, mission)
-    items[1:1] = gimbal
+    added[0] = gimbal + added[0]
+    items = [each for n, item in enumerate(mission.items) for each in (item, *added[n])]
     first = max(numbers[corners[begins[0]]], 2) + len(gimbal)
-    last = numbers[corners[ends[-1]]] + added + len(gimbal)
+    last = numbers[corners[ends[-1]]] + count + len(gimbal)
     flown = replace(mission, items=tuple(items))
     if flown.items[first].command != Command.NAV_WAYPOINT:
         return flown
@@ -120,7 +121,8 @@ def _clear_transit(begin: Vector, end: Vector, scenario: Scenario, growth: Mappi
     width = scenario.route.tolerance
     for _ in range(5):
         points = push_clear(corridor(curve, width)[0], task)
-        if (proof := prove(points, task, spare=0.0)).is_proved:
+        proof = prove(points, task, spare=0.0)
+        if proof.is_proved:
             return points
         width /= 2
     words = f"the way between home and the survey comes too close: {proof.words()}"
@@ -129,15 +131,15 @@ def _clear_transit(begin: Vector, end: Vector, scenario: Scenario, growth: Mappi
 
 def _round_obstacles(straight: Points, task: PathProblem, distance: float, corner_segments: int) -> Points | None:
     """Return the shortest way between two places (2, 3) at `distance` round obstacles; None with too many corners."""
-    (west, south, *_), (east, north, *_) = task.airspace.bounds.lower, task.airspace.bounds.upper
+    bounds = task.airspace.bounds
     line = shapely.LineString(straight[:, :2])
     min_reach = 60.0  # [m]
     max_corners = 250
     near = line.buffer(max(line.length / 2, min_reach))
     low, high = np.sort(straight[:, 2])
-    inside = near.intersection(shapely.box(west, south, east, north))
-    if (footprint := task.airspace.bounds.footprint) is not None:
-        inside = inside.intersection(footprint.shape)
+    inside = near.intersection(shapely.box(*bounds.lower[:2], *bounds.upper[:2]))
+    if bounds.footprint is not None:
+        inside = inside.intersection(bounds.footprint.shape)
     bodies = [
         body.horizontal_shape.buffer(distance, quad_segs=corner_segments)
         for body in task.airspace.obstacles
@@ -167,13 +169,14 @@ def _shortest(legs: Points) -> list[int] | None:
     from scipy.sparse.csgraph import dijkstra
 
     first = len(legs) - 2
-    node = len(legs) - 1
-    before = dijkstra(legs, indices=first, return_predecessors=True)[1]
+    _, before = dijkstra(legs, indices=first, return_predecessors=True)
     passed = list[int]()
-    while (node := int(before[node])) != first:
+    node = int(before[-1])
+    while node != first:
         if node < 0:
             return None
         passed.insert(0, node)
+        node = int(before[node])
     return passed
 
 
