@@ -158,7 +158,7 @@ def _layout(
         area_m2=round(float(laid.area.shape.area), 1),
         spacing=round(sight.spacing, 2),
         trigger=None if sight.trigger is None else round(sight.trigger, 2),
-        photos=sum(sight.photos(swath.length) for swath in swaths),
+        photos=sum(map(sight.photos_of, tours)),
         height=(round(sight.least, 2), round(sight.least + sight.band, 2)),
         footprint=(round(sight.across, 2), round(sight.along, 2)),
         front=None if front is None else _least(front, frame),

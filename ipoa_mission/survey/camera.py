@@ -58,8 +58,8 @@ def _by_name(value: Any) -> Any:
     if not isinstance(value, str):
         return value
     by_letters = {known.casefold(): camera for known, camera in CAMERAS.items()}
-    if (camera := by_letters.get(value.casefold())) is not None:
-        return camera
+    if value.casefold() in by_letters:
+        return by_letters[value.casefold()]
     near = get_close_matches(value.casefold(), by_letters, n=1)
     hint = f"; did you mean {by_letters[near[0]].name!r}?" if near else f", one of {', '.join(CAMERAS)}"
     words = f"expected the name of a known camera{hint} (give one by its numbers: sensor_mm, focal_length_mm, pixels)"

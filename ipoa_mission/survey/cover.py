@@ -58,7 +58,8 @@ def quickest_tour(
         passes = [problem.directions()]
     else:
         passes = [[float(each)] for each in ([direction] if isinstance(direction, int | float) else direction)]
-    places, is_on = list[Any](), list[bool]()
+    places = list[Any]()
+    is_on = list[bool]()
     while passes:
         is_last = not passes[1:] and direction != "crosshatch"
         best = problem.quickest_pass(passes.pop(0), begin, end if is_last else None)
@@ -165,7 +166,8 @@ class CoverProblem:
 
     def transit(self, start: Vector, end: Vector) -> Points:
         """Return the corners (k, 2) from one place (2,) to another."""
-        first, last = self._out(start), self._out(end)
+        first = self._out(start)
+        last = self._out(end)
         transits = Transits(np.array([first[-1], first[-1], last[-1], last[-1]]), self.turns, self.around, self.cost)
         if transits.times[0, 2] >= NO_WAY:
             raise _no_way_between_parts()
@@ -187,7 +189,8 @@ class CoverProblem:
     def _laid(self, degrees: float, shift: float) -> Points:
         """Return lines, also over large gaps, and places in parts without any, (n, 2, 2)."""
         lines = self._lines(degrees, shift)
-        min_area, min_outline = 0.2 * self.spacing**2, 4.0 * self.spacing
+        min_area = 0.2 * self.spacing**2
+        min_outline = 4.0 * self.spacing
         more = []
         for gap in polygons_of(self.area.difference(area_seen_from(lines, self.spacing))):
             if gap.area > min_area and gap.length > min_outline:

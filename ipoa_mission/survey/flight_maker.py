@@ -115,7 +115,10 @@ def lay_tours(task: SurveyTask) -> list[Tour]:
 
 def _sets_of_starts(count: int) -> Iterator[tuple[int, ...]]:
     """Return the sets of start places to try; of many only the whole."""
-    sizes = range(count, 0, -1) if count <= 3 else (count, count - 1, 1) if count < 10 else (count,)
+    if count <= 3:
+        sizes: Sequence[int] = range(count, 0, -1)
+    else:
+        sizes = (count, count - 1, 1) if count < 10 else (count,)
     return chain.from_iterable(combinations(range(count), size) for size in sizes)
 
 
@@ -215,10 +218,11 @@ def _from_starts(tours: Sequence[Tour], make: FlightMaker, starts: Points) -> tu
         try:
             if make.task.scenario.vehicle.battery is None:
                 return tour, tuple(nearest_parts(tour, replace(sites, forecast_cost=make.cost)))
-            if (split := quickest_parts(tour, sites, least)) is None or split[1] >= least:
-                continue
+            split = quickest_parts(tour, sites, least)
         except Unreached as error:
             unreached.append(error)
+            continue
+        if split is None or split[1] >= least:
             continue
         parts, least = split
         order = list(dict.fromkeys(part.start for part in parts))

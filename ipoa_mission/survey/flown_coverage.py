@@ -148,7 +148,8 @@ class PhotoLine:
 def smallest_overlaps(lines: Sequence[PhotoLine], sight: Sight, ground: Ground, free: Any) -> Overlaps:
     """Return the smallest overlaps of all photos; lines are neighbors only across the polygons `free`."""
     half = sight.across / sight.least / 2, sight.along / sight.least / 2
-    fronts, sides = list[Overlap](), list[Overlap]()
+    fronts = list[Overlap]()
+    sides = list[Overlap]()
     shapely.prepare(free)
     for line in lines:
         ahead = line.ahead
@@ -202,18 +203,18 @@ def _shares(taken: Points, others: Points, towards: Vector, half: tuple[float, f
 
     `half`: half of the footprint in that direction, and across, per meter of height.
     """
-    along, across = 41, 5
     aside = np.array([-towards[1], towards[0]])
-    u, v = np.linspace(-1.0, 1.0, along), np.linspace(-1.0, 1.0, across)
-    rays = (u[None, :, None] * half[0] * towards + v[:, None, None] * half[1] * aside).reshape(-1, 2)
+    along = np.linspace(-1.0, 1.0, num=41)
+    across = np.linspace(-1.0, 1.0, num=5)
+    rays = (along[None, :, None] * half[0] * towards + across[:, None, None] * half[1] * aside).reshape(-1, 2)
     height = taken[:, 2] - ground(taken)
     for _ in range(6):
         seen = taken[:, None, :2] + height.reshape(len(taken), -1, 1) * rays
         height = taken[:, 2:] - ground(seen.reshape(-1, 2)).reshape(len(taken), -1)
     above = others[:, 2:] - (taken[:, 2:] - height)
     there = ((seen - others[:, None, :2]) @ towards) / (half[0] * np.maximum(above, 1e-6))
-    there = np.maximum.accumulate(there.reshape(len(taken), across, along), axis=2)
-    begins = np.array([[np.interp(-1.0, row, u) for row in photo] for photo in there])
+    there = np.maximum.accumulate(there.reshape(len(taken), len(across), len(along)), axis=2)
+    begins = np.array([[np.interp(-1.0, row, along) for row in photo] for photo in there])
     begins[there[:, :, -1] < -1.0] = 1.0
     return np.asarray((1.0 - begins).mean(axis=1) / 2)
 
@@ -239,9 +240,9 @@ def _neighbors(
     tolerance = 0.05  # [m]
     is_neighbor = (beyond <= sight.spacing / 2) & (away > min_separation) & (away < sight.across)
     away = np.where(is_neighbor, away, np.inf)
-    other, apart = away.argmin(axis=1), away.min(axis=1)
+    apart = away.min(axis=1)
     n = np.flatnonzero(np.isfinite(apart))
-    other = other[n]
+    other = away.argmin(axis=1)[n]
     along = np.clip(share[n, other, None], 0.0, 1.0)
     others = ends[other, 0] + along * (ends[other, 1] - ends[other, 0])
     is_near = apart[n] <= sight.spacing + tolerance

@@ -48,10 +48,6 @@ class FreeSpace:
         there = np.zeros((len(others), 4)) if arms is None else arms
         return np.asarray(straight_ways(*map(np.ascontiguousarray, (places, none, others)), there, self.edges))
 
-    def sees(self, places: Points, others: Points) -> NDArray[np.bool_]:
-        """Return which `others` (m, 2) each place (n, 2) sees, (n, m)."""
-        return self.ways(places, others) < NO_WAY
-
     def transits(self, ends: Points, cost: LegTimes) -> Any:
         near = listed(self.ways(ends, self.corners, self.arms))
         bend_m = 1.0 * cost.speed
@@ -104,8 +100,8 @@ def _rings(shape: Any) -> list[Points]:
 def _bends(ring: Points) -> Points:
     """Return the right turns of a ring, with the directions to their neighbors (0 at sharp corners), (k, 6)."""
     corners = ring[:-1]
-    back, on = np.roll(corners, 1, axis=0) - corners, np.roll(corners, -1, axis=0) - corners
-    back, on = (arm / np.linalg.norm(arm, axis=1, keepdims=True) for arm in (back, on))
+    arms_to_neighbors = (np.roll(corners, step, axis=0) - corners for step in (1, -1))
+    back, on = (arm / np.linalg.norm(arm, axis=1, keepdims=True) for arm in arms_to_neighbors)
     turns = np.arctan2(on[:, 0] * back[:, 1] - on[:, 1] * back[:, 0], -(on * back).sum(axis=1))
     sharp_angle = np.radians(40.0)
     arms = np.where(turns[:, None] > -sharp_angle, np.column_stack([back, on]), 0.0)
@@ -134,7 +130,8 @@ def _redraw(shape: Any, redraw: Callable[[Points], Points]) -> Any:
 
 def _turns(ring: Points) -> Vector:
     """Return the turns of an open ring (n, 2), left positive [rad]."""
-    into, out = ring - np.roll(ring, 1, axis=0), np.roll(ring, -1, axis=0) - ring
+    into = ring - np.roll(ring, 1, axis=0)
+    out = np.roll(ring, -1, axis=0) - ring
     return np.asarray(np.arctan2(into[:, 0] * out[:, 1] - into[:, 1] * out[:, 0], (into * out).sum(axis=1)))
 
 
@@ -144,7 +141,8 @@ def _fill_dents(ring: Points, most: float) -> Points:
     if (turns >= 0.0).all():
         return ring
     first = int(turns.argmax())
-    ring, turns = np.roll(ring, -first, axis=0), np.roll(turns, -first)
+    ring = np.roll(ring, -first, axis=0)
+    turns = np.roll(turns, -first)
     corners = [0]
     n = 0
     count = len(ring)
@@ -168,7 +166,8 @@ def _sharpen_bulges(ring: Points, most: float) -> Points:
     """Replace runs of small left turns by one corner."""
     turns = _turns(ring)
     first = int(turns.argmax()) if turns.max() > MAX_TURN else int(turns.argmin())
-    ring, turns = np.roll(ring, -first, axis=0), np.roll(turns, -first)
+    ring = np.roll(ring, -first, axis=0)
+    turns = np.roll(turns, -first)
     corners = [ring[0]]
     n = 1
     count = len(ring)
@@ -178,7 +177,8 @@ def _sharpen_bulges(ring: Points, most: float) -> Points:
         end = n + 1
         into = ring[n] - ring[n - 1]
         while end < count and min(turns[end], turns[end - 1]) > 0.0 and turned + turns[end] <= MAX_TURN:
-            out, apart = ring[(end + 1) % count] - ring[end], ring[end] - ring[n - 1]
+            out = ring[(end + 1) % count] - ring[end]
+            apart = ring[end] - ring[n - 1]
             share = (apart[0] * out[1] - apart[1] * out[0]) / (into[0] * out[1] - into[1] * out[0])
             meets = ring[n - 1] + share * into
             if shapely.LineString(ring[n : end + 1]).distance(shapely.Point(meets)) > most:

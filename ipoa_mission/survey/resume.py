@@ -94,7 +94,8 @@ def _runs(tour: Tour, path: Points, sight: Sight, ground: Ground) -> Iterator[_R
     for line, swath in enumerate(tour.swaths):
         ahead = swath.ahead
         off = path[:, :2] - swath.begin
-        along, aside = off @ ahead, off @ np.array([-ahead[1], ahead[0]])
+        along = off @ ahead
+        aside = off @ np.array([-ahead[1], ahead[0]])
         is_on = is_high & (np.abs(aside) <= max_lateral) & (along >= -MAX_REST) & (along <= swath.length + MAX_REST)
         steps = np.diff(along)
         is_flown = is_on[:-1] & is_on[1:] & (np.abs(np.diff(aside)) <= max_slant * steps) & (steps > 0.0)

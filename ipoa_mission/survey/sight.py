@@ -54,11 +54,8 @@ class Sight:
         between = length / (steps + 0.5) if steps else most
         return max(between - self.lag, MIN_TRIGGER), 1 + steps
 
-    def photos(self, length: float) -> int:
-        return self.triggering(length)[1]
-
     def photos_of(self, tour: Tour) -> int:
-        return sum(self.photos(swath.length) for swath in tour.swaths)
+        return sum(self.triggering(swath.length)[1] for swath in tour.swaths)
 
 
 def sight_of(section: SurveySection, area: Area, scenario: Scenario) -> Sight:

@@ -143,13 +143,17 @@ def _expect_apart(spelling: _Spelling, *parts: tuple[int, shapely.Polygon]) -> N
 
 
 def depth_of(value: Any) -> int:
-    return 1 + (depth_of(value[0]) if value else 0) if isinstance(value, list | tuple) else 0
+    if not isinstance(value, list | tuple):
+        return 0
+    return 1 + (depth_of(value[0]) if value else 0)
 
 
 def parts_of(polygon: Any) -> list[Any]:
     """Return polygons as rings, the outer one first."""
     depth = depth_of(polygon)
-    return [[polygon]] if depth == 2 else [polygon] if depth == 3 else list(polygon)
+    if depth == 2:
+        return [[polygon]]
+    return [polygon] if depth == 3 else list(polygon)
 
 
 def expect_here(area: Area, place: str) -> Area:
@@ -173,17 +177,18 @@ def read_map(path: Path, width: float | None, frame: LocalFrame) -> Area:
         if shape.geom_type != "Polygon":
             words = "expected a polygon, not an open line"
             raise InvalidRing(words, hint="--width M, or width under [survey], makes it a corridor", place=place)
-        clean = remove_repeats(shape)
-        rings = [shapely.get_coordinates(ring) for ring in (clean.exterior, *clean.interiors)]
-        polygons += Area.of([rings], place).shape.geoms
+        polygons += Area.of([_rings_of(remove_repeats(shape))], place).shape.geoms
     if not polygons:
         kinds = "a polygon" if width is None else "a line or a polygon"
         hint = "an area is a Polygon, or a closed line"
         raise NothingThere(f"expected {kinds}, but there is none", hint=hint, place=path)
     if width is not None:
         return Area(shapely.MultiPolygon([*shapely.get_parts(union_of(polygons))]))
-    rings_of = ([shapely.get_coordinates(ring) for ring in (p.exterior, *p.interiors)] for p in polygons)
-    return Area.of([*rings_of], str(path))
+    return Area.of([_rings_of(polygon) for polygon in polygons], str(path))
+
+
+def _rings_of(polygon: shapely.Polygon) -> list[Points]:
+    return [shapely.get_coordinates(ring) for ring in shapely.get_rings(polygon)]
 
 
 def shapes_in(path: Path, frame: LocalFrame) -> Iterator[tuple[str, Any]]:
@@ -192,7 +197,8 @@ def shapes_in(path: Path, frame: LocalFrame) -> Iterator[tuple[str, Any]]:
     shapes, near = to_plane([feature.shape for feature in features], frame, about)
     about.expect_near(path)
     for feature, shape, counts in zip(features, shapes, near, strict=True):
-        if (missing := feature.missing) is not None and not missing.elsewhere:
+        missing = feature.missing
+        if missing is not None and not missing.elsewhere:
             words = f"expected an area that can be read, not {missing.words}"
             raise BadInput(words, missing.remedy, place=feature.place)
         for part in simple_parts(shape) if counts else ():

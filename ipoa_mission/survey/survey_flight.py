@@ -215,7 +215,8 @@ def plan_survey(
     """
     if area is not None or camera is not None or keys:
         scenario = _with_survey(scenario, area, camera, keys)
-    expect_plannable(scenario := scenario.in_wind(wind))
+    scenario = scenario.in_wind(wind)
+    expect_plannable(scenario)
     with threadpool_limits(1, "blas"):  # more threads only wait, and round differently
         plan = plan_flights(scenario, seed, progress)
         plan, before = _replan(plan, scenario, flown, seed) if flown else (plan, [])
@@ -278,13 +279,15 @@ def _begin(area: Path) -> dict[str, float]:
 
 
 def _with_survey(scenario: Scenario, area: Any, camera: Any, keys: Mapping[str, Any]) -> Scenario:
-    options: dict[str, Any] = dict(keys) | ({} if camera is None else {"camera": camera})
-    if area is None:
-        table = ({} if (current := survey_of(scenario)) is None else current.model_dump(exclude_unset=True)) | options
-    elif isinstance(area, str | Path):
-        table = options | {"area": area}
-    else:
-        table = options | {"polygon": area.tolist() if hasattr(area, "tolist") else area}
+    current = survey_of(scenario) if area is None else None
+    table: dict[str, Any] = {} if current is None else current.model_dump(exclude_unset=True)
+    table |= keys
+    if camera is not None:
+        table["camera"] = camera
+    if isinstance(area, str | Path):
+        table["area"] = area
+    elif area is not None:
+        table["polygon"] = area.tolist() if hasattr(area, "tolist") else area
     try:
         section = SurveySection.model_validate(table)
         places = Scenario.model_validate({"home": scenario.home, "survey": section})
@@ -329,8 +332,10 @@ def _repairs(flight: SurveyFlight) -> Iterator[str]:
 def _remarks(plan: SurveyPlan, requested: Scenario) -> Iterator[str]:
     yield from _messages_of_flights(plan, _warnings_of)
     yield from _more_flights(plan)
-    if (speed := plan.scenario.vehicle.cruise_speed) != requested.vehicle.cruise_speed:
-        yield f"flown at {speed:g} m/s: at {requested.vehicle.cruise_speed:g} m/s flights would come too near"
+    speed = plan.scenario.vehicle.cruise_speed
+    full_speed = requested.vehicle.cruise_speed
+    if speed != full_speed:
+        yield f"flown at {speed:g} m/s: at {full_speed:g} m/s flights would come too near"
     if plan.overlaps is not None:
         yield from plan.overlaps.falls_short(*plan.sight.overlaps)
     yield from _messages_of_flights(plan, _repairs)

@@ -27,8 +27,9 @@ class LineAxes:
 
     @classmethod
     def of(cls, degrees: float) -> "LineAxes":
-        e, n = math.sin(math.radians(degrees)), math.cos(math.radians(degrees))
-        return cls(np.array([e, n]), np.array([-n, e]))
+        east = math.sin(math.radians(degrees))
+        north = math.cos(math.radians(degrees))
+        return cls(np.array([east, north]), np.array([-north, east]))
 
     def turned(self, places: Points) -> Points:
         return np.column_stack([places @ self.along, places @ self.across])
@@ -40,7 +41,8 @@ class LineAxes:
 def line_positions(area: Any, grid: LineAxes, spacing: float, shift: float = 0.0) -> Vector:
     """Return the lines' positions across, evenly; `shift` from -1 to 1 moves them by this share of the slack."""
     across = shapely.get_coordinates(area) @ grid.across
-    low, high = float(across.min()), float(across.max())
+    low = float(across.min())
+    high = float(across.max())
     count = max(math.ceil((high - low) / spacing - 1e-6), 1)
     if shift == 0.0:
         return np.asarray(low + (high - low) / count * (np.arange(count) + 0.5))
@@ -50,7 +52,8 @@ def line_positions(area: Any, grid: LineAxes, spacing: float, shift: float = 0.0
 
 def cut_lines(edges: Points, grid: LineAxes, positions: Vector) -> Points:
     """Return the pieces (n, 2, 2) between the edges (m, 4) of polygons."""
-    begins, ends = grid.turned(edges[:, :2]), grid.turned(edges[:, 2:])
+    begins = grid.turned(edges[:, :2])
+    ends = grid.turned(edges[:, 2:])
     crosses = (begins[None, :, 1] <= positions[:, None]) != (ends[None, :, 1] <= positions[:, None])
     line, edge = np.nonzero(crosses)
     share = (positions[line] - begins[edge, 1]) / (ends[edge, 1] - begins[edge, 1])
@@ -85,7 +88,8 @@ def line_over(gap: Any, inner: Any, width: float) -> Points | None:
     along = sides[int(lengths.argmax())] / lengths.max()
     grid = LineAxes(along, np.array([-along[1], along[0]]))
     places = grid.turned(shapely.get_coordinates(shapely.segmentize(gap.boundary, width / 4)))
-    (west, south), (east, north) = places.min(axis=0), places.max(axis=0)
+    west, south = places.min(axis=0)
+    east, north = places.max(axis=0)
     low, high = sorted((north - width / 2, south + width / 2))
     best = None
     most = 0
@@ -98,7 +102,8 @@ def line_over(gap: Any, inner: Any, width: float) -> Points | None:
             away = places[:, 1] - height
             reach = np.sqrt(np.maximum((width / 2) ** 2 - away**2, 0.0))
             sees = (np.abs(away) <= width / 2) & (places[:, 0] >= ends[0] - reach) & (places[:, 0] <= ends[1] + reach)
-            if (count := int(sees.sum())) > most:
+            count = int(sees.sum())
+            if count > most:
                 first = (places[sees, 0] + reach[sees]).min()
                 last = (places[sees, 0] - reach[sees]).max()
                 ends = np.clip([min(first, last), max(first, last)], *ends)
@@ -131,7 +136,8 @@ class SensedPath:
         """Insert a detour; return its places (k, 2) with both ends on the path."""
         n = detour.leg
         via = list(detour.via)
-        begin, end = self.places[max(n, 0) : n + 1], self.places[n + 1 : n + 2]
+        begin = self.places[max(n, 0) : n + 1]
+        end = self.places[n + 1 : n + 2]
         self.places[n + 1 : n + 1] = via
         self.is_on[max(n, 0) : n + 1] = [True] * (len(begin) + len(via) + len(end) - 1)
         return np.array([*begin, *via, *end])
@@ -185,7 +191,8 @@ class GapCloser:
                 break
             seen = list[Any]()
             for gap in tried:
-                if (detour := self._detour(route, gap)) is None:
+                detour = self._detour(route, gap)
+                if detour is None:
                     hopeless.append(gap)
                 else:
                     goals.append(detour.goal)
@@ -218,7 +225,8 @@ class GapCloser:
         best = None
         least = np.inf
         for n in legs:
-            before, after = route.places[max(n - 1, 0) : n + 1], route.places[n + 1 : n + 3]
+            before = route.places[max(n - 1, 0) : n + 1]
+            after = route.places[n + 1 : n + 3]
             now = self.cost.seconds(np.array([*before, *after]))
             for goal in self._goals(around, lines, before[-1:], after[:1]):
                 if self._at_least(before, goal, after) - now >= least:
@@ -226,9 +234,10 @@ class GapCloser:
                 via = self._round_corners(before[-1:], goal, after[:1]) if round_corners else goal
                 if via is None:
                     continue
-                straight = np.array([*before[-1:], *via, *after[:1]])
-                if not round_corners and not self.space.sees(straight[:-1], straight[1:]).diagonal().all():
-                    continue
+                if not round_corners:
+                    places = np.array([*before[-1:], *via, *after[:1]])
+                    if (self.space.ways(places[:-1], places[1:]).diagonal() >= NO_WAY).any():
+                        continue
                 seconds = self.cost.seconds(np.array([*before, *via, *after])) - now
                 if seconds < least:
                     best = Detour(n, via, goal)
@@ -262,11 +271,11 @@ class GapCloser:
     def _near_legs(self, route: SensedPath, center: Vector) -> list[int]:
         """Return the legs near a place; -1 and the last index: before and after the path."""
         places = np.array(route.places)
-        from_, to = places[:-1], places[1:]
-        leg = to - from_
-        squares = np.maximum(np.einsum("ij,ij->i", leg, leg), 1e-12)
-        share = np.clip(np.einsum("ij,ij->i", center - from_, leg) / squares, 0, 1)
-        away = np.linalg.norm(from_ + share[:, None] * leg - center, axis=1)
+        begins = places[:-1]
+        legs = places[1:] - begins
+        squares = np.maximum(np.einsum("ij,ij->i", legs, legs), 1e-12)
+        share = np.clip(np.einsum("ij,ij->i", center - begins, legs) / squares, 0, 1)
+        away = np.linalg.norm(begins + share[:, None] * legs - center, axis=1)
         away[np.array(route.is_on, bool)] = np.inf  # lines stay straight
         max_legs = 6
         order = np.argsort(away, kind="stable")[:max_legs]
@@ -279,7 +288,8 @@ class GapCloser:
         ring = rings[int(shapely.distance(rings, gap).argmin())]
         distances = np.sort(shapely.line_locate_point(ring, places))
         widest = int(np.diff(distances, append=distances[0] + ring.length).argmax())
-        start, end = float(distances[(widest + 1) % len(distances)]), float(distances[widest])
+        start = float(distances[(widest + 1) % len(distances)])
+        end = float(distances[widest])
         spans = [(start, end)] if start <= end else [(start, ring.length), (0.0, end)]
         edge = np.concatenate([shapely.get_coordinates(substring(ring, *span)) for span in spans])
         edge = edge[np.concatenate([[True], np.linalg.norm(np.diff(edge, axis=0), axis=1) > 1e-6])]

@@ -162,7 +162,8 @@ def rest_of(plan: SurveyPlan, flown: Sequence[Points], seed: int = 0) -> SurveyP
     make = FlightMaker(SurveyTask(scenario, section, plan.area, plan.sight, plan.keep_out), plan.growth, seed)
     tour, parts = split_into_flights([tour], make)
     forecasts = [make(part) for part in parts]
-    if near := _too_near(forecasts):
+    near = _too_near(forecasts)
+    if near:
         raise _refusal(_TooNear(*near[0]), scenario)
     return replace(plan, tour=tour, flights=_check_flights(parts, forecasts), is_rest=True)
 
@@ -172,7 +173,8 @@ def _check_flights(parts: Sequence[Sortie], forecasts: Sequence[Forecast]) -> tu
     for part, forecast in zip(parts, map(with_planned_returns, forecasts), strict=True):
         findings = refuse_errors(check(forecast))
         forecast.drop(ContingencyPaths)  # large after many hours
-        if (budget := budget_of(forecast)) is not None and budget.shortage is not None:
+        budget = budget_of(forecast)
+        if budget is not None and budget.shortage is not None:
             raise budget.shortage
         flights.append(SurveyFlight(part.tour, forecast, findings, part.start))
     return tuple(flights)
@@ -196,9 +198,9 @@ def coverage_lines(plan: SurveyPlan) -> Iterator[str]:
     inside = "nothing outside" if seen.outside_m < 0.005 else f"up to {seen.outside_m:.1f} m outside"
     hectares = f"{plan.area.shape.area / 1e4:.2f} ha"
     yield f"covers {floor_cm(100 * seen.share):.2f} % of the visible part of {hectares}; {inside}"
-    if flown := plan.flown:
-        share = f"{floor_cm(100 * flown.share):.2f} %"
-        yield f"as flown, with corners cut and passed: {share}, {flown.outside_m:.1f} m outside"
+    if plan.flown is not None:
+        share = f"{floor_cm(100 * plan.flown.share):.2f} %"
+        yield f"as flown, with corners cut and passed: {share}, {plan.flown.outside_m:.1f} m outside"
     if str(plan.overlaps or ""):
         yield f"photos overlap by {plan.overlaps} at least"
 
@@ -207,7 +209,8 @@ def flight_table(plan: SurveyPlan, names: Sequence[str]) -> tuple[list[str], lis
     rows = list[tuple[str, ...]]()
     columns = ["file", "lines", "photos", "items", "takes\ns", "energy\nWh", "least clearance\nm"]
     for name, flight in zip(names, plan.flights, strict=True):
-        energy, kept = flight.forecast.energy, flight.forecast.guarantee.clearance
+        energy = flight.forecast.energy
+        kept = flight.forecast.guarantee.clearance
         counts = len(flight.tour.swaths), plan.sight.photos_of(flight.tour), len(flight.forecast.mission.items)
         takes = f"{flight.forecast.estimate.total_s:.1f}"
         wh = "" if energy is None else f"{energy.energy_wh:.1f}"

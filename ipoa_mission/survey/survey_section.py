@@ -28,7 +28,8 @@ from ipoa_mission.survey.survey_area import Area, corridor, depth_of, expect_her
 from ipoa_mission.world.terrain import Grid
 
 BAND = 0.15  # share of height over uneven ground
-USUAL_SPACING, USUAL_HEIGHT = 20.0, 40.0  # [m]
+USUAL_SPACING = 20.0  # [m]
+USUAL_HEIGHT = 40.0  # [m]
 
 
 def _check_overlap(share: float) -> float:
@@ -283,19 +284,20 @@ def _sections_from(scenario: Scenario, section: SurveySection, n: int) -> dict[s
 
 
 def _bounds(scenario: Scenario, new: LocalFrame, rise: float) -> BoundsSection:
-    air = scenario.airspace.bounds
-    (east, north, _) = new.local(scenario.frame.home)
-    (west, south, low), (right, back, high) = air.lower, air.upper
+    bounds = scenario.airspace.bounds
+    east, north, _ = new.local(scenario.frame.home)
+    (west, far_east), (south, far_north), (low, high) = zip(bounds.lower, bounds.upper, strict=True)
     return BoundsSection(
-        east=(west + east, right + east),
-        north=(south + north, back + north),
+        east=(west + east, far_east + east),
+        north=(south + north, far_north + north),
         up=(low - rise, high - rise),
         margin=scenario.bounds.margin,
     )
 
 
 def _terrain(scenario: Scenario, new: LocalFrame, rise: float, n: int) -> TerrainSection:
-    section, terrain = scenario.terrain, scenario.airspace.terrain
+    section = scenario.terrain
+    terrain = scenario.airspace.terrain
     if isinstance(section, FlatTerrain):
         return section.model_copy(update={"height": section.height - rise})
     if isinstance(section, GridTerrain) and isinstance(terrain, Grid):
@@ -322,23 +324,26 @@ def _move_section(section: Moved, old: LocalFrame, new: LocalFrame) -> Moved:
         there = old.geodetic(np.array([*place, 0.0]))
         degrees = {"latitude_deg": there.latitude_deg, "longitude_deg": there.longitude_deg}
         changes = {"east": None, "north": None, **degrees}
+    written = {key: value for key, value in section if value is not None}
     for key in ("footprint", "polygon"):
-        if (ring := getattr(section, key, None)) is not None:
+        if key in written:
+            ring = written[key]
             changes |= {key: None, f"{key}_geodetic": _degrees(ring, old)}
             place = tuple(np.mean(ring, axis=0).tolist())
-            if holes := getattr(section, "holes", ()):
-                changes["holes"] = tuple(_degrees(hole, old) for hole in holes)
-        elif (ring := getattr(section, f"{key}_geodetic", None)) is not None:
-            latitude, longitude = np.mean(ring, axis=0)
+            if "holes" in written:
+                changes["holes"] = tuple(_degrees(hole, old) for hole in written["holes"])
+        elif f"{key}_geodetic" in written:
+            latitude, longitude = np.mean(written[f"{key}_geodetic"], axis=0)
             place = tuple(old.local(Geodetic(latitude, longitude, old.home.altitude))[:2].tolist())
-    if (center := getattr(section, "center", None)) is not None:
-        changes["center"] = _move_section(center, old, new)
+    if "center" in written:
+        changes["center"] = _move_section(written["center"], old, new)
     for key in ("up", "base"):
-        if (height := getattr(section, key, None)) is not None:
-            changes[key] = float(new.local(old.geodetic(np.array([*place, height])))[2])
-    if (heading := getattr(section, "heading_deg", None)) is not None:
-        (east, north), (ahead, farther) = move_between(old, new)(np.array([place, (place[0], place[1] + 1.0)]))
-        changes["heading_deg"] = heading + math.degrees(math.atan2(ahead - east, farther - north))
+        if key in written:
+            changes[key] = float(new.local(old.geodetic(np.array([*place, written[key]])))[2])
+    if "heading_deg" in written:
+        begin, end = move_between(old, new)(np.array([place, (place[0], place[1] + 1.0)]))
+        east, north = end - begin
+        changes["heading_deg"] = written["heading_deg"] + math.degrees(math.atan2(east, north))
     return section.model_copy(update=changes)
 
 
@@ -348,8 +353,8 @@ def _degrees(ring: Iterable[tuple[float, float]], frame: LocalFrame) -> Ring:
 
 
 def _raise_zones(zones: NoFlyMap, by: float) -> NoFlyMap:
-    ends = {key: value + by for key in ("base", "top") if (value := getattr(zones, key)) is not None}
-    return zones.model_copy(update=ends)
+    ends = {"base": zones.base, "top": zones.top}
+    return zones.model_copy(update={key: end + by for key, end in ends.items() if end is not None})
 
 
 def _move_nested(value: Any, move: Move) -> Any:

@@ -81,7 +81,8 @@ def sketch_survey(scenario: Scenario) -> SurveySketch:
 
 
 def expect_survey(scenario: Scenario) -> tuple[SurveySection, Area]:
-    section, area = survey_of(scenario), surveyed_area(scenario)
+    section = survey_of(scenario)
+    area = surveyed_area(scenario)
     if section is None or area is None:
         raise BadInput("expected in the scenario, but missing", code="missing", place="survey")
     return section, area
@@ -117,8 +118,8 @@ def keep_out(scenario: Scenario, sight: Sight, growth: Mapping[str, float]) -> A
         shapes.append(widen(body.horizontal_shape.buffer(away, quad_segs=segments), max_widening))
     if air.bounds.footprint is not None:
         inside = air.bounds.footprint.shape.buffer(-bound.level - SPARE - growth.get("bounds", 0.0))
-        (west, south, *_), (east, north, *_) = air.bounds.lower, air.bounds.upper
-        shapes.append(shapely.box(west, south, east, north).buffer(2 * scenario.bounds.margin).difference(inside))
+        box = shapely.box(*air.bounds.lower[:2], *air.bounds.upper[:2])
+        shapes.append(box.buffer(2 * scenario.bounds.margin).difference(inside))
     return union_of(shapes) if shapes else None
 
 
@@ -179,7 +180,8 @@ def _expect_manageable(task: SurveyTask) -> None:
     spacing = task.sight.spacing
     speed = task.scenario.vehicle.cruise_speed
     shape = task.area.shape
-    max_lines, max_hours = 3000, 100
+    max_lines = 3000
+    max_hours = 100
     west, south, east, north = shape.bounds
     lines = shape.area / spacing / math.hypot(east - west, north - south)
     length = float(task.free.area) / spacing

@@ -61,7 +61,7 @@ class SurveyPlanner:
         """Return the scenario with the area; without a file home is at its begin."""
         names = {"height": "height_above_ground", "gsd": "gsd_cm"}
         options = ("height", "line_spacing", "width", "camera", "gsd")
-        keys = {name: value for name in options if (value := getattr(self, name)) is not None}
+        keys = {name: getattr(self, name) for name in options if getattr(self, name) is not None}
         if self.survey is not None:
             from ipoa_mission.survey.survey_flight import scenario_over
 
@@ -147,7 +147,8 @@ def _fly(survey: "Survey", asked: FlyOptions, fly_job: FlyJob) -> None:
         if n and link is not None and not _is_ready(survey, n):
             why = f"{name} and later flights were not flown"
             break
-        flown = fly_job(Job(name, forecast, (), system=system), log := asked.log_of(name))
+        log = asked.log_of(name)
+        flown = fly_job(Job(name, forecast, (), system=system), log)
         system = flown.system  # the next flight is this vehicle's, whatever else is heard
         written += map(Path, asked.on_link.written(log))
         if files.as_json:
@@ -172,7 +173,8 @@ def _fly(survey: "Survey", asked: FlyOptions, fly_job: FlyJob) -> None:
 def _is_ready(survey: "Survey", n: int) -> bool:
     from ipoa_mission.survey.survey_plan import begin_in_words
 
-    landed, following = survey.names[n - 1], survey.names[n]
+    landed = survey.names[n - 1]
+    following = survey.names[n]
     home = survey.flights[n].mission.home
     is_elsewhere = home != survey.flights[n - 1].mission.home
     place = f"{begin_in_words(survey.plan, survey.plan.flights[n])} ({home.latitude_deg:.6f}, {home.longitude_deg:.6f})"

@@ -56,10 +56,6 @@ class Tour:
             pieces += [transit, swath.ends]
         return without_repeats(np.concatenate(pieces))
 
-    @property
-    def length(self) -> float:
-        return polyline_length(self.path)
-
     def part(self, first: int, last: int) -> "Tour":
         return Tour(self.swaths[first:last], self.transits[first : last - 1])
 
@@ -133,22 +129,25 @@ def fewest_parts(tour: Tour, fits: Callable[[Tour], bool], overlap: float, guess
             rest = _first_line_cut(rest, fits, overlap)
             continue
         yield rest.part(0, count)
-        rest, guess = rest.part(count, len(rest.swaths)), count
+        rest = rest.part(count, len(rest.swaths))
+        guess = count
 
 
 def _first_line_cut(tour: Tour, fits: Callable[[Tour], bool], overlap: float) -> Tour:
     """Cut the first line into the fewest pieces that fit."""
     swath = tour.swaths[0]
 
-    def fitting(count: int) -> list[Swath]:
+    def cut(count: int) -> list[Swath]:
         ends = swath.length * np.arange(count + 1) / count
         begins = [0.0, *np.maximum(ends[1:-1] - overlap, 0.0)]
-        pieces = [Swath(swath.at(begin), swath.at(end)) for begin, end in zip(begins, ends[1:], strict=True)]
-        return pieces if all(fits(Tour((piece,), ())) for piece in (pieces[0], pieces[-1])) else []
+        return [Swath(swath.at(begin), swath.at(end)) for begin, end in zip(begins, ends[1:], strict=True)]
 
-    if not fitting(MAX_PIECES):
+    def fit(pieces: list[Swath]) -> bool:
+        return all(fits(Tour((piece,), ())) for piece in (pieces[0], pieces[-1]))
+
+    if not fit(cut(MAX_PIECES)):
         raise Unreached(swath)
-    pieces = next(pieces_of_count for count in range(2, MAX_PIECES + 1) if (pieces_of_count := fitting(count)))
+    pieces = next(filter(fit, map(cut, range(2, MAX_PIECES + 1))))
     between = tuple(np.array([before.end, after.begin]) for before, after in pairwise(pieces))
     return Tour((*pieces, *tour.swaths[1:]), (*between, *tour.transits))
 
@@ -172,7 +171,8 @@ def parts_of_equal_length(tour: Tour, count: int) -> tuple[Tour, ...]:
             borders.append(first + max(min(fitting, total - first - parts_left), 1))
         return borders
 
-    low, high = 0.0, float(upto[-1] + there.max() + back.max() + transits.sum())
+    low = 0.0
+    high = float(upto[-1] + there.max() + back.max() + transits.sum())
     for _ in range(60):
         middle = (low + high) / 2
         low, high = (low, middle) if cuts(middle)[-1] >= total else (middle, high)
@@ -202,14 +202,17 @@ def quickest_parts(
     """
     while True:
         trials = _Trials(tour, sites)
-        while (best := trials.best()) is not None:
-            if (estimate := trials.seconds_of(best)) > MAX_ESTIMATED_SHARE * max_seconds:
+        best = trials.best()
+        while best is not None:
+            estimate = trials.seconds_of(best)
+            if estimate > MAX_ESTIMATED_SHARE * max_seconds:
                 return None
             costs = [trials.try_flight(*flight) for flight in best]
             is_confirmed = trials.seconds_of(best) <= 1.002 * estimate
             if all(cost.fits for cost in costs) and is_confirmed:
                 parts = tuple(Sortie(tour.part(first, last), start) for first, last, start in best)
                 return parts, trials.seconds_of(best)
+            best = trials.best()
         for line in trials.unreachable()[::-1]:
             cut = _first_line_cut(tour.part(line, len(tour.swaths)), sites.can_fly, sites.overlap)
             tour = Tour((*tour.swaths[:line], *cut.swaths), (*tour.transits[:line], *cut.transits))
@@ -260,8 +263,10 @@ class _Trials:
         for first, last, start in self._known:
             is_excluded[start, first, last - 1] = False
         costs = np.where(self._failed | is_excluded, np.inf, self._seconds)
-        least, by = costs.min(axis=0), costs.argmin(axis=0)
-        upto, cut = np.full(count + 1, np.inf), np.zeros(count + 1, int)
+        least = costs.min(axis=0)
+        quickest_start = costs.argmin(axis=0)
+        upto = np.full(count + 1, np.inf)
+        cut = np.zeros(count + 1, int)
         upto[0] = 0.0
         for last in range(1, count + 1):
             totals = upto[:last] + least[:last, last - 1]
@@ -273,7 +278,7 @@ class _Trials:
         last = count
         while last:
             first = int(cut[last])
-            flights.insert(0, (first, last, int(by[first, last - 1])))
+            flights.insert(0, (first, last, int(quickest_start[first, last - 1])))
             last = first
         return flights
 

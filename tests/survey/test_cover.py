@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from ipoa_mission.autopilot.autopilot import registered
 from ipoa_mission.geodesy import Geodetic
-from ipoa_mission.geometry import Points
+from ipoa_mission.geometry import Points, polyline_length
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.survey.cover import CoverProblem, quickest_tour
 from ipoa_mission.survey.flown_coverage import coverage
@@ -157,7 +157,7 @@ def test_the_direction_is_that_of_the_lines() -> None:
     assert len(steps) > 5
     assert np.degrees(np.arctan2(steps[:, 0], steps[:, 1])) % 180.0 == pytest.approx(30.0, abs=1e-6)
     once, crossed = (tour_over(area, 10.0, cost=times(), direction=each) for each in ("best", "crosshatch"))
-    assert crossed.length == pytest.approx(2 * once.length, rel=0.1)
+    assert polyline_length(crossed.path) == pytest.approx(2 * polyline_length(once.path), rel=0.1)
     assert coverage(area, crossed, 10.0).outside_m == 0.0
 
 

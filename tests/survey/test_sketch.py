@@ -70,7 +70,7 @@ def test_overlaps_are_those_of_the_photos_as_rectangles(photographed: Scenario) 
     front = 1.0
     for swath in sketch.tour.swaths:
         places = photo_places(swath, sight)
-        assert len(places) == sight.photos(swath.length)
+        assert len(places) == sight.triggering(swath.length)[1]
         boxes = [shapely.box(e - sight.along / 2, 0.0, e + sight.along / 2, sight.across) for e, _ in places]
         front = min(front, *(first.intersection(second).area / photo for first, second in pairwise(boxes)))
     assert smallest.front is not None

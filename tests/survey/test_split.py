@@ -5,6 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from ipoa_mission.geometry import polyline_length
 from ipoa_mission.survey.tour import Swath, Tour, Unreached, fewest_parts, parts_of_equal_length
 
 
@@ -18,7 +19,7 @@ def tour_of(lengths: list[float]) -> Tour:
 
 
 def path_length(tour: Tour) -> float:
-    return float(np.linalg.norm(tour.path[0]) + tour.length + np.linalg.norm(tour.path[-1]))
+    return float(np.linalg.norm(tour.path[0]) + polyline_length(tour.path) + np.linalg.norm(tour.path[-1]))
 
 
 def every_split(tour: Tour, count: int) -> list[tuple[Tour, ...]]:
