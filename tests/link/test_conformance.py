@@ -30,7 +30,7 @@ def place(east: float, north: float) -> Geodetic:
 
 
 def mission(family: Autopilot, *places: Geodetic) -> Mission:
-    return Mission(HOME, (takeoff(HOME, 20.0), *(waypoint(at, 20.0) for at in places), land(places[-1])), family)
+    return Mission(HOME, (takeoff(HOME, 5.0), *(waypoint(at, 5.0) for at in places), land(places[-1])), family)
 
 
 def begun(family: Autopilot, forecast: Mission | None = None) -> tuple[Vehicle, list[CommandLong]]:

@@ -32,7 +32,7 @@ from tests.px4_waypoints import waypoint
 
 HOME = Geodetic(47.4, 8.5, 400.0)
 THERE = Geodetic(47.4010, 8.5, 400.0)
-MISSION = Mission(HOME, (takeoff(HOME, 20.0), waypoint(THERE, 20.0), land(THERE)))
+MISSION = Mission(HOME, (takeoff(HOME, 5.0), waypoint(THERE, 5.0), land(THERE)))
 PILOT = Target(254, 190)
 IN_AIR = 2
 
@@ -59,7 +59,7 @@ def test_mode_watch_reports_hold_and_resume_within_seconds(family: Autopilot, ca
 
     def overhear(message: Message) -> None:
         now = vehicle.line.now()
-        if isinstance(message, Position) and message.height > 15.0 and not held_s:
+        if isinstance(message, Position) and message.height > 4.0 and not held_s:
             held_s.append(now)
             ordered_into(vehicle, family.modes.hold)
         if vehicle.mode_change and not told_s:
@@ -89,7 +89,7 @@ def test_a_vehicle_sent_home_ends_its_flight_with_that_mode(
     changes: list[str] = []
 
     def overhear(message: Message) -> None:
-        if isinstance(message, Position) and message.height > 15.0 and not changes:
+        if isinstance(message, Position) and message.height > 4.0 and not changes:
             changes.append("")
             ordered_into(vehicle, family.modes.returning)
         if vehicle.mode_change and len(changes) == 1:
@@ -138,7 +138,7 @@ def test_an_order_to_end_the_flight_is_given_until_the_vehicle_shows_it(
         heard(message, source, now)
 
     def overhear(message: Message) -> None:
-        if isinstance(message, Position) and message.height > 15.0 and not ordered:
+        if isinstance(message, Position) and message.height > 4.0 and not ordered:
             ordered.append(mode)
             vehicle.order.give(mode)
 
@@ -173,7 +173,7 @@ def test_a_watched_vehicle_holds_and_goes_on_when_ordered(family: Autopilot, cli
     def overhear(message: Message) -> None:
         if not isinstance(message, Position):
             return
-        if (message.height > 10.0 if climbs else message.latitude_deg > 47.4003) and not places:
+        if (message.height > 2.0 if climbs else message.latitude_deg > 47.4003) and not places:
             vehicle.order.hold()
         if vehicle.order.is_paused or vehicle.state.custom_mode == family.modes.hold:
             places.append(message)

@@ -28,7 +28,7 @@ from tests.refused import refuses
 
 HOME = Geodetic(47.4, 8.5, 400.0)
 THERE, BEYOND = Geodetic(47.4010, 8.5, 400.0), Geodetic(47.4015, 8.5, 400.0)
-MISSION = Mission(HOME, (takeoff(HOME, 20.0), waypoint(THERE, 20.0), waypoint(BEYOND, 20.0), land(BEYOND)))
+MISSION = Mission(HOME, (takeoff(HOME, 5.0), waypoint(THERE, 5.0), waypoint(BEYOND, 5.0), land(BEYOND)))
 OTHER = replace(MISSION, items=(*MISSION.items[:2], land(THERE)))
 ORDERS = frozenset({VehicleCommand.DO_SET_MODE, Command.DO_PAUSE_CONTINUE, Command.COMPONENT_ARM_DISARM})
 ARDUPILOT, PX4 = Autopilot.ARDUPILOT, Autopilot.PX4
@@ -100,7 +100,7 @@ class Flight:
         self.in_loss: Callable[[], None] = lambda: None
         self.on_return: Callable[[], None] = lambda: None
 
-    def lose(self, seconds: float, breaks: bool = False, at_m: float = 15.0) -> Any:
+    def lose(self, seconds: float, breaks: bool = False, at_m: float = 4.0) -> Any:
         vehicle, air = self.vehicle, self.air
 
         def overhear(message: Message) -> None:
