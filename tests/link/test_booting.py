@@ -17,18 +17,20 @@ from ipoa_mission.link.orders import CommandRefused
 from ipoa_mission.link.upload import Replaced
 from ipoa_mission.link.vehicle import ConnectionOptions, Vehicle
 from ipoa_mission.link.vehicle_state import NotReady
-from ipoa_mission.mission.items import Mission, return_to_launch, takeoff, waypoint
+from ipoa_mission.mission.items import Mission, land, takeoff
 from ipoa_mission.mission.stored_mission import to_wire
 from ipoa_mission.progress import Progress
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot
 from ipoa_mission.simulator.situation import Conditions
 from ipoa_mission.simulator.station import Loopback, Station
 from tests.link.suited import suited
+from tests.px4_waypoints import waypoint
 from tests.refused import refuses
 
 PX4, ARDUPILOT = Autopilot.PX4, Autopilot.ARDUPILOT
 HOME = Geodetic(47.4, 8.5, 400.0)
-MISSION = Mission(HOME, (takeoff(HOME, 10.0), waypoint(Geodetic(47.4002, 8.5), 12.0), return_to_launch()))
+THERE = Geodetic(47.4002, 8.5)
+MISSION = Mission(HOME, (takeoff(HOME, 5.0), waypoint(THERE, 5.0), land(THERE)))
 #: Position of each stand-in, long after passed checks [s].
 PLACED_S = {ARDUPILOT: 41.4, PX4: 40.0}
 

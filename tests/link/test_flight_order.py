@@ -69,7 +69,9 @@ def test_vehicle_pauses_resumes_and_returns(name: str) -> None:
         assert moved(vehicle, 5.0) > 5.0
         vehicle.return_to_launch()
         assert vehicle.mode == HOME[mission.autopilot]
-        later(vehicle, 200.0)
+        landed_by = vehicle.line.now() + 200.0
+        while vehicle.state.armed and vehicle.line.now() < landed_by:
+            later(vehicle, 1.0)
         assert vehicle.state.armed is False
 
 

@@ -26,17 +26,19 @@ from ipoa_mission.link.messages import (
 from ipoa_mission.link.routes import CLAIM_S, MAX_PEERS, Routes
 from ipoa_mission.link.tlog import TlogWriter, read_tlog
 from ipoa_mission.link.vehicle import ConnectionOptions
-from ipoa_mission.mission.items import Mission, return_to_launch, takeoff, waypoint
+from ipoa_mission.mission.items import Mission, land, takeoff
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as Mock
 from ipoa_mission.simulator.faults import Faults
 from ipoa_mission.simulator.situation import Conditions
 from ipoa_mission.simulator.station import Loopback, Station
 from tests.link.suited import suited
 from tests.link_pair import far_end, line_of
+from tests.px4_waypoints import waypoint
 from tests.refused import refuses
 
 HOME = Geodetic(47.4, 8.5, 400.0)
-MISSION = Mission(HOME, (takeoff(HOME, 10.0), waypoint(Geodetic(47.4002, 8.5), 12.0), return_to_launch()))
+THERE = Geodetic(47.4002, 8.5)
+MISSION = Mission(HOME, (takeoff(HOME, 5.0), waypoint(THERE, 5.0), land(THERE)))
 
 ADDRESSES = [
     ("udpin:127.0.0.1:14550", Address(Transport.UDP_IN, "127.0.0.1", 14550)),

@@ -24,14 +24,16 @@ from ipoa_mission.link.signing import (
     persistent_signer,
     read_key,
 )
-from ipoa_mission.mission.items import Mission, return_to_launch, takeoff, waypoint
+from ipoa_mission.mission.items import Mission, land, takeoff
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as Mock
 from ipoa_mission.simulator.station import Loopback, Station
 from tests.link_pair import far_end
+from tests.px4_waypoints import waypoint
 from tests.refused import refuses
 
 HOME = Geodetic(47.4, 8.5, 400.0)
-MISSION = Mission(HOME, (takeoff(HOME, 10.0), waypoint(Geodetic(47.4002, 8.5), 12.0), return_to_launch()))
+THERE = Geodetic(47.4002, 8.5)
+MISSION = Mission(HOME, (takeoff(HOME, 5.0), waypoint(THERE, 5.0), land(THERE)))
 KEY = key_of("a passphrase")
 
 

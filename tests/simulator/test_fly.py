@@ -8,12 +8,13 @@ from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.link.dialogue import NoAnswer
 from ipoa_mission.link.messages import MissionType
 from ipoa_mission.link.tlog import read_tlog
-from ipoa_mission.mission.items import FenceCircle, Mission, change_speed, return_to_launch, takeoff, waypoint
+from ipoa_mission.mission.items import FenceCircle, Mission, change_speed, land, return_to_launch, takeoff
 from ipoa_mission.mission.stored_mission import compare, to_wire
 from ipoa_mission.simulator.faults import Faults
 from ipoa_mission.simulator.fly import board, conditions_for, fly_built_in
 from tests.examples import vehicles
 from tests.link_pair import far_end, line_of
+from tests.px4_waypoints import waypoint
 from tests.refused import refuses
 
 HOME = Geodetic(47.4, 8.5, 400.0)
@@ -27,6 +28,11 @@ def place(n: int) -> Geodetic:
 def mission(autopilot: Autopilot, waypoints: int = 4) -> Mission:
     legs = tuple(waypoint(place(n), 30.0) for n in range(1, waypoints + 1))
     return Mission(HOME, (takeoff(HOME, 20.0), change_speed(8.0), *legs, return_to_launch()), autopilot)
+
+
+def low_mission(autopilot: Autopilot, waypoints: int = 4) -> Mission:
+    legs = tuple(waypoint(place(n), 5.0) for n in range(1, waypoints + 1))
+    return Mission(HOME, (takeoff(HOME, 5.0), *legs, land(place(waypoints))), autopilot)
 
 
 @pytest.mark.parametrize("autopilot", vehicles(Autopilot.PX4))
@@ -47,7 +53,7 @@ def test_a_mission_is_flown_and_every_item_is_done_in_order(autopilot: Autopilot
 def test_the_same_seed_gives_the_same_bytes(autopilot: Autopilot, tmp_path: Path) -> None:
     logs = [tmp_path / "one.tlog", tmp_path / "two.tlog"]
     for log in logs:
-        fly_built_in(mission(autopilot, 1), faults=Faults(loss=0.1, delay_s=0.05), seed=3, log=log)
+        fly_built_in(low_mission(autopilot, 1), faults=Faults(loss=0.1, delay_s=0.05), seed=3, log=log)
     assert logs[0].read_bytes() == logs[1].read_bytes()
 
 
@@ -75,8 +81,8 @@ def test_fence_and_rally_points_come_back_as_they_were_sent(autopilot: Autopilot
 
 @pytest.mark.parametrize("autopilot", vehicles(Autopilot.ARDUPILOT))
 def test_a_flight_begins_at_the_first_item_whatever_the_vehicle_was_told(autopilot: Autopilot) -> None:
-    with board(mission(autopilot)) as vehicle:
-        vehicle.upload(mission(autopilot))
+    with board(low_mission(autopilot)) as vehicle:
+        vehicle.upload(low_mission(autopilot))
         vehicle.set_current(3)
         vehicle.prepare()
         vehicle.start()
@@ -84,8 +90,8 @@ def test_a_flight_begins_at_the_first_item_whatever_the_vehicle_was_told(autopil
 
 
 def test_a_flight_begins_with_another_item_where_that_is_asked_for() -> None:
-    with board(mission(Autopilot.PX4)) as vehicle:
-        vehicle.upload(mission(Autopilot.PX4))
+    with board(low_mission(Autopilot.PX4)) as vehicle:
+        vehicle.upload(low_mission(Autopilot.PX4))
         vehicle.prepare(3)
         vehicle.start()
         assert min(vehicle.watch().item_reached_s) == 3
