@@ -55,14 +55,14 @@ def test_a_name_that_neither_has_is_told_with_the_nearest(run: Run, mission: Pat
         "estimate {m}",
         "show {m}",
         "check {m}",
-        "fly {m}",
+        "fly {hop}",
         "plan {s} --out o --force",
         "compare {m} {logs}/sitl-px4.tlog",
     ],
 )
-def test_remarks_of_a_parameter_file_are_in_the_json(run: Run, mission: Path, words: str) -> None:
+def test_remarks_of_a_parameter_file_are_in_the_json(run: Run, mission: Path, hop: Path, words: str) -> None:
     Path("all.params").write_text("QWXZ 5\n")
-    command = words.format(m=mission, s=mission.with_suffix(".toml"), logs=LOGS)
+    command = words.format(m=mission, hop=hop, s=mission.with_suffix(".toml"), logs=LOGS)
     ended = run(f"{command} --param-file all.params --json")
     remarks = [words for words in json.loads(ended.out)["remarks"] if "QWXZ" in words]
     assert (ended.code, remarks) == (0, ['all.params: not read: parameters that no model uses: line 1 ("QWXZ")'])
