@@ -3,7 +3,6 @@
 from dataclasses import dataclass
 from enum import StrEnum
 from functools import cached_property
-from statistics import median
 from typing import Any
 
 
@@ -87,6 +86,8 @@ class FlightRecord:
     @cached_property
     def home_altitude(self) -> float:
         """Return home's altitude as set at arming [m AMSL]. PX4 1.17 also changes it in flight."""
+        from statistics import median
+
         until_s = self.path[0].time_s + HOME_SET_S
         return median(sample.altitude - sample.height for sample in self.path if sample.time_s <= until_s)
 
