@@ -120,7 +120,7 @@ def test_an_unclear_stretch_is_widened_by_how_late_the_flight_may_be(campus: Con
 
 def test_brake_flies_on_farther_than_a_return_does(campus: Contingencies) -> None:
     """ArduCopter's source, and flown: at 6 m/s 10.7 m against 8.2."""
-    autopilot, level = campus.mission.autopilot, np.array([[5.9, 0.0]])
+    autopilot, level = campus.forecast.mission.autopilot, np.array([[5.9, 0.0]])
     paths = [
         autopilot.stopping_offset({}, level, 0.0 * level, contingency)[0, 0]
         for contingency in (Contingency.HOLD, Contingency.RTL, Contingency.LAND)
