@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import ClassVar
 
+import ipoa_mission.vehicles.arducopter.limits as copter
 from ipoa_mission.autopilot import guidance_profile as profile
 from ipoa_mission.autopilot import returning
 from ipoa_mission.autopilot.autopilot import Autopilot
@@ -17,7 +18,6 @@ from ipoa_mission.autopilot.returning import HOME, Contingency, ReturnBy, Return
 from ipoa_mission.autopilot.vehicle_kind import MULTICOPTERS
 from ipoa_mission.autopilot.version import Version
 from ipoa_mission.geometry import Place, Points, Vector
-from ipoa_mission.vehicles.arducopter import limits as copter
 from ipoa_mission.vehicles.arducopter.braking import braking_displacement, flown_circle
 from ipoa_mission.vehicles.arducopter.failsafes import FAILSAFES
 

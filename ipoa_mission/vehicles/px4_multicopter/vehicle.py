@@ -9,6 +9,7 @@ from typing import ClassVar
 
 import numpy as np
 
+import ipoa_mission.vehicles.px4_multicopter.limits as px4
 from ipoa_mission.autopilot import guidance_profile as profile
 from ipoa_mission.autopilot import returning
 from ipoa_mission.autopilot.autopilot import Autopilot
@@ -21,7 +22,6 @@ from ipoa_mission.autopilot.returning import HOME, Contingency, ReturnBy, Return
 from ipoa_mission.autopilot.vehicle_kind import MULTICOPTERS
 from ipoa_mission.autopilot.version import Version
 from ipoa_mission.geometry import Points, Vector
-from ipoa_mission.vehicles.px4_multicopter import limits as px4
 from ipoa_mission.vehicles.px4_multicopter.failsafes import FAILSAFES
 
 
