@@ -25,14 +25,10 @@ STEPS_PER_SPAN = 16  # of the curve
 
 @dataclass(frozen=True)
 class CostTerms:
-    length: float
-    """W1 [m]."""
-    turning_deg: float
-    """Sum of the turning angles of W2."""
-    climbing_deg: float
-    """Sum of the changes in climb angle of W2."""
-    threat: float
-    """W3."""
+    length: float  # W1 [m]
+    turning_deg: float  # of W2: the sum of turning angles
+    climbing_deg: float  # of W2: the sum of changes in climb angle
+    threat: float  # W3
     total: float
 
 
