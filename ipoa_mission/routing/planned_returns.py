@@ -55,14 +55,20 @@ def choose_returns(forecast: Forecast) -> tuple[Forecast, tuple[Shortfall, ...]]
     tried = [(forecast, short)]
     if not names_return_altitude(forecast.world) and (short or return_altitude(forecast) > highest_return(forecast)):
         tried = try_return_altitudes(paths, forecast, short)
-    if any(shortfall.part >= ReturnLeg.RETURNS for shortfall in tried[0][1]) and not forecast.mission.rally:
+    if _of_returns(tried[0][1]) and not forecast.mission.rally:
         for result in tried[:RALLIED_ALTITUDES]:
             rallied = _with_rally_points(paths, *result)
             tried.append(rallied)
-            if not any(shortfall.part >= ReturnLeg.RETURNS for shortfall in rallied[1]):
+            if not _of_returns(rallied[1]):
                 break
-        tried.sort(key=lambda result: any(shortfall.part >= ReturnLeg.RETURNS for shortfall in result[1]))
-    return tried[0][0], tuple(tried[0][1])
+        tried.sort(key=lambda result: bool(_of_returns(result[1])))
+    clearest, remaining = tried[0]
+    return clearest, tuple(remaining)
+
+
+def _of_returns(shortfalls: list[Shortfall]) -> list[Shortfall]:
+    """Return those that another altitude or goal may mend."""
+    return [shortfall for shortfall in shortfalls if shortfall.part >= ReturnLeg.RETURNS]
 
 
 def names_return_altitude(scenario: Scenario) -> bool:
@@ -74,8 +80,7 @@ def _with_rally_points(
     paths: ContingencyPaths, forecast: Forecast, short: list[Shortfall]
 ) -> tuple[Forecast, list[Shortfall]]:
     """Return the fewest rally points that make RTL clear with a slow landing."""
-    times = [shortfall.time for shortfall in short if shortfall.part >= ReturnLeg.RETURNS]
-    search = _RallySearch(paths.returning(forecast), times)
+    search = _RallySearch(paths.returning(forecast), [shortfall.time for shortfall in _of_returns(short)])
     known = set[Shortfall]()
     for _ in range(EFFORT.max_proved):
         rally = search.propose()
@@ -87,7 +92,7 @@ def _with_rally_points(
             continue
         rallied = Forecast(mission, forecast.scenario, forecast.wind)
         remaining = find_return_shortfalls(paths.returning(rallied))
-        unclear = {shortfall for shortfall in remaining if shortfall.part >= ReturnLeg.RETURNS}
+        unclear = set(_of_returns(remaining))
         if not unclear:
             return rallied, remaining
         if unclear & known:  # wherever it returns to
