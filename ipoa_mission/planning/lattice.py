@@ -13,9 +13,9 @@ import shapely
 from numpy.typing import NDArray
 
 from ipoa_mission.geometry import Points, Vector, arc_lengths
+from ipoa_mission.planning.loops import lift, with_loops
 from ipoa_mission.planning.obstacle_grid import UNLIMITED, Nodes
 from ipoa_mission.planning.problem import Candidate, PreparedProblem, follow
-from ipoa_mission.planning.winding import lift, wind
 from ipoa_mission.world.airspace import Airspace
 from ipoa_mission.world.polygon import Plane
 
@@ -122,7 +122,7 @@ class Lattice:
     slack: NDArray[np.float64]
     price: NDArray[np.float64]
     steepest: tuple[float, float]  # slopes of climb and descent
-    winding: float  # extra cost of a meter of loops against a straight meter
+    loop_cost: float  # extra cost of a meter of loops against a straight meter
     strategy: LatticeStrategy
 
     def steps(self, backwards: bool = False) -> tuple[NDArray[np.int64], Vector]:
@@ -137,7 +137,7 @@ class Lattice:
         climb, descent = self.steepest[::-1] if backwards else self.steepest
         needed = np.maximum(rise / climb, -rise / descent)
         too_steep = needed > (1 + 1e-6) * level
-        lengths = np.hypot(np.where(too_steep, needed, level), rise) + self.winding * needed
+        lengths = np.hypot(np.where(too_steep, needed, level), rise) + self.loop_cost * needed
         return STRIDES, np.where(too_steep, DETAILS.loop_discount * lengths, lengths)
 
 
@@ -185,7 +185,7 @@ def _climbing(routes: list[Points], inner: int, problem: PreparedProblem, step: 
             if detour < DETAILS.long_detour:
                 yield Guess(lifted, None, inner)
         if both or detour >= DETAILS.long_detour:
-            yield Guess(*wind(route, inner, problem, step), inner)
+            yield Guess(*with_loops(route, inner, problem, step), inner)
 
 
 def lay_lattice(problem: PreparedProblem, fineness: float = 1.0, strategy: LatticeStrategy = USUAL_LATTICE) -> Lattice:
@@ -213,10 +213,10 @@ def lay_lattice(problem: PreparedProblem, fineness: float = 1.0, strategy: Latti
     nodes[between] = _centered(nodes[between], spacing, problem)
     slack[between], threat[between] = problem.survey(nodes[between])
     radius = min(DETAILS.loop_radius, float(size[:2].min()) / 4)
-    winding = problem.rules.turning / max(problem.rules.length, DETAILS.least_price) / radius
+    loop_cost = problem.rules.turning / max(problem.rules.length, DETAILS.least_price) / radius
     _occupy_gaps(nodes, (slack, threat), lower, spacing, problem)
     price = np.where(slack >= 0, problem.rules.length + threat, np.inf)
-    return Lattice(spacing, nodes, slack.reshape(count), price.reshape(count), steepest, winding, strategy)
+    return Lattice(spacing, nodes, slack.reshape(count), price.reshape(count), steepest, loop_cost, strategy)
 
 
 def find_routes(lattice: Lattice, problem: PreparedProblem, most: int, looking: bool = True) -> list[Points]:

@@ -5,8 +5,8 @@ import pytest
 
 from ipoa_mission import Airspace, Bounds, Limits, PathProblem, plan_path
 from ipoa_mission.planning.lattice import LatticeStrategy
+from ipoa_mission.planning.loops import LOOPS, lift
 from ipoa_mission.planning.problem import prepare
-from ipoa_mission.planning.winding import LOOPS, lift
 from ipoa_mission.world.terrain import Grid
 from tests.quick_search import QUICK
 

@@ -2,8 +2,8 @@ import numpy as np
 import pytest
 
 from ipoa_mission.planning.lattice import LatticeStrategy, _mend, find_routes, guesses, lay_lattice
+from ipoa_mission.planning.loops import with_loops
 from ipoa_mission.planning.problem import prepare
-from ipoa_mission.planning.winding import wind
 from tests.examples import some
 from tests.planning.conftest import Make
 
@@ -80,7 +80,7 @@ def test_lattice_paths_climb_within_the_limit_and_add_loops_where_needed(
     problem = prepare(scenario(obstacles=[low_wall], planning=limits))
     lattice = lay_lattice(problem)
     path = find_routes(lattice, problem, 1)[0]
-    guide, shares = wind(path, 8, problem, lattice.spacing[2])
+    guide, shares = with_loops(path, 8, problem, lattice.spacing[2])
     assert len(shares) == len(guide) - 1
     np.testing.assert_array_equal(guide[[0, -1]], path[[0, -1]])
     steps = np.diff(guide, axis=0)

@@ -25,7 +25,7 @@ class LoopShape(NamedTuple):
 LOOPS = LoopShape()
 
 
-def wind(way: Points, inner: int, problem: PreparedProblem, step: float) -> tuple[Points, Vector]:
+def with_loops(way: Points, inner: int, problem: PreparedProblem, step: float) -> tuple[Points, Vector]:
     """Return the route (k, 3) with loops where too steep for the polish, and control points on each leg."""
     way = _without_detours(way, problem)
     pieces = [way[:1]]
