@@ -31,7 +31,7 @@ def moves_along(ways: Matrix, band: int) -> Moves:
         columns = slice(len(lowest) - below)
         apart = np.maximum(highest[rows] - lowest[columns], highest[columns] - lowest[rows])
         reach = max(reach, int(apart.max()))
-    return Moves(3 * free, reach, starts, way, ways[point, way])
+    return Moves(3 * free, reach, starts, np.ascontiguousarray(way), ways[point, way])
 
 
 NODES_PER_SPAN = 8
