@@ -56,9 +56,8 @@ def autopilots_in(heard: Iterable[Heard]) -> dict[int, FoundVehicle]:
     autopilots: dict[int, FoundVehicle] = {}
     for received in heard:
         beat = received.message
-        if received.component != AUTOPILOT_COMPONENT or not isinstance(beat, Heartbeat):
-            continue
-        if beat.autopilot != MavAutopilot.INVALID:
+        is_autopilot = received.component == AUTOPILOT_COMPONENT
+        if is_autopilot and isinstance(beat, Heartbeat) and beat.autopilot != MavAutopilot.INVALID:
             kind = VehicleKind(beat.autopilot, beat.type)
             is_ready = beat.system_status >= STANDBY
             autopilots[received.system] = FoundVehicle(received.system, kind, beat.armed, is_ready)

@@ -33,6 +33,7 @@ from ipoa_mission.progress import Progress
 from ipoa_mission.scenario import parse_scenario
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as Mock
 from ipoa_mission.simulator.faults import Faults
+from ipoa_mission.simulator.situation import Conditions
 from ipoa_mission.simulator.station import Loopback, Station
 from tests.link.suited import suited
 from tests.link_pair import line_of
@@ -167,10 +168,8 @@ def test_unflyable_verdict_without_a_position_does_not_fail_the_upload(monkeypat
 
 
 def test_an_arducopter_that_never_ends_its_start_up_is_no_answer(monkeypatch: pytest.MonkeyPatch) -> None:
-    vehicle = met(Autopilot.ARDUPILOT)
-    monkeypatch.setattr(verbs, "STARTUP_S", 2.0)
-    monkeypatch.setattr("ipoa_mission.link.vehicle.autopilots_in", lambda heard: {})
-    vehicle.state.booted = False
+    vehicle = met(Autopilot.ARDUPILOT, conditions=Conditions(cold=True))
+    monkeypatch.setattr(verbs, "STARTUP_S", 0.3)
     with refuses("not-started-up", kind=NoAnswer):
         vehicle.download()
 
