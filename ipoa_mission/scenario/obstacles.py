@@ -37,7 +37,7 @@ class SphereSection(Horizontal):
 
     def build(self, name: str, frame: LocalFrame, ground: Ground) -> Obstacle:
         east, north = self.east_north(frame)
-        up = self.up if self.up is not None else float(ground(np.array([[east, north]]))[0]) + self.radius
+        up = self.up if self.up is not None else ground.at(east, north) + self.radius
         return Sphere(name, (east, north, up), self.radius)
 
 

@@ -91,12 +91,12 @@ class Place(Horizontal):
         if self.up is not None:
             up = self.up
         elif self.height_above_ground is not None:
-            up = float(ground(np.array([[east, north]]))[0]) + self.height_above_ground
-        elif self.latitude_deg is not None and self.longitude_deg is not None:
-            assert self.altitude_amsl is not None
-            return frame.local(Geodetic(self.latitude_deg, self.longitude_deg, self.altitude_amsl))
+            up = ground.at(east, north) + self.height_above_ground
         else:
             assert self.altitude_amsl is not None
+            there = self.there()
+            if there is not None:
+                return frame.local(replace(there, altitude=self.altitude_amsl))
             up = self.altitude_amsl - frame.home.altitude
         return np.array([east, north, up])
 
