@@ -113,7 +113,7 @@ class Flight:
         return tuple(remark for remark in self.remarks if remark not in warned)
 
     def write(self, folder: str | Path = ".", report: bool = False) -> tuple[Path, ...]:
-        """Write NAME.plan, .waypoints, .json, .params for parameters, NAME.html for `report`: all or none.
+        """Write to `folder` NAME.plan, .waypoints, .json, .params for parameters, NAME.html for `report`: all or none.
 
         The same flight gives the same bytes.
 

@@ -88,7 +88,7 @@ class Survey:
         return sum(forecast.estimate.total_s for forecast in self.flights)
 
     def write(self, folder: str | Path = ".", report: bool = False) -> tuple[Path, ...]:
-        """Write .plan, .waypoints and .json of each flight, NAME.json, pages for `report`: all or none.
+        """Write to `folder` .plan, .waypoints, .json of each flight, NAME.json, pages for `report`: all or none.
 
         The same survey gives the same bytes.
 
