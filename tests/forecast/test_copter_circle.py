@@ -85,11 +85,10 @@ def test_the_circle_of_the_law_is_the_one_that_the_target_is_on(
     radius: float, accel: float, speed: float, turns: float
 ) -> None:
     limits, turn = copter_limits({"WPNAV_ACCEL": accel, "WPNAV_SPEED": 100.0 * speed}), math.tau * turns
-    flown, copter = flown_circle(limits, radius, speed, turn), Copter(limits)
+    flown, copter = flown_circle(limits, radius, speed, turn), Copter(limits, fast=None)
     copter.start_at((0.0, radius, 20.0))
     copter.orbit((0.0, 0.0, 20.0), radius, turn)
-    while not copter.step():
-        pass
+    copter.run()
     state = copter.state
     behind = (state.turned - math.atan2(state.target.real, state.target.imag)) % math.tau
     assert abs(state.target) == pytest.approx(flown.radius, abs=0.1)
