@@ -20,7 +20,7 @@ ESTIMATES: dict[str, Estimate] = {}
 
 def estimated(flight: Recorded) -> Estimate:
     if flight.name not in ESTIMATES:
-        ESTIMATES[flight.name] = estimate(flight.mission, flight.parameters, fast=True if flight in PX4 else None)
+        ESTIMATES[flight.name] = estimate(flight.mission, flight.parameters, fast=flight in PX4 or None)
     return ESTIMATES[flight.name]
 
 

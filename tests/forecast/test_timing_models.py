@@ -38,7 +38,7 @@ def place(east: float, north: float) -> Geodetic:
 
 def fly(autopilot: Autopilot, *items: Item, wind: Wind | None = None, **parameters: float) -> Estimate:
     mission = Mission(HOME, (takeoff(HOME, 30.0), *items), autopilot)
-    return estimate(mission, parameters, wind or Wind(), fast=autopilot is Autopilot.PX4)
+    return estimate(mission, parameters, wind or Wind(), fast=autopilot is Autopilot.PX4 or None)
 
 
 def lasted(predicted: Estimate, seq: int) -> float:
