@@ -83,7 +83,7 @@ def fly(
             flight = plan_flight(scenario, wind=flown_by.air, seed=search.seed, progress=show)
         job = Job(flight.name, flight.forecast, flight.remarks, flight)
     else:
-        job = read_job(source, flown_by, None, ignore)
+        job = read_job(source, flown_by, ignore, on_link=link is not None)
         _print_notes(asked, job.remarks)
     with in_folder(to.folder):
         planned_files = [] if job.flight is None else [*job.flight.write(to.folder)]
@@ -139,7 +139,8 @@ def _fly_on_link(changes: ChangesMade, source: Path, asked: FlyOptions, job: "Jo
         with connect_to(on_vehicle.link or "", options, frames_log) as vehicle:
             if not states_firmware(source, asked.flown_by.autopilot):
                 before = job.remarks
-                job = read_job(source, asked.flown_by, vehicle.autopilot, job.ignore)
+                flown_by = replace(asked.flown_by, autopilot=vehicle.autopilot)
+                job = read_job(source, flown_by, job.ignore, on_link=True)
                 _print_notes(asked, [words for words in job.remarks if words not in before])
             vehicle.conformance.on_deviation = on_vehicle.on_deviation
             if asked.files.as_json:

@@ -4,7 +4,6 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.autopilot.known_parameters import expect_own
 from ipoa_mission.checks.check import check
 from ipoa_mission.checks.unsafe import refuse_errors
@@ -53,11 +52,14 @@ class FlownJob(NamedTuple):
     system: int | None = None
 
 
-def read_job(source: Path, flown_by: FlownByOptions, autopilot: Autopilot | None, ignore: Sequence[str]) -> Job:
-    requested = read_requested(source, flown_by, autopilot)
+def read_job(source: Path, flown_by: FlownByOptions, ignore: Sequence[str], on_link: bool) -> Job:
+    """Read and check a mission; `on_link` without the findings of some versions only."""
+    requested = read_requested(source, flown_by)
     mission = requested.mission
     forecast = Forecast(mission, wind=flown_by.air)
-    warnings = refuse_errors(check(forecast, ignore, requested.findings))
+    versions = mission.autopilot.measured if on_link and flown_by.version is None else (mission.firmware_version,)
+    checked = [check(forecast.on(version), ignore, requested.findings) for version in versions]
+    warnings = refuse_errors([finding for finding in checked[-1] if all(finding in each for each in checked)])
     refuse_unsound(mission)
     estimate = forecast.estimate
     items = f"{count_words(len(mission.items))} for {mission.autopilot}"

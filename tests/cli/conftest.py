@@ -11,6 +11,7 @@ import pytest
 import typer
 
 from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.autopilot.version import Version
 from ipoa_mission.cli.app import app, main
 from ipoa_mission.flight.flight import Flight, plan_flight
 from ipoa_mission.geodesy import Geodetic
@@ -21,6 +22,7 @@ from ipoa_mission.mission.mission_io import write_mission
 from ipoa_mission.scenario import read_scenario
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot
 from ipoa_mission.simulator.mock_server import Server
+from ipoa_mission.simulator.situation import Conditions
 from ipoa_mission.simulator.station import Station
 from tests.px4_waypoints import waypoint
 from tests.quick_link import hurry
@@ -101,12 +103,17 @@ def autopilot() -> Serve:
 
     @contextmanager
     def serve(
-        home: Geodetic = ZURICH, family: Autopilot = Autopilot.PX4, passphrase: str | None = None, speedup: float = 60.0
+        home: Geodetic = ZURICH,
+        family: Autopilot = Autopilot.PX4,
+        passphrase: str | None = None,
+        speedup: float = 60.0,
+        version: Version | None = None,
     ) -> Iterator[str]:
         channel = open_channel("udpin:127.0.0.1:0")
         assert isinstance(channel, UdpChannel)
         signer = Signer(key_of(passphrase)) if passphrase else None
-        server = Server(channel, Station(BuiltInAutopilot(family, home), 1, signer), speedup)
+        aboard = BuiltInAutopilot(family, home, conditions=Conditions(version=version))
+        server = Server(channel, Station(aboard, 1, signer), speedup)
         enough = threading.Event()
         thread = threading.Thread(target=server.run, args=(enough.is_set,))
         thread.start()

@@ -6,13 +6,15 @@ from pathlib import Path
 import pytest
 
 from ipoa_mission.autopilot.autopilot import Autopilot, registered
+from ipoa_mission.autopilot.version import Version
 from ipoa_mission.cli import linking
 from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.link import upload
 from ipoa_mission.link.vehicle import Vehicle
 from ipoa_mission.link.vehicle_state import NotReady
+from ipoa_mission.mission.items import Mission, land, takeoff, waypoint
 from ipoa_mission.mission.mission_io import read_mission, write_mission
-from tests.cli.conftest import Planned, Run, Serve
+from tests.cli.conftest import ZURICH, Planned, Run, Serve
 
 PASSPHRASE = "correct horse battery staple"
 
@@ -99,6 +101,21 @@ def test_a_mission_made_for_the_other_firmware_is_refused(run: Run, autopilot: S
         assert run(f"upload {mission} --link {link} --anyway").code == 0
         whoever = mission.with_suffix(".waypoints")  # it does not say whom it was made for
         assert run(f"upload {whoever} --link {link}").code == 0
+
+
+def test_fly_checks_a_mission_by_the_version_aboard(run: Run, autopilot: Serve) -> None:
+    places = [Geodetic(47.398 + 0.0002 * n, 8.5456, 488.0) for n in range(3)]
+    ways = [waypoint(place, height) for place, height in zip(places, (10.0, 14.0, 10.0), strict=True)]
+    items = (takeoff(ZURICH, 10.0), *ways, land(places[-1]))
+    write_mission(Mission(ZURICH, items, Autopilot.PX4), "climb.plan")  # PX4 1.18 may pass its waypoints
+    with autopilot(version=Version(1, 17)) as link:
+        ended = run(f"fly climb.plan --link {link} --json")
+        assert (ended.code, json.loads(ended.out)["completed"]) == (0, True)
+        assert not [words for words in json.loads(ended.out)["remarks"] if "PX4 may pass" in words]
+    with autopilot() as link:
+        ended = run(f"fly climb.plan --link {link} --json")
+    assert (ended.code, "[waypoint-passed]" in json.loads(ended.out)["error"]) == (1, True)
+    assert run("fly climb.plan --link udpin:127.0.0.1:0 --firmware-version 1.18").err.startswith("error: items 2 to 4")
 
 
 def test_fly_over_a_link_keeps_the_log_of_an_earlier_flight(run: Run, autopilot: Serve, hop: Path) -> None:
