@@ -16,11 +16,13 @@ import numpy as np
 import pytest
 
 from ipoa_mission import Forecast, read_mission, read_scenario
-from ipoa_mission.autopilot.autopilot import autopilot_named
+from ipoa_mission.autopilot.autopilot import Autopilot, autopilot_named
 from ipoa_mission.autopilot.returning import Contingency, FlightStage
 from ipoa_mission.autopilot.version import Version
-from ipoa_mission.forecast.contingency.contingencies import Contingencies
+from ipoa_mission.forecast.contingency.contingencies import Contingencies, predict_contingency
 from ipoa_mission.forecast.timing.flight_model import FlightModel
+from ipoa_mission.geodesy import Geodetic
+from ipoa_mission.mission.items import Mission, land, takeoff, waypoint
 
 Row = dict[str, str]
 ROWS: list[Row] = list(csv.DictReader(Path("docs/data/returns.csv").read_text(encoding="utf-8").splitlines()))
@@ -213,3 +215,19 @@ def test_the_model_still_foretells_what_was_flown(row: Row) -> None:
         prediction = model.predict_contingency(forecast.itinerary, forecast.wind, contingency, second)
         share, seconds = OFF[row["autopilot"]]
         assert float(prediction.done[-1]) - second == pytest.approx(float(row["flown_s"]), rel=share, abs=seconds)
+
+
+#: RTL during the take-off at home, on ArduCopter 4.8.0-dev: height of the take-off, second of the order, duration.
+AT_HOME = [(45.0, 11.03, 38.75), (19.0, 10.09, 37.19), (15.0, 7.34, 27.35), (12.0, 9.75, 33.87)]
+
+
+@pytest.mark.parametrize(("up", "second", "flown_s"), AT_HOME)
+def test_returns_from_a_takeoff_last_as_long_as_flown(up: float, second: float, flown_s: float) -> None:
+    home = Geodetic(47.397742, 8.545594, 488.0)
+    away = Geodetic(47.3987, 8.5456, 488.0)
+    items = (takeoff(home, up), waypoint(away, up), land(away))
+    forecast = Forecast(Mission(home, items, Autopilot.ARDUPILOT, firmware_version=FLOWN_ON["ardupilot"]))
+    predicted = predict_contingency(forecast, Contingency.RTL, second)
+    low, high = predicted.duration_s
+    assert low <= flown_s <= high
+    assert high - low < 2.5

@@ -62,19 +62,19 @@ def land(copter: Copter, place: Place | None) -> Iterator[None]:
 
 def return_home(copter: Copter, goal: Place = HOME) -> Iterator[None]:
     limits = copter.limits
-    (x, y, z) = copter.brake()
+    z = copter.place[2]
+    (x, y, _) = copter.brake()
     (east, north, _) = goal
     far = math.hypot(x - east, y - north)
     height = limits.returning.height(z, far, goal[2])
     copter.speeds = MotionLimits(limits.rtl_speed, limits.climb, limits.descent)
     height = max(z + RETURN_ROUNDING, height)
-    top, home = Stop((x, y, height)), Stop((east, north, height))
-    away = far > SAME_PLACE
-    copter.fly_to(top, home if away else None, limits.rtl_turns)
+    top = Stop((x, y, height))
+    home = Stop((east, north, height) if far > SAME_PLACE else (x, y, height - RETURN_ROUNDING))
+    copter.fly_to(top, home, limits.rtl_turns)
     yield
-    if away:
-        copter.fly_to(home, None, limits.rtl_turns)
-        yield
+    copter.fly_to(home, None, limits.rtl_turns)
+    yield
     copter.hold(limits.rtl_loiter)
     yield
     if limits.rtl_final > 0:
