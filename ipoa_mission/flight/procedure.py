@@ -78,7 +78,7 @@ def upload_mission(
         Remarks: warnings, parameters that differ, a disabled fence.
 
     Raises:
-        Unsafe, FarFromHome, OutsideOwnFence: it would crash, be refused or be aborted; nothing was sent.
+        NotReady, Unsafe, FarFromHome, OutsideOwnFence: armed, would crash, be refused or aborted; nothing was sent.
         MissionError: it was made for another autopilot; or as `Vehicle.upload`.
 
     Example:
@@ -87,6 +87,8 @@ def upload_mission(
         ...     upload_mission(vehicle, read_mission("missions/sitl.plan"))
         ('RTL_RETURN_ALT is 30 on the vehicle, and the mission was made for 70',)
     """
+    if not anyway:
+        vehicle.state.expect_on_ground()
     with stages(Stage.CHECK):
         remarks = preflight.expect_fit(vehicle, mission, anyway, ignore)
         left = left_lists(vehicle, mission)

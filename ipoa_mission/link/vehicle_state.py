@@ -97,7 +97,7 @@ class VehicleState:
     def expect_on_ground(self) -> None:
         """Raise NotReady if armed."""
         if self.armed:
-            words = f"a flight begins disarmed and on the ground, but {self}"
+            words = f"expected a vehicle disarmed and on the ground: {self}"
             raise NotReady(words, hint="land and disarm it first", code="not-on-ground")
 
     def owns(self, message: m.Message) -> bool:

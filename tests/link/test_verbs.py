@@ -71,6 +71,21 @@ def test_rally_points_are_uploaded_and_set_current_counts_as_the_mission(autopil
     assert vehicle.record().path == ()
 
 
+@pytest.mark.parametrize("autopilot", registered())
+def test_upload_to_a_vehicle_in_flight_is_refused(autopilot: Autopilot) -> None:
+    vehicle = met(autopilot)
+    flown = suited(vehicle, replace(MISSION, rally=()))
+    vehicle.upload(flown)
+    vehicle.prepare()
+    vehicle.start()
+    other = suited(vehicle, MISSION)
+    with refuses("not-on-ground", "", "expected a vehicle disarmed"):
+        upload_mission(vehicle, other)
+    assert vehicle.download().rally == ()
+    upload_mission(vehicle, other, anyway=True)
+    assert vehicle.download().rally == RALLY
+
+
 @pytest.mark.parametrize("silence", [NoAnswer("no answer"), TimeUp("the time is over")])
 def test_silence_on_rally_points_refuses_the_flight(silence: Exception, monkeypatch: pytest.MonkeyPatch) -> None:
     vehicle = met(Autopilot.PX4)
