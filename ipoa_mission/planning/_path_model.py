@@ -311,10 +311,7 @@ LEVENBERG_TRIALS = 6  # of greater damping
 
 @njit(cache=True, error_model="numpy")
 def reduced(gradient, band, moves):
-    """Return gradient (f,) and lower band of the Hessian by free coordinates: W^T H W for moves W.
-
-    An entry of H counts for each pair of a weight of its row and one of its column, off the diagonal both ways.
-    """
+    """Return gradient (f,) and lower band of the Hessian by free coordinates: W^T H W for moves W."""
     starts, columns, weights = moves.starts, moves.columns, moves.weights
     slope = np.zeros(moves.free)
     narrow = np.zeros((moves.reach + 1, moves.free))
@@ -322,7 +319,7 @@ def reduced(gradient, band, moves):
         for k in range(starts[row // 3], starts[row // 3 + 1]):
             slope[3 * columns[k] + row % 3] += weights[k] * gradient[row]
     for below in range(len(band)):
-        once = 0.5 if below == 0 else 1.0
+        once = 0.5 if below == 0 else 1.0  # entries off the diagonal count both ways
         for column in range(len(gradient) - below):
             row = column + below
             for k in range(starts[row // 3], starts[row // 3 + 1]):
