@@ -1,16 +1,23 @@
-"""Vehicles on a link by their heartbeats, and their firmware versions."""
+"""Vehicles on a link, and a session with one."""
 
-from collections.abc import Iterable
+import math
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from itertools import cycle
+from typing import Any, Self
 
 from ipoa_mission.autopilot.commands import VehicleCommand
 from ipoa_mission.autopilot.vehicle_kind import VehicleKind
 from ipoa_mission.autopilot.version import Version
+from ipoa_mission.link import messages as m
 from ipoa_mission.link.codec import Heard, Target
-from ipoa_mission.link.line import Line
-from ipoa_mission.link.messages import AUTOPILOT_COMPONENT, STANDBY, AutopilotVersion, Heartbeat, MavAutopilot, Ping
-from ipoa_mission.link.orders import message_request, order
+from ipoa_mission.link.conversations import observed
+from ipoa_mission.link.dialogue import SPECIFIED, Dialogue, Patience, T, Tempo
+from ipoa_mission.link.line import Carrier, Line, Listening, converse
+from ipoa_mission.link.mavutil_channel import expect_line, messages_from, payload_of
+from ipoa_mission.link.orders import message_request, order, request_version
+from ipoa_mission.link.vehicle_state import VehicleState
 
 VERSIONS_S = 3.0
 
@@ -40,11 +47,11 @@ def versions_of(line: Line, systems: Iterable[int], seconds: float = VERSIONS_S)
     while silent and line.now() < until:
         request = next(turns)
         for system in sorted(silent):
-            line.send(request, Target(system, AUTOPILOT_COMPONENT))
+            line.send(request, Target(system, m.AUTOPILOT_COMPONENT))
         again = min(line.now() + 0.7, until)
         while silent and line.now() < again:
             for heard in line.receive(again):
-                if isinstance(heard.message, AutopilotVersion) and heard.system in silent:
+                if isinstance(heard.message, m.AutopilotVersion) and heard.system in silent:
                     silent.discard(heard.system)
                     version = Version.of_flight_sw(heard.message.flight_sw_version)
                     if version is not None:
@@ -56,10 +63,10 @@ def autopilots_in(heard: Iterable[Heard]) -> dict[int, FoundVehicle]:
     autopilots: dict[int, FoundVehicle] = {}
     for received in heard:
         beat = received.message
-        is_autopilot = received.component == AUTOPILOT_COMPONENT
-        if is_autopilot and isinstance(beat, Heartbeat) and beat.autopilot != MavAutopilot.INVALID:
+        is_autopilot = received.component == m.AUTOPILOT_COMPONENT
+        if is_autopilot and isinstance(beat, m.Heartbeat) and beat.autopilot != m.MavAutopilot.INVALID:
             kind = VehicleKind(beat.autopilot, beat.type)
-            is_ready = beat.system_status >= STANDBY
+            is_ready = beat.system_status >= m.STANDBY
             autopilots[received.system] = FoundVehicle(received.system, kind, beat.armed, is_ready)
     return autopilots
 
@@ -68,5 +75,79 @@ def round_trips_in(heard: Iterable[Heard], now: float) -> dict[int, float]:
     return {
         ping.system: max(now - ping.message.time_usec / 1e6, 0.0)
         for ping in heard
-        if isinstance(ping.message, Ping) and ping.target.system != 0 and ping.component == AUTOPILOT_COMPONENT
+        if isinstance(ping.message, m.Ping) and ping.target.system != 0 and ping.component == m.AUTOPILOT_COMPONENT
     }
+
+
+class VehicleSession:
+    """Dialogues with one vehicle, and its state."""
+
+    def __init__(
+        self, line: Carrier, heard: FoundVehicle, patience: Patience = SPECIFIED, round_trip_s: float | None = None
+    ) -> None:
+        self.line = line
+        self.system = heard.system
+        self.autopilot = heard.kind.autopilot
+        self.state = VehicleState(self.autopilot, heard.kind, heard.is_ready, heard.armed)
+        self._about: m.AutopilotVersion | None = None
+        self._patience = patience
+        self._tempo = Tempo(patience)
+        if round_trip_s is not None:
+            self._tempo.sample(round_trip_s)
+        self._until = math.inf
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def close(self) -> None:
+        self.line.close()
+
+    def give_up_after(self, seconds: float) -> None:
+        """Raise TimeUp in the present verb after this time, also in a watched flight."""
+        self._until = self.line.now() + seconds
+
+    @property
+    def version_heard(self) -> Version | None:
+        return None if self._about is None else Version.of_flight_sw(self._about.flight_sw_version)
+
+    def firmware_version(self) -> Version | None:
+        with self._in_time():
+            return Version.of_flight_sw(self._read_version().flight_sw_version)
+
+    def send(self, message: Any) -> None:
+        """Send a message of pymavlink to its own target; raise BadInput for an unknown dialect."""
+        expect_line(self.line).send_payload(*payload_of(message))
+
+    def messages(self, seconds: float, *names: str) -> list[Any]:
+        """Return the vehicle's messages as pymavlink's; `names`: only those."""
+        return messages_from(expect_line(self.line), self.system, seconds, names, self._overhear)
+
+    def _tell(self, dialogue: Dialogue[T]) -> T:
+        """Hold a dialogue that changes a supported multicopter."""
+        self.state.expect_flown()
+        return self._hold(observed(dialogue, lambda heard: self.state.expect_flown()))
+
+    def _hold(self, dialogue: Dialogue[T], quiet_s: float = math.inf) -> T:
+        target = Target(self.system, m.AUTOPILOT_COMPONENT)
+        listening = Listening(self._overhear, self._until, quiet_s)
+        return converse(self.line, target, dialogue, self._tempo, listening)
+
+    @contextmanager
+    def _in_time(self) -> Iterator[None]:
+        before = self._until
+        self._until = min(before, self.line.now() + self._patience.total_s)
+        try:
+            yield
+        finally:
+            self._until = before
+
+    def _overhear(self, message: m.Message) -> None:
+        self.state.note(message)
+
+    def _read_version(self) -> m.AutopilotVersion:
+        if self._about is None:
+            self._about = self._hold(request_version()) or m.AutopilotVersion(0)
+        return self._about

@@ -7,10 +7,8 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Any, Self
 
 from ipoa_mission.autopilot.commands import LAST_NAV
-from ipoa_mission.autopilot.version import Version
 from ipoa_mission.checks.check import check_mission
 from ipoa_mission.checks.firmware_check import check_aboard
 from ipoa_mission.checks.unsafe import begun_at, check_start, refuse_errors
@@ -18,26 +16,13 @@ from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.link import conversations, departure, orders
 from ipoa_mission.link.channel import LinkDown
-from ipoa_mission.link.codec import Target
-from ipoa_mission.link.dialogue import (
-    SPECIFIED,
-    Cancelled,
-    Dialogue,
-    NoAnswer,
-    Patience,
-    Silence,
-    T,
-    Tempo,
-    TimeUp,
-    until,
-)
-from ipoa_mission.link.discovery import FoundVehicle
+from ipoa_mission.link.dialogue import SPECIFIED, Cancelled, Dialogue, NoAnswer, Patience, Silence, TimeUp, until
+from ipoa_mission.link.discovery import FoundVehicle, VehicleSession
 from ipoa_mission.link.flight_order import SHOWN_S, Conformance, FlightOrder, pause, resume, return_to_launch
-from ipoa_mission.link.line import Carrier, Listening, converse, noted_interrupts
+from ipoa_mission.link.line import Carrier, noted_interrupts
 from ipoa_mission.link.logbook import Logbook, Observer, watch
 from ipoa_mission.link.mavftp import FileRefused
-from ipoa_mission.link.mavutil_channel import expect_line, messages_from, payload_of
-from ipoa_mission.link.messages import AUTOPILOT_COMPONENT, AutopilotVersion, Heartbeat, Message, MissionType
+from ipoa_mission.link.messages import Heartbeat, Message, MissionType
 from ipoa_mission.link.onboard_list import OnboardList, ReplacedSince, read_again
 from ipoa_mission.link.reconnect import RETRY_S, SILENT_S, KnownVehicle, LinkLoss
 from ipoa_mission.link.upload import ReadBackDiffers, Unflyable, Unplaced, Upload, upload, upload_by_file
@@ -62,7 +47,7 @@ class ConnectionOptions:
     reading: bool = False
 
 
-class Vehicle:
+class Vehicle(VehicleSession):
     """One vehicle on a line, found by `connect`.
 
     Example:
@@ -73,25 +58,12 @@ class Vehicle:
     """
 
     def __init__(
-        self,
-        line: Carrier,
-        heard: FoundVehicle,
-        options: ConnectionOptions | None = None,
-        round_trip_s: float | None = None,
+        self, line: Carrier, heard: FoundVehicle, options: ConnectionOptions | None = None, trip_s: float | None = None
     ) -> None:
         self._options = options or ConnectionOptions()
-        self._patience = self._options.patience
-        self._tempo = Tempo(self._patience)
-        if round_trip_s is not None:
-            self._tempo.sample(round_trip_s)
-        self.line = line
-        self.system = heard.system
-        self.autopilot = heard.kind.autopilot
-        self.state = VehicleState(self.autopilot, heard.kind, heard.is_ready, heard.armed)
+        super().__init__(line, heard, self._options.patience, trip_s)
         self.overhearing: Callable[[Message], None] = lambda message: None
         """Called with every message of the vehicle while a dialogue is held."""
-        self._about: AutopilotVersion | None = None
-        self._until = math.inf
         self._mission: Mission | None = None
         self._onboard_lists: dict[int, OnboardList] = {}
         self._departure: departure.Departure | None = None
@@ -104,19 +76,6 @@ class Vehicle:
         self.link_loss = LinkLoss(line)
         """State of the link to a watched vehicle: lost or not, for how long, and what the vehicle does meanwhile."""
         self._numbers = itertools.count(2 * round(1e3 * line.now()), 2)  # differ from the last session's
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.close()
-
-    def close(self) -> None:
-        self.line.close()
-
-    def give_up_after(self, seconds: float) -> None:
-        """Raise TimeUp in the present verb after this time, also in a watched flight."""
-        self._until = self.line.now() + seconds
 
     def upload(self, mission: Mission, progress: Progress = silent, checked: bool = True) -> None:
         """Upload a mission, with its fence and rally points, and verify each list.
@@ -377,14 +336,6 @@ class Vehicle:
     def mode(self) -> str:
         return "no mode" if self.state.custom_mode is None else self.autopilot.modes.name(self.state.custom_mode)
 
-    @property
-    def version_heard(self) -> Version | None:
-        return None if self._about is None else Version.of_flight_sw(self._about.flight_sw_version)
-
-    def firmware_version(self) -> Version | None:
-        with self._in_time():
-            return Version.of_flight_sw(self._read_version().flight_sw_version)
-
     def home(self) -> Geodetic | None:
         """Return home; None while unknown."""
         return self._hold(orders.request_home())
@@ -404,39 +355,12 @@ class Vehicle:
         """
         self._tell(orders.set_parameter(name, value, self.autopilot))
 
-    def send(self, message: Any) -> None:
-        """Send a message of pymavlink to its own target; raise BadInput for an unknown dialect."""
-        expect_line(self.line).send_payload(*payload_of(message))
-
-    def messages(self, seconds: float, *names: str) -> list[Any]:
-        """Return the vehicle's messages as pymavlink's; `names`: only those."""
-        return messages_from(expect_line(self.line), self.system, seconds, names, self._overhear)
-
     def _tell_flying(self, order: Callable[[VehicleState], Dialogue[None]]) -> None:
         with self._in_time(), self.state.in_errors():
             self._tell(order(self.state))
 
-    def _tell(self, dialogue: Dialogue[T]) -> T:
-        """Hold a dialogue that changes a supported multicopter."""
-        self.state.expect_flown()
-        return self._hold(conversations.observed(dialogue, lambda heard: self.state.expect_flown()))
-
-    def _hold(self, dialogue: Dialogue[T], quiet_s: float = math.inf) -> T:
-        target = Target(self.system, AUTOPILOT_COMPONENT)
-        listening = Listening(self._overhear, self._until, quiet_s)
-        return converse(self.line, target, dialogue, self._tempo, listening)
-
-    @contextmanager
-    def _in_time(self) -> Iterator[None]:
-        before = self._until
-        self._until = min(before, self.line.now() + self._patience.total_s)
-        try:
-            yield
-        finally:
-            self._until = before
-
     def _overhear(self, message: Message) -> None:
-        self.state.note(message)
+        super()._overhear(message)
         if not self.state.owns(message):
             return
         self._logbook.note(message)
@@ -444,11 +368,6 @@ class Vehicle:
             onboard.note(message, self._logbook.armed)
         self._mode_watch.note(message, self.line.now())
         self.overhearing(message)
-
-    def _read_version(self) -> AutopilotVersion:
-        if self._about is None:
-            self._about = self._hold(orders.request_version()) or AutopilotVersion(0)
-        return self._about
 
     def _checksum_numbers(self) -> Iterator[int] | None:
         if not self.autopilot.protocol_profile.takes_mission_file:
