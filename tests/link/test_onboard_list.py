@@ -38,7 +38,7 @@ from tests.refused import refuses
 PX4, ARDUPILOT = Autopilot.PX4, Autopilot.ARDUPILOT
 HOME = Geodetic(47.4, 8.5, 400.0)
 THERE = Geodetic(47.4002, 8.5, 400.0)
-MISSION = Mission(HOME, (takeoff(HOME, 10.0), waypoint(THERE, 10.0), land(THERE)))
+MISSION = Mission(HOME, (takeoff(HOME, 5.0), waypoint(THERE, 5.0), land(THERE)))
 STRANGER = Target(254, 190)
 
 
@@ -165,7 +165,7 @@ def test_a_list_that_cannot_be_read_in_flight_is_looked_at_once_more(monkeypatch
         return (yield from read(job))
 
     def overhear(message: Message) -> None:
-        if isinstance(message, Position) and message.height > 5.0 and not replaced_s:
+        if isinstance(message, Position) and message.height > 4.0 and not replaced_s:
             replaced_s.append(vehicle.line.now())
             replaced_by(vehicle, OTHERS["as long"](MISSION))
         if vehicle.changed and not told_s:
@@ -189,7 +189,7 @@ def test_mission_replaced_in_flight_makes_the_flight_incomplete(
     times: list[float] = []
 
     def overhear(message: Message) -> None:
-        if isinstance(message, Position) and message.height > 5.0 and not times:
+        if isinstance(message, Position) and message.height > 4.0 and not times:
             times.append(vehicle.line.now())
             replaced_by(vehicle, OTHERS[replacement](MISSION))
         if vehicle.changed and len(times) == 1:
@@ -216,7 +216,7 @@ def test_one_that_makes_no_checksum_is_read_after_the_flight() -> None:
     replaced: list[Message] = []
 
     def overhear(message: Message) -> None:
-        if isinstance(message, Position) and message.height > 5.0 and not replaced:
+        if isinstance(message, Position) and message.height > 4.0 and not replaced:
             replaced.append(message)
             replaced_by(vehicle, OTHERS["as long"](MISSION))
 
