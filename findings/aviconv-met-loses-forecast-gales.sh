@@ -1,9 +1,9 @@
 #!/bin/sh
 # aviconv-met loses the gale of a TAF after FM, and after PROB30 TEMPO.
 #
-# aviconv-met 0.4.0, parse_taf. Guess: 35 knots with gusts of 55 are in change_groups with their time. Seen: for FM282000
-# there is no group at all, for PROB30 TEMPO 2820/2824 one without a time and a wind, nothing said; for PROB40 2820/2824
-# and for BECMG all is there. Exits 1 if that changes.
+# aviconv-met 0.4.0, parse_taf. Guess: 35 knots with gusts of 55 are in change_groups with their time. Seen: for
+# FM282000 there is no group at all, for PROB30 TEMPO 2820/2824 one without a time and a wind, nothing said; for PROB40
+# 2820/2824 and for BECMG all is there. Exits 1 if that changes.
 set -e
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT

@@ -1,9 +1,10 @@
 #!/bin/sh
 # dji-telemetry writes all GPX heights as 0 m, and reads heights below home as 0 m.
 #
-# dji-telemetry 1.0.1, parse_srt and to_gpx, on an SRT as its README shows: [rel_alt: 57.200 abs_alt: 204.644]. Guess: the
-# GPX is at 204.6 m, and -12.3 m below home is kept. Seen: abs_alt is never read, 0 m; rel_alt is 57.2, but 0 instead of
-# -12.3. An SRT of the older form, GPS (8.5, 47.4, 15), is a track at 0 N 0 E without an error. Exits 1 if that changes.
+# dji-telemetry 1.0.1, parse_srt and to_gpx, on an SRT as its README shows: [rel_alt: 57.200 abs_alt: 204.644]. Guess:
+# the GPX is at 204.6 m, and -12.3 m below home is kept. Seen: abs_alt is never read, 0 m; rel_alt is 57.2, but 0
+# instead of -12.3. An SRT of the older form, GPS (8.5, 47.4, 15), is a track at 0 N 0 E without an error. Exits 1 if
+# that changes.
 set -e
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT

@@ -16,11 +16,13 @@ import { writeFileSync } from "fs";
 import { deserialize, serialize } from "flatgeobuf/lib/mjs/geojson.js";
 
 const geometry = { type: "LineString", coordinates: [[8, 47, 100], [8.1, 47, 200]] };
-const bytes = serialize({ type: "FeatureCollection", features: [{ type: "Feature", properties: { id: 1 }, geometry }] });
+const features = [{ type: "Feature", properties: { id: 1 }, geometry }];
+const bytes = serialize({ type: "FeatureCollection", features });
 writeFileSync("climb.fgb", bytes);
 for await (const feature of deserialize(bytes)) console.log(JSON.stringify(feature.geometry.coordinates));
 JS
 own=$(node write.mjs)
-gdal=$(./venv/bin/python -c "import pyogrio.raw, shapely; print(shapely.from_wkb(pyogrio.raw.read('climb.fgb')[2][0]).wkt)")
+read="import pyogrio.raw, shapely; print(shapely.from_wkb(pyogrio.raw.read('climb.fgb')[2][0]).wkt)"
+gdal=$(./venv/bin/python -c "$read")
 echo "flatgeobuf: $own; GDAL: $gdal"
 [ "$own" = "[[8,47,100],[8.1,47,200]]" ] && [ "$gdal" = "LINESTRING (8 47, 8.1 47)" ]

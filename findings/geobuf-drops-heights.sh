@@ -1,8 +1,9 @@
 #!/bin/sh
 # geobuf of PyPI drops the heights of lines and areas, and keeps those of points.
 #
-# geobuf 2.0.1, encode; decode by itself. Guess: 3 numbers a position come back, as with npm's geobuf. Seen: a climb from
-# 100 to 200 m has no heights, a point has; encode's third argument, 3 dimensions, keeps them. Exits 1 if that changes.
+# geobuf 2.0.1, encode; decode by itself. Guess: 3 numbers a position come back, as with npm's geobuf. Seen: a climb
+# from 100 to 200 m has no heights, a point has; encode's third argument, 3 dimensions, keeps them. Exits 1 if that
+# changes.
 set -e
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT

@@ -1,7 +1,7 @@
 #!/bin/sh
 # gnssroute leaves out all photos south of the equator or west of Greenwich.
 #
-# gnssroute 0.1.1, io.mrk.read_mrk, on the MRK file that a DJI RTK drone writes beside its photos. Guess: three lines are
+# gnssroute 0.1.1, io.mrk.read_mrk, on the MRK file that a DJI RTK drone writes with its photos. Guess: three lines are
 # three waypoints anywhere. Seen: three at 47 N 8 E, none at 33 S or at 70 W, none below the ellipsoid, nothing said;
 # lines are skipped where a number has a minus. Exits 1 if that changes.
 set -e

@@ -2,8 +2,8 @@
 # gpsd's MeterOffset gives the way back: south-west for a place to the north-east.
 #
 # gps 3.19 of PyPI (gpsd's client), misc.MeterOffset, documented as the offset of the second from the first. Guess: east
-# 76 m and north 111 m. Seen: -76 and -111; across 180 degrees the sign changes, +223 m for a place to the
-# east. Exits 1 if that changes.
+# 76 m and north 111 m. Seen: -76 and -111; across 180 degrees the sign changes, +223 m for a place to the east. Exits 1
+# if that changes.
 set -e
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT

@@ -22,7 +22,7 @@ high.setUint32(1, 1001, true);
 mast.coordinates.forEach((value, n) => high.setFloat64(5 + 8 * n, value, true));
 const read = JSON.stringify(parseSync(high.buffer, WKBLoader).coordinates);
 const text = encodeTextSync(mast, WKTWriter);
-console.log(`WKB of ${sizes.map((bytes) => bytes.byteLength)} bytes; WKB with a height is read as ${read}; WKT ${text}`);
+console.log(`bytes of WKB: ${sizes.map((bytes) => bytes.byteLength)}; one with a height is ${read}; WKT ${text}`);
 process.exit(sizes[0].byteLength === 21 && sizes[1].byteLength === 21 && read === "[8,47,100]" ? 0 : 1);
 JS
 node write.mjs

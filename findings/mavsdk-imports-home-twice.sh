@@ -2,9 +2,9 @@
 # MAVSDK's import of a Mission Planner file flies to home first, and moves the target of a jump by one item.
 #
 # mavsdk 4.1.0, import_mission_planner_mission_from_string. Line 0 of a `QGC WPL 110` file is home, not an item to fly.
-# Guess: home is left out, or is item 0 once. Seen: for ArduPilot home is there twice, as item 0 and as a waypoint at the
-# height of the ground before the takeoff; the DO_JUMP to line 2, a waypoint, now points at the takeoff. For PX4 home is
-# the first waypoint. Exits 1 if that changes.
+# Guess: home is left out, or is item 0 once. Seen: for ArduPilot home is there twice, as item 0 and as a waypoint at
+# the height of the ground before the takeoff; the DO_JUMP to line 2, a waypoint, now points at the takeoff. For PX4
+# home is the first waypoint. Exits 1 if that changes.
 set -e
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT

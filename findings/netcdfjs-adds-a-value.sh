@@ -1,9 +1,9 @@
 #!/bin/sh
 # netcdfjs gives one value too many of packed winds, and not in m/s.
 #
-# netcdfjs 4.0.0, getDataVariable; scipy 1.17.1 writes the file: three winds of 6, none and 0 m/s, packed in 16 bits with
-# scale_factor 0.01, add_offset 5 and _FillValue. Guess: 6, NaN and 0. Seen: 100, -32768 and -500, the packed numbers,
-# and a fourth value, which is the padding at the end of the variable. Exits 1 if that changes.
+# netcdfjs 4.0.0, getDataVariable; scipy 1.17.1 writes the file: three winds of 6, none and 0 m/s, packed in 16 bits
+# with scale_factor 0.01, add_offset 5 and _FillValue. Guess: 6, NaN and 0. Seen: 100, -32768 and -500, the packed
+# numbers, and a fourth value, which is the padding at the end of the variable. Exits 1 if that changes.
 set -e
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT

@@ -2,9 +2,9 @@
 # OpenLayers moves a line off the Earth when it writes it as an encoded polyline.
 #
 # ol 10.11.0, format/Polyline.writeGeometry. Guess: the line is the same after it was written. Seen: its coordinates are
-# exchanged and multiplied by 100,000, 8 E 47 N is at 9400000 E 1600000 N, and a second text is another. With heights the
-# text has three numbers a point, and its own reader takes them for pairs: two points are three, the last at 108 E. Exits
-# 1 if that changes.
+# exchanged and multiplied by 100,000, 8 E 47 N is at 9400000 E 1600000 N, and a second text is another. With heights
+# the text has three numbers a point, and its own reader takes them for pairs: two points are three, the last at 108 E.
+# Exits 1 if that changes.
 set -e
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT

@@ -1,8 +1,8 @@
 #!/bin/sh
 # pymavlink's mavsummarize adds a minute to half of all flights.
 #
-# pymavlink 2.4.50, mavsummarize.py. Guess: a log of 100 seconds has a total time of 1:40. Seen: the minutes are rounded,
-# 100 seconds are 2:40, 59.9 seconds are 1:60; 80 seconds are 1:20. Exits 1 if that changes.
+# pymavlink 2.4.50, mavsummarize.py. Guess: a log of 100 seconds has a total time of 1:40. Seen: the minutes are
+# rounded, 100 seconds are 2:40, 59.9 seconds are 1:60; 80 seconds are 1:20. Exits 1 if that changes.
 set -e
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT

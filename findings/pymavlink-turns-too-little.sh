@@ -1,9 +1,9 @@
 #!/bin/sh
 # pymavlink's Matrix3.rotate turns by 57.5 degrees where 90 are asked for.
 #
-# pymavlink 2.4.50, rotmat.Matrix3.rotate, "rotate the matrix by a given amount on 3 axes". Guess: a yaw of 90 degrees is
-# 90 degrees. Seen: 57.5, and the matrix also stretches, 1.86; 30 degrees are 27.6. It holds for small angles only, as a
-# gyro gives in a step: 90 steps of 1 degree are 90.0. Exits 1 if that changes.
+# pymavlink 2.4.50, rotmat.Matrix3.rotate, "rotate the matrix by a given amount on 3 axes". Guess: a yaw of 90 degrees
+# is 90 degrees. Seen: 57.5, and the matrix also stretches, 1.86; 30 degrees are 27.6. It holds for small angles only,
+# as a gyro gives in a step: 90 steps of 1 degree are 90.0. Exits 1 if that changes.
 set -e
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT

@@ -1,9 +1,9 @@
 #!/bin/sh
 # rasterio's merge makes the ground between two tiles 0 m high.
 #
-# rasterio 1.4.4, merge.merge. Two tiles of elevation at 500 and 600 m, without a nodata value, with a tile missing between
-# them. Guess: the gap is masked, NaN, or named. Seen: it is 0 m, and the result has no nodata value that would tell it
-# from ground at sea level. Exits 1 if that changes.
+# rasterio 1.4.4, merge.merge. Two tiles of elevation at 500 and 600 m, without a nodata value, with a tile missing
+# between them. Guess: the gap is masked, NaN, or named. Seen: it is 0 m, and the result has no nodata value that would
+# tell it from ground at sea level. Exits 1 if that changes.
 set -e
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
