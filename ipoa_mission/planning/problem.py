@@ -332,12 +332,7 @@ def _waves(inner: int) -> Matrix:
 
 
 def via_indices(guide: Points, via: Points) -> list[int]:
-    """Return ascending indices of inner points (n, 3) that are nearest to places (m, 3) in the sum of distances.
-
-    >>> way = np.array([(0, 0, 0), (9, 0, 0), (9, 1, 0), (0, 1, 0), (1, 9, 0)], float)
-    >>> via_indices(way, np.array([(1, 1, 0), (0, 2, 0)], float))
-    [2, 3]
-    """
+    """Return ascending indices of inner points (n, 3) that are nearest to places (m, 3) in the sum of distances."""
     least = np.zeros(len(guide) - 2)
     sums = list[Vector]()
     for place in via:

@@ -63,7 +63,6 @@ class Survey:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Return NAME, or NAME-1, NAME-2, ..."""
         count = len(self.flights)
         return (self.name,) if count == 1 else tuple(f"{self.name}-{n}" for n in range(1, count + 1))
 

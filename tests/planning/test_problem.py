@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from ipoa_mission.planning.polish import moves_along
-from ipoa_mission.planning.problem import follow, null_space, pin_to_via, prepare, refine, surround
+from ipoa_mission.planning.problem import follow, null_space, pin_to_via, prepare, refine, surround, via_indices
 from tests.plain_python import as_plain_python
 from tests.planning.conftest import Make, Place
 
@@ -114,3 +114,9 @@ def test_the_search_looks_closely_enough_not_to_jump_over_what_is_near(scenario:
     long_way = scenario(start=(-45, -95, 20), goal=(145, 95, 20), safety_distance=0.5, vehicle={"radius": 0.5})
     assert prepare(long_way).nodes >= np.linalg.norm(long_way.goal_point - long_way.start_point) / 2.0 - 1
     assert prepare(scenario(planning={"planner": "paper"})).nodes == 100
+
+
+def test_via_points_have_samples_in_order_where_a_path_returns_to_the_first() -> None:
+    """One after the other, the first took the last inner sample, and the second had none."""
+    path = np.array([(0, 0, 0), (9, 0, 0), (9, 1, 0), (0, 1, 0), (1, 9, 0)], dtype=float)
+    assert via_indices(path, np.array([(1, 1, 0), (0, 2, 0)], dtype=float)) == [2, 3]
