@@ -117,6 +117,17 @@ class Autopilot(metaclass=_ByName):
         distance = self.braking_distance(parameters, speed, along)
         return np.asarray(velocity * (distance / np.maximum(speed, STATIONARY_SPEED))[:, None])
 
+    def stopping_climb(
+        self, parameters: Parameters, velocity: "Points", accel: "Points", contingency: returning.Contingency
+    ) -> "Vector":
+        """Return vertical displacements (n,) [m] of velocities and accelerations (n, 3)."""
+        import numpy as np
+
+        speed = np.hypot(*velocity[:, :2].T)
+        along = (velocity * accel)[:, :2].sum(axis=1) / np.maximum(speed, STATIONARY_SPEED)
+        distance = self.braking_distance(parameters, speed, along)
+        return np.asarray(velocity[:, 2] * distance / np.maximum(speed, STATIONARY_SPEED))
+
     def circle(
         self, parameters: Parameters, radius: float, turn: float, speed: float | None, version: Version | None
     ) -> profile.FlownCircle | None:

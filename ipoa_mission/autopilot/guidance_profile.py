@@ -47,7 +47,7 @@ class GuidanceProfile(NamedTuple):
     first_item: int = 1  # jumps in the stored list give the first item this number
     past_the_end: int = 0  # after a shorter list this item is current; -1 is the last
     lands_below_item: bool = False  # LAND's slow stretch counts from an item below home
-    climb_ends_at_once: bool = False  # a climb ends within 0.5 m when a mission is aborted
+    returns_from_order: bool = False  # RTL counts its height from the order, not from the stopping point
     climbs_coming_back: bool = False  # RTL climbs on its way back to the point of the order
     home_is_where_armed: bool = False  # it ignores the file's home
     brakes_after: float = 0.0  # it begins to brake at most this long after an abort [s]; docs/safety.md has flights

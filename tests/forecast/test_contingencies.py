@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from typer.testing import CliRunner
 
 from ipoa_mission import Forecast, plan_flight, read_mission, read_scenario
+from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.autopilot.commands import Command, Frame
 from ipoa_mission.autopilot.failsafe import FailsafeProfile
 from ipoa_mission.autopilot.returning import COMPUTED, TIMED, Contingency
@@ -27,13 +28,15 @@ from ipoa_mission.forecast.contingency.contingencies import (
 )
 from ipoa_mission.forecast.contingency.contingency_paths import ContingencyPaths
 from ipoa_mission.forecast.contingency.contingency_samples import SAMPLING
-from ipoa_mission.mission.items import FenceCircle, Item
+from ipoa_mission.geodesy import Geodetic
+from ipoa_mission.mission.items import FenceCircle, Item, Mission, land, takeoff, waypoint
 from ipoa_mission.vehicles.arducopter.braking import braking_displacement
 from ipoa_mission.vehicles.px4_multicopter.flight_model import Flights
 from tests.examples import examples
 from tests.refused import refuses
 
 MISSIONS = Path(__file__).parents[2] / "missions"
+HOME = Geodetic(47.397742, 8.545594, 488.0)
 
 
 def forecast_of(name: str, **parameters: float) -> Forecast:
@@ -126,6 +129,41 @@ def test_brake_flies_on_farther_than_a_return_does(campus: Contingencies) -> Non
         for contingency in (Contingency.HOLD, Contingency.RTL, Contingency.LAND)
     ]
     assert paths == pytest.approx([10.7, 8.2, 8.9], abs=0.25)
+
+
+#: On ArduCopter 4.8.0-dev: climb rate at the order [m/s], and the farthest height above it [m].
+RUN_ON = [
+    (Contingency.HOLD, 2.49, 4.22),
+    (Contingency.HOLD, -1.48, -2.46),
+    (Contingency.LAND, 2.51, 3.41),
+    (Contingency.RTL, 2.47, 2.04),
+    (Contingency.RTL, -1.5, -1.18),
+    (Contingency.SMART_RTL, 2.49, 2.37),
+    (Contingency.SMART_RTL, -1.5, -1.27),
+]
+
+
+@pytest.mark.parametrize(("contingency", "climb", "flown"), RUN_ON)
+def test_climbs_and_descents_run_on_as_flown(contingency: Contingency, climb: float, flown: float) -> None:
+    velocity = np.array([[0.0, 0.0, climb]])
+    (counted,) = Autopilot.ARDUPILOT.stopping_climb({}, velocity, 0.0 * velocity, contingency)
+    assert abs(flown) - 0.03 <= counted * math.copysign(1.0, climb) <= abs(flown) + 0.55
+
+
+def test_hold_in_a_descent_ends_at_the_height_flown() -> None:
+    """Six holds of ArduCopter 4.8.0-dev: heights of the order and of the end."""
+    flown = [(42.12, 39.73), (40.98, 38.58), (14.59, 12.13), (13.7, 11.4), (13.06, 11.13), (12.57, 11.13)]
+    scenario = read_scenario(MISSIONS / "sitl.toml")
+    places = scenario.frame.geodetic
+    heights = {40.0: 45.0, 75.0: 12.0, 110.0: 12.0, 145.0: 45.0}
+    ways = (waypoint(places(np.array([east, 0.0, 0.0])), height) for east, height in heights.items())
+    items = (takeoff(HOME, 45.0), *ways, land(places(np.array([145.0, 0.0, 0.0]))))
+    stops = Contingencies(Forecast(Mission(HOME, items, Autopilot.ARDUPILOT), scenario)).stops(Contingency.HOLD)
+    descends = (stops.places[:, 0] > 42.0) & (stops.places[:, 0] < 80.0)
+    ordered, ends = stops.places[descends, 2], stops.stops[descends, 2]
+    order_heights, end_heights = np.array(flown).T
+    predicted = np.interp(-order_heights, -ordered, ends)
+    assert predicted == pytest.approx(end_heights, abs=0.15)
 
 
 @settings(max_examples=examples(20))

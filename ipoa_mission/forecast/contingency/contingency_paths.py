@@ -98,13 +98,11 @@ class ContingencyPaths:
         speed = np.maximum(level_speed, STATIONARY_SPEED)
         along = velocity[:, :2] / speed[:, None]
         gains = np.gradient(level_speed, step_s) if len(times) > 1 else np.zeros(1)
-        accel = (after[:, :2] + before[:, :2] - 2 * stops[:, :2]) / step_s**2
+        accel = (after + before - 2 * stops) / step_s**2
         del before, after  # large
-        accel += along * (gains - (accel * along).sum(axis=1))[:, None]
-        if not autopilot.guidance.climb_ends_at_once:  # else it stops within 0.5 m
-            path = autopilot.braking_distance(parameters, level_speed, gains)
-            stops[:, 2] += velocity[:, 2] * path / speed
-        stops[:, :2] += autopilot.stopping_offset(parameters, velocity[:, :2], accel, contingency)
+        accel[:, :2] += along * (gains - (accel[:, :2] * along).sum(axis=1))[:, None]
+        stops[:, 2] += autopilot.stopping_climb(parameters, velocity, accel, contingency)
+        stops[:, :2] += autopilot.stopping_offset(parameters, velocity[:, :2], accel[:, :2], contingency)
         seqs = np.array([visit.seq for visit in self.flight.itinerary.visits])
         ahead = np.minimum(np.searchsorted(self.flight.prediction.done, times), len(seqs) - 1)
         return StoppingPoints(times, pieces.at(times), stops, seqs[ahead])
@@ -278,14 +276,17 @@ class ContingencyPaths:
         """Return the paths of returns (`_paths_to` each goal), and which are possible (n, k)."""
         back = places - stops
         back[:, 2] = 0.0
-        to_goals = self.forecast.returns_from(stops)
+        begins = stops.copy()
+        if self.mission.autopilot.guidance.returns_from_order:
+            begins[:, 2] = places[:, 2]
+        to_goals = self.forecast.returns_from(begins)
         paths = list[NDArray[np.float64]]()
         for path, up in zip(to_goals, (0.0, *(up for _, _, up in self.forecast.itinerary.rally)), strict=True):
             over, beyond = path[:, 1], path[:, 2]
             ground = self._ground_below(beyond)
             for offset in (share * back for share in self._shares):
-                paths.append(np.stack([places, stops, stops + offset, over + offset, beyond, ground], axis=1))
-            paths += [self.routes.over_terrain(places, stops, beyond, up, off) for off in self.routes.off_terrain]
+                paths.append(np.stack([places, stops, begins + offset, over + offset, beyond, ground], axis=1))
+            paths += [self.routes.over_terrain(places, begins, beyond, up, off) for off in self.routes.off_terrain]
         for by in self.routes.kinds:
             along = self.routes.paths(by, np.stack([places, stops, stops, stops], axis=1), seqs)
             paths += [along] * self._variants

@@ -6,6 +6,8 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import ClassVar
 
+import numpy as np
+
 import ipoa_mission.vehicles.arducopter.limits as copter
 from ipoa_mission.autopilot import guidance_profile as profile
 from ipoa_mission.autopilot import returning
@@ -161,7 +163,7 @@ class ArduCopter(Autopilot):
         waits_until_clock=True,
         terrain_by="RNGFND1_TYPE",
         lands_below_item=True,
-        climb_ends_at_once=True,
+        returns_from_order=True,
         home_is_where_armed=True,
         brakes_after=0.1,
     )
@@ -259,6 +261,20 @@ class ArduCopter(Autopilot):
             return braking_displacement(velocity, 0.0 * accel, brake_mode_decel, p["PSC_JERK_XY"])
         lead_s = 0.25  # of the target's speed, as flown
         return braking_displacement(velocity + lead_s * accel, accel, p["WPNAV_ACCEL"] / 100, p["PSC_JERK_XY"])
+
+    def stopping_climb(
+        self, parameters: Parameters, velocity: Points, accel: Points, contingency: Contingency
+    ) -> Vector:
+        lead_s = 0.1  # of the target's speed, as flown
+        climb = velocity[:, 2] + lead_s * accel[:, 2]
+        if contingency not in returning.IN_PLACE:
+            run_on_s = 0.95  # as flown; it then comes back
+            return run_on_s * climb
+        p = copter.PARAMETER_TABLE.complete(parameters)
+        braking = 7.5 if contingency is Contingency.HOLD else p["WPNAV_ACCEL_Z"] / 100  # BRAKE_MODE_DECEL_RATE
+        upright = np.column_stack([climb, 0.0 * climb])
+        lag_s = 0.08  # as flown
+        return braking_displacement(upright, 0.0 * upright, braking, p["PSC_JERK_Z"])[:, 0] + lag_s * climb
 
     def circle(
         self, parameters: Parameters, radius: float, turn: float, speed: float | None, version: Version | None
