@@ -1,6 +1,7 @@
 """Ctrl-C at each stage of a verb: exit code 130, and a message that is true of the vehicle and the files."""
 
 import json
+import sys
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -10,7 +11,7 @@ import pytest
 import typer
 
 from ipoa_mission.cli import flight_output, linking
-from ipoa_mission.cli.interrupting import ChangeKind, ChangesMade, Interrupted
+from ipoa_mission.cli.interrupting import ChangeKind, ChangesMade, Interrupted, interruptible
 from ipoa_mission.flight import preflight, procedure
 from ipoa_mission.flight.flight import Flight
 from ipoa_mission.flight.procedure import Stage
@@ -190,3 +191,12 @@ def test_the_link_s_more_exact_words_follow_the_earlier_changes() -> None:
     words = "stopped: parameters were written: MPC_XY_CRUISE; cancelled: the vehicle keeps the mission it had"
     assert str(ended.value) == words
     assert ended.value.known["list_on_vehicle"] == "old"
+
+
+def test_ctrl_c_amid_imports_is_an_interruption(monkeypatch: pytest.MonkeyPatch) -> None:
+    def verb(changes: ChangesMade) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setitem(sys.modules, "ipoa_mission.link.dialogue", None)  # half imported
+    with pytest.raises(Interrupted, match="stopped: nothing was done"):
+        interruptible(verb)()
