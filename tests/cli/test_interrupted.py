@@ -144,7 +144,7 @@ def test_ctrl_c_in_a_stage_says_what_the_vehicle_holds(
         ("fly {mission} --link {link}", flight_output, "print_flown", "stopped: hop: the vehicle is disarmed", 1),
         ("fly {mission}", flight_output, "print_flown", "stopped: hop: the vehicle is disarmed", 1),
         ("demo", Flight, "report", "stopped: campus: the vehicle is disarmed", 5),
-        ("plan campus --report", Flight, "report", "stopped; files written: 4", 4),
+        ("plan campus --report", Flight, "_page", "stopped: nothing was done", 0),
     ],
 )
 def test_ctrl_c_says_what_a_verb_has_done(

@@ -6,8 +6,6 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import ClassVar
 
-import numpy as np
-
 import ipoa_mission.vehicles.arducopter.limits as copter
 from ipoa_mission.autopilot import guidance_profile as profile
 from ipoa_mission.autopilot import returning
@@ -265,6 +263,8 @@ class ArduCopter(Autopilot):
     def stopping_climb(
         self, parameters: Parameters, velocity: Points, accel: Points, contingency: Contingency
     ) -> Vector:
+        import numpy as np
+
         lead_s = 0.1  # of the target's speed, as flown
         climb = velocity[:, 2] + lead_s * accel[:, 2]
         if contingency not in returning.IN_PLACE:
