@@ -1,4 +1,4 @@
-from ipoa_mission.checks.world_check import check_unread
+from ipoa_mission.checks.landings import check_unread
 from ipoa_mission.finding import Severity
 from ipoa_mission.unread import Unread, gathered, unread_as_json
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import ipoa_mission.checks.firmware_check as firmware
 from ipoa_mission.autopilot.vehicle_kind import NO_AIRCRAFT
+from ipoa_mission.checks.landings import check_landings
 from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.mission.items import LEFT_OUT, Mission
@@ -78,8 +79,6 @@ def check(forecast: Forecast, ignore: Iterable[str] = (), read: Iterable[Finding
 
             findings += check_world(flown, is_sound and not firmware.is_too_long(mission), findings)
         elif mission.landing_ground is not None:
-            from ipoa_mission.checks.world_check import check_landings
-
             findings += check_landings(flown)
     findings = [finding for finding in findings if finding.code not in ignored]
     return tuple(sorted(findings, key=lambda finding: (finding.severity is Severity.WARNING, finding.seq or 0)))

@@ -9,6 +9,7 @@ import numpy as np
 
 from ipoa_mission.autopilot.commands import Command
 from ipoa_mission.checks.firmware_check import check_version
+from ipoa_mission.checks.landings import check_unread
 from ipoa_mission.errors import BadInput, MissionError, Unsafe
 from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.forecast.forecast import Forecast
@@ -58,8 +59,6 @@ def refuse_unclear_returns(findings: Sequence[Finding], forecast: Forecast) -> N
 
 def refuse_unread(scenario: "Scenario | None") -> None:
     if scenario is not None and "not-read" not in scenario.safety.ignored:
-        from ipoa_mission.checks.world_check import check_unread
-
         refuse_errors([*check_unread(scenario.unread)])
 
 

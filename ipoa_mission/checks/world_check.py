@@ -8,8 +8,8 @@ import numpy as np
 import shapely
 
 import ipoa_mission.forecast.contingency.shortfalls as shortfalls
-from ipoa_mission.autopilot.parameters import name_values
 from ipoa_mission.autopilot.returning import Contingency, FlightStage
+from ipoa_mission.checks.landings import check_ground, check_unread
 from ipoa_mission.errors import MissionError, Remedy
 from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.forecast.contingency.contingencies import lands_by_choice, to_return_instead, who_lands
@@ -19,12 +19,11 @@ from ipoa_mission.forecast.contingency.energy_budget import RETURN_HINT, budget_
 from ipoa_mission.forecast.deviation.clearance_guarantee import ClearanceGuarantee, KeptLimit
 from ipoa_mission.forecast.deviation.law import not_measured
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.forecast.leg_limits import ROUNDING, above_or_below, broken_limits, landings
+from ipoa_mission.forecast.leg_limits import ROUNDING, broken_limits
 from ipoa_mission.geometry import place_words
 from ipoa_mission.mission.item_words import name_items
 from ipoa_mission.mission.items import Mission, item_of
 from ipoa_mission.scenario import Scenario
-from ipoa_mission.unread import Unread
 from ipoa_mission.wind import CALM, Wind
 
 
@@ -114,14 +113,6 @@ def _where(limit: KeptLimit) -> str:
     return f"{part}{words} {place_words(limit.place)}"
 
 
-def check_unread(things: Iterable[Unread]) -> Iterator[Finding]:
-    ignored = 'if it limits no flight: --ignore not-read, or [safety] ignore = ["not-read"]'
-    for thing in things:
-        if thing.may_limit:
-            hint = "; ".join(filter(None, (thing.remedy, ignored)))
-            yield Finding("not-read", Severity.ERROR, None, thing.words, hint)
-
-
 def check_passed_over(forecast: Forecast) -> Iterator[Finding]:
     things = [each for each in forecast.world.passed_over if each.may_be_obstacle and not shapely.is_empty(each.shape)]
     for code in sorted({thing.code for thing in things}):
@@ -180,40 +171,6 @@ def check_energy(forecast: Forecast) -> Iterator[Finding]:
         yield Finding("battery-no-return", Severity.ERROR, late.seq, str(late), RETURN_HINT)
     elif late is not None:
         yield Finding("battery-no-return", Severity.WARNING, late.seq, str(late))
-
-
-def check_ground(forecast: Forecast) -> Iterator[Finding]:
-    scenario = forecast.world
-    at_home = float(scenario.airspace.ground(np.zeros((1, 3)))[0])
-    if abs(at_home) > 0.5:  # [m]
-        yield Finding(
-            "home-not-on-ground",
-            Severity.WARNING,
-            0,
-            f"home: the ground there is {above_or_below(at_home)} home's altitude: a vehicle measures heights from "
-            f"its take-off, and flies {abs(at_home):.1f} m {'higher' if at_home > 0 else 'lower'} than planned",
-            f"set home.altitude_amsl = {scenario.home.altitude_amsl + at_home:.1f}",
-        )
-    yield from check_landings(forecast)
-
-
-def check_landings(forecast: Forecast) -> Iterator[Finding]:
-    mission = forecast.mission
-    stretch = mission.autopilot.slow_stretch(mission.parameters)
-    if stretch is None:
-        return
-    for landing in landings(forecast):
-        if stretch.is_fast(landing.assumed_height):
-            wanted = name_values(mission.autopilot.slowed(mission.parameters, landing.assumed_height))
-            hint = f"{wanted} in the vehicle and under [vehicle.parameters] would slow it down in time"
-            message = f"{landing.where}: {landing.touches_down(stretch)}"
-            yield item_of(mission, landing.seq).warning("fast-touchdown", message, hint)
-        elif landing.height < -5.0:  # [m]
-            descent = stretch.ends - landing.height
-            slowly = f"flown at {stretch.landing:.1f} m/s and take {descent / stretch.landing:.0f} s"
-            message = f"{landing.where}: without a rangefinder the last {descent:.0f} m are {slowly}"
-            hint = "a rangefinder, or a waypoint low over that place with its altitude above terrain, shortens it"
-            yield item_of(mission, landing.seq).warning("slow-landing", message, hint)
 
 
 def check_wind(forecast: Forecast) -> Iterator[Finding]:

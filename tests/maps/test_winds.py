@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from ipoa_mission.checks.world_check import check_unread
+from ipoa_mission.checks.landings import check_unread
 from ipoa_mission.errors import BadInput
 from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.maps.winds import read_wind
