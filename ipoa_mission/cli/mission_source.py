@@ -53,7 +53,7 @@ class FlownJob(NamedTuple):
 
 
 def read_job(source: Path, flown_by: FlownByOptions, ignore: Sequence[str], on_link: bool) -> Job:
-    """Read and check a mission; `on_link` without the findings of some versions only."""
+    """`on_link`: without findings of some versions only."""
     requested = read_requested(source, flown_by)
     mission = requested.mission
     forecast = Forecast(mission, wind=flown_by.air)

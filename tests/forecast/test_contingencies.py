@@ -151,7 +151,7 @@ def test_climbs_and_descents_run_on_as_flown(contingency: Contingency, climb: fl
 
 
 def test_hold_in_a_descent_ends_at_the_height_flown() -> None:
-    """Six holds of ArduCopter 4.8.0-dev: heights of the order and of the end."""
+    # on ArduCopter 4.8.0-dev: heights of the order and of the end
     flown = [(42.12, 39.73), (40.98, 38.58), (14.59, 12.13), (13.7, 11.4), (13.06, 11.13), (12.57, 11.13)]
     scenario = read_scenario(MISSIONS / "sitl.toml")
     places = scenario.frame.geodetic
