@@ -203,8 +203,9 @@ def _fly_stages(
             record = begin_mission(vehicle, loaded, options)
     except MissionError as error:
         state = vehicle.state
-        error.known = flight_as_json(job.estimate, vehicle.record(), job.reserves)
-        error.known |= {"completed": False, "armed": state.armed, "in_air": state.in_air, "remarks": remarks}
+        flown_so_far = flight_as_json(job.estimate, vehicle.record(), job.reserves)
+        ended = {"completed": False, "armed": state.armed, "in_air": state.in_air, "remarks": remarks}
+        error.known = flown_so_far | ended | error.known
         raise
     return remarks, record
 

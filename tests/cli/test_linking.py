@@ -114,7 +114,8 @@ def test_fly_checks_a_mission_by_the_version_aboard(run: Run, autopilot: Serve) 
         assert not [words for words in json.loads(ended.out)["remarks"] if "PX4 may pass" in words]
     with autopilot() as link:
         ended = run(f"fly climb.plan --link {link} --json")
-    assert (ended.code, "[waypoint-passed]" in json.loads(ended.out)["error"]) == (1, True)
+    refused = json.loads(ended.out)
+    assert (ended.code, "[waypoint-passed]" in refused["error"], refused["codes"]) == (1, True, ["waypoint-passed"])
     assert run("fly climb.plan --link udpin:127.0.0.1:0 --firmware-version 1.18").err.startswith("error: items 2 to 4")
 
 
