@@ -116,7 +116,7 @@ def test_the_search_looks_closely_enough_not_to_jump_over_what_is_near(scenario:
     assert prepare(scenario(planning={"planner": "paper"})).nodes == 100
 
 
-def test_via_points_have_samples_in_order_where_a_path_returns_to_the_first() -> None:
+def test_via_points_have_samples_where_a_path_returns_to_the_first() -> None:
     """One after the other, the first took the last inner sample, and the second had none."""
     path = np.array([(0, 0, 0), (9, 0, 0), (9, 1, 0), (0, 1, 0), (1, 9, 0)], dtype=float)
     assert via_indices(path, np.array([(1, 1, 0), (0, 2, 0)], dtype=float)) == [2, 3]
