@@ -12,8 +12,9 @@ from ipoa_mission.errors import MissionError
 from ipoa_mission.flight import preflight
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.geodesy import Geodetic
-from ipoa_mission.link.dialogue import Cancelled, NoAnswer, TimeUp
-from ipoa_mission.link.messages import MissionType
+from ipoa_mission.link.conversations import KeepsChanging, MissionRefused
+from ipoa_mission.link.dialogue import NoAnswer, TimeUp
+from ipoa_mission.link.messages import MissionType, Result
 from ipoa_mission.link.vehicle import Vehicle
 from ipoa_mission.mission.flight_record import FlightRecord
 from ipoa_mission.mission.items import Mission
@@ -117,12 +118,9 @@ def left_lists(vehicle: Vehicle, mission: Mission) -> dict[MissionType, str]:
         try:
             if not uploaded and vehicle.download_items(kind):
                 left[kind] = f"the vehicle holds {words}, and that was not checked"
-        except Cancelled:
-            raise
-        except (NoAnswer, TimeUp) as silence:
-            left[kind] = f"it is unknown whether the vehicle holds {words}: {silence}"
-        except MissionError:  # the list may be unsupported
-            continue
+        except (NoAnswer, TimeUp, KeepsChanging, MissionRefused) as unread:
+            if not isinstance(unread, MissionRefused) or unread.result != Result.UNSUPPORTED:
+                left[kind] = f"it is unknown whether the vehicle holds {words}: {unread}"
     return left
 
 

@@ -9,7 +9,14 @@ import pytest
 
 from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.errors import Unsafe
-from ipoa_mission.flight.procedure import ProcedureOptions, Stage, load_mission, upload_mission, without_progress
+from ipoa_mission.flight.procedure import (
+    ProcedureOptions,
+    Stage,
+    left_lists,
+    load_mission,
+    upload_mission,
+    without_progress,
+)
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.link import connect as connecting
@@ -18,9 +25,10 @@ from ipoa_mission.link import vehicle as verbs
 from ipoa_mission.link.channel import LinkDown
 from ipoa_mission.link.codec import Codec
 from ipoa_mission.link.connect import connect, meet
+from ipoa_mission.link.conversations import KeepsChanging, MissionRefused
 from ipoa_mission.link.dialogue import Dialogue, NoAnswer, Pause, SendOnce, Step, TimeUp
 from ipoa_mission.link.line import Line
-from ipoa_mission.link.messages import AutopilotVersion, Message, MissionType, ParamSet, ParamValue, Request
+from ipoa_mission.link.messages import AutopilotVersion, Message, MissionType, ParamSet, ParamValue, Request, Result
 from ipoa_mission.link.orders import CommandRefused
 from ipoa_mission.link.signing import MAX_SIGNERS, persistent_signer
 from ipoa_mission.link.tlog import TlogWriter
@@ -86,20 +94,44 @@ def test_upload_to_a_vehicle_in_flight_is_refused(autopilot: Autopilot) -> None:
     assert vehicle.download().rally == RALLY
 
 
-@pytest.mark.parametrize("silence", [NoAnswer("no answer"), TimeUp("the time is over")])
-def test_silence_on_rally_points_refuses_the_flight(silence: Exception, monkeypatch: pytest.MonkeyPatch) -> None:
+def unreadable(unread: Exception, monkeypatch: pytest.MonkeyPatch) -> tuple[Vehicle, Mission]:
+    """Return a vehicle whose lists are not read, and a mission without rally points."""
     vehicle = met(Autopilot.PX4)
-    plain = suited(vehicle, replace(MISSION, rally=()))
 
     def download(kind: MissionType) -> None:
-        raise silence
+        raise unread
 
     monkeypatch.setattr(vehicle, "download_items", download)
+    return vehicle, suited(vehicle, replace(MISSION, rally=()))
+
+
+@pytest.mark.parametrize(
+    "unread",
+    [
+        NoAnswer("no answer"),
+        TimeUp("the time is over"),
+        KeepsChanging(MissionType.RALLY),
+        *(MissionRefused(result, MissionType.RALLY) for result in Result if result is not Result.UNSUPPORTED),
+    ],
+)
+def test_unread_rally_points_refuse_the_flight(unread: Exception, monkeypatch: pytest.MonkeyPatch) -> None:
+    """ArduPilot denies its lists while another station uploads."""
+    vehicle, plain = unreadable(unread, monkeypatch)
     vehicle.state.expect_on_ground()
-    with refuses("other-rally-points", "", "unknown", str(silence)):
+    with refuses("other-rally-points", "", "unknown", str(unread)):
         load_mission(vehicle, Forecast(plain), ProcedureOptions())
     remarks = " ".join(upload_mission(vehicle, plain))
     assert all(f"unknown whether the vehicle holds {what} of" in remarks for what in ("rally points", "a fence"))
+
+
+def test_lists_that_a_vehicle_does_not_support_are_empty(monkeypatch: pytest.MonkeyPatch) -> None:
+    unsupported = MissionRefused(Result.UNSUPPORTED, MissionType.RALLY)
+    assert left_lists(*unreadable(unsupported, monkeypatch)) == {}
+
+
+def test_broken_link_ends_the_reading_of_lists(monkeypatch: pytest.MonkeyPatch) -> None:
+    with pytest.raises(LinkDown, match="broke"):
+        left_lists(*unreadable(LinkDown("the link broke"), monkeypatch))
 
 
 @pytest.mark.parametrize("wider", ["", "safety_distance = 9.0"])
