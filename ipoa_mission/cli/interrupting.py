@@ -121,8 +121,7 @@ class ChangesMade:
         known = error.known if isinstance(error, MissionError) else {}
         states = [state for state in self.states.values() if state != if_interrupted]
         last = str(error) if "list_on_vehicle" in known else if_interrupted
-        if last:
-            states.append(last)
+        states += [str(state) for state in (last, known.get("mode_left")) if state]
         if states == [str(error)]:
             words = str(error)
         elif not states and self.files:

@@ -99,6 +99,9 @@ def _await_ready(departure: Departure, ready_s: float) -> Dialogue[None]:
     try:
         while True:
             state.warnings.clear()
+            if state.custom_mode != mode or state.replaced_mode is None:
+                runs = state.custom_mode in (None, state.autopilot.modes.mission)
+                state.replaced_mode = state.autopilot.modes.hold if runs else state.custom_mode
             reason = (yield from change_mode(state, mode)) or reason
             if state.custom_mode == mode:
                 if (yield from until(lambda: state.may_arm is not False and _has_position(state), LIMITS.check_s)):
@@ -119,6 +122,15 @@ def _await_ready(departure: Departure, ready_s: float) -> Dialogue[None]:
     except TimeUp as late:
         why = reason or _not_ready_reason(state)
         raise TimeUp(f"{late}: the vehicle is not ready: {why}", hint=str(state)) from None
+
+
+def restore_mode(state: VehicleState, mode: int) -> Dialogue[None]:
+    """Order a mode, else hold, while disarmed."""
+    for wanted in (mode, state.autopilot.modes.hold):
+        if state.armed is False:
+            state.custom_mode = None  # perhaps from before our last order
+            if not (yield from change_mode(state, wanted)):
+                return
 
 
 def _not_ready_reason(state: VehicleState) -> str:

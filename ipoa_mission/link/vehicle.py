@@ -26,7 +26,7 @@ from ipoa_mission.link.messages import Heartbeat, Message, MissionType
 from ipoa_mission.link.onboard_list import OnboardList, ReplacedSince, read_again
 from ipoa_mission.link.reconnect import RETRY_S, SILENT_S, KnownVehicle, LinkLoss
 from ipoa_mission.link.upload import ReadBackDiffers, Unflyable, Unplaced, Upload, upload, upload_by_file
-from ipoa_mission.link.vehicle_state import ModeWatch, NotReady, VehicleState
+from ipoa_mission.link.vehicle_state import ModeWatch, NotFlown, NotReady, VehicleState
 from ipoa_mission.mission import stored_mission
 from ipoa_mission.mission.flight_record import FlightRecord
 from ipoa_mission.mission.items import Item, Mission
@@ -187,7 +187,7 @@ class Vehicle(VehicleSession):
     def prepare(
         self, first: int = 0, progress: Progress = silent, permit: Callable[[Geodetic], object] | None = None
     ) -> None:
-        """Prepare a vehicle on the ground for arming.
+        """Prepare a vehicle on the ground for arming; after an error restore its mode, or add the present one.
 
         Args:
             first: index of the item of `Mission.items` to begin with.
@@ -209,12 +209,13 @@ class Vehicle(VehicleSession):
         prepared = departure.Departure(self.state, first + home, moving + home, climb, onboard_lists, progress)
         if not self._options.anyway:
             self.line.expect_alone(self.system)
-        with self._in_time():
-            self._tell(departure.prepare(prepared, self.ready_s))
         permit = permit or (None if mission is None else partial(check_start, mission, None, first))
-        position = self.state.position
-        if permit is not None and position is not None:
-            permit(Geodetic(position.latitude_deg, position.longitude_deg, position.altitude))
+        with self._restored_mode():
+            with self._in_time():
+                self._tell(departure.prepare(prepared, self.ready_s))
+            position = self.state.position
+            if permit is not None and position is not None:
+                permit(Geodetic(position.latitude_deg, position.longitude_deg, position.altitude))
         self._departure = prepared
 
     def start(self, progress: Progress = silent) -> None:
@@ -231,15 +232,50 @@ class Vehicle(VehicleSession):
         """
         if self._departure is None:
             raise NotReady("the vehicle was not prepared", hint="call `prepare` first")
-        limit_s = self._until
-        until_s = min(limit_s, self.line.now() + self.ready_s)
+        until_s = min(self._until, self.line.now() + self.ready_s)
         prepared = replace(self._departure, progress=progress)
-        self._until = math.inf  # complete a begun departure first
+        with self.state.in_errors(), self._restored_mode(), self._without_limit():  # complete a begun departure first
+            self._tell(departure.depart_when_ready(prepared, lambda: until_s - self.line.now()))
+        self.state.replaced_mode = None
+
+    @contextmanager
+    def _without_limit(self) -> Iterator[None]:
+        limit_s = self._until
+        self._until = math.inf
         try:
-            with self.state.in_errors():
-                self._tell(departure.depart_when_ready(prepared, lambda: until_s - self.line.now()))
+            yield
         finally:
             self._until = limit_s
+
+    @contextmanager
+    def _restored_mode(self) -> Iterator[None]:
+        try:
+            yield
+        except (MissionError, KeyboardInterrupt) as error:
+            before = str(self.state)
+            left = "" if isinstance(error, NotFlown) else self._restore_mode()
+            failed = error if isinstance(error, MissionError) else Cancelled("cancelled")
+            if failed.hint == before:
+                failed.hint = str(self.state)
+            if not left:
+                raise
+            failed.args = (f"{failed.args[0]}; {left}",)
+            failed.known["mode_left"] = left
+            raise failed from None
+
+    def _restore_mode(self) -> str:
+        """Return the mode of a disarmed vehicle, if not restored."""
+        state = self.state
+        modes = self.autopilot.modes
+        if state.replaced_mode is None or state.armed is not False:
+            return ""
+        with suppress(MissionError), self._without_limit():
+            self._tell(departure.restore_mode(state, state.replaced_mode))
+        mode = modes.arming if state.custom_mode is None else state.custom_mode
+        if mode not in {modes.arming, modes.mission} - {state.replaced_mode}:
+            state.replaced_mode = None
+            return ""
+        return f"it is in {modes.name(mode)}" + (": it takes off when armed" if mode == modes.mission else "")
 
     def watch(self, progress: Progress = silent) -> FlightRecord:
         """Wait until the flight is over, or a deviation (`conformance`) holds the vehicle.

@@ -53,6 +53,7 @@ class VehicleState:
     booted: bool = False
     armed: bool | None = None
     custom_mode: int | None = None
+    replaced_mode: int | None = None  # by `prepare`, until the start
     landed_state: int | None = None
     position: m.Position | None = None
     current: m.Current | None = None

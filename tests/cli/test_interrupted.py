@@ -15,7 +15,8 @@ from ipoa_mission.cli.interrupting import ChangeKind, ChangesMade, Interrupted, 
 from ipoa_mission.flight import preflight, procedure
 from ipoa_mission.flight.flight import Flight
 from ipoa_mission.flight.procedure import Stage
-from ipoa_mission.link.dialogue import Cancelled
+from ipoa_mission.link import departure
+from ipoa_mission.link.dialogue import Cancelled, wait
 from ipoa_mission.link.messages import MissionType
 from ipoa_mission.link.vehicle import Vehicle
 from ipoa_mission.mission.mission_io import read_mission, write_mission
@@ -128,6 +129,34 @@ def test_ctrl_c_in_a_stage_says_what_the_vehicle_holds(
     assert (there.table.values["MPC_XY_CRUISE"], there.table.values["RTL_RETURN_ALT"]) == parameters
     assert len(there.transfers.listed(MissionType.MISSION)) == items
     assert f"error: {words}\n" in ended.err
+
+
+@pytest.mark.parametrize("raised", [KeyboardInterrupt, Cancelled])
+@pytest.mark.parametrize("restores", [True, False])
+def test_ctrl_c_before_the_arming_leaves_the_mode_or_names_it(
+    run: Run,
+    autopilot: Serve,
+    mission: Path,
+    aboard: list[BuiltInAutopilot],
+    monkeypatch: pytest.MonkeyPatch,
+    restores: bool,
+    raised: type[BaseException],
+) -> None:
+    press(monkeypatch, procedure, "check_start", raised)
+    if not restores:
+        monkeypatch.setattr(departure, "restore_mode", lambda state, mode: wait(0.0))
+    with autopilot(speedup=20.0) as link:
+        (there,) = aboard
+        before = there.vehicle.mode
+        ended = run(f"fly {mission} --link {link} --set-params")
+        after = there.vehicle.mode
+    words = f"{STORED}; the vehicle was not armed"
+    if not restores:
+        words += "; it is in AUTO.MISSION: it takes off when armed"
+    assert (ended.code, ended.err.splitlines()[0]) == (130, f"error: {words}")
+    modes = there.profile.autopilot.modes
+    assert before != modes.mission
+    assert after == (before if restores else modes.mission)
 
 
 @pytest.mark.parametrize(
