@@ -36,9 +36,38 @@ log = logging.getLogger(__name__)
 
 
 class HasParameters(Protocol):
-    autopilot: Autopilot
+    @property
+    def autopilot(self) -> Autopilot: ...
 
     def parameters(self, wanted: Iterable[str | Sequence[str]]) -> Parameters: ...
+
+
+class Examined(HasParameters, Protocol):
+    def firmware_version(self) -> Version | None: ...
+
+    def home(self) -> Geodetic | None: ...
+
+
+@dataclass(frozen=True)
+class AsWritten:
+    """A vehicle with parameters as if `written`."""
+
+    vehicle: Examined
+    written: Parameters
+
+    @property
+    def autopilot(self) -> Autopilot:
+        return self.vehicle.autopilot
+
+    def parameters(self, wanted: Iterable[str | Sequence[str]]) -> Parameters:
+        values = self.vehicle.parameters(wanted)
+        return {name: self.written.get(name, value) for name, value in values.items()}
+
+    def firmware_version(self) -> Version | None:
+        return self.vehicle.firmware_version()
+
+    def home(self) -> Geodetic | None:
+        return self.vehicle.home()
 
 
 @dataclass(frozen=True)
@@ -103,7 +132,7 @@ class FastLanding(MissionError):
     """The vehicle's own parameters make a fast touchdown."""
 
 
-def expect_slow_landing(vehicle: Vehicle, forecast: Forecast) -> None:
+def expect_slow_landing(vehicle: HasParameters, forecast: Forecast) -> None:
     mission = forecast.mission
     planned = mission.autopilot.slow_stretch(mission.parameters)
     if mission.autopilot is not vehicle.autopilot or planned is None or forecast.ground.is_level:
@@ -162,7 +191,9 @@ def await_home(vehicle: Vehicle, progress: Progress = silent) -> None:
         raise TimeUp(f"{late}: {reason}" if reason else str(late), late.hint) from None
 
 
-def expect_fit(vehicle: Vehicle, mission: Mission, anyway: bool = False, ignore: Iterable[str] = ()) -> tuple[str, ...]:
+def expect_fit(
+    vehicle: Examined, mission: Mission, anyway: bool = False, ignore: Iterable[str] = ()
+) -> tuple[str, ...]:
     """Check a mission against this vehicle; send nothing.
 
     Args:
@@ -204,7 +235,7 @@ def expect_fit(vehicle: Vehicle, mission: Mission, anyway: bool = False, ignore:
     )
 
 
-def _compare_fence(mission: Mission, vehicle: Vehicle, there: Geodetic | None, anyway: bool) -> tuple[str, ...]:
+def _compare_fence(mission: Mission, vehicle: HasParameters, there: Geodetic | None, anyway: bool) -> tuple[str, ...]:
     try:
         fence = vehicle.autopilot.own_fence(vehicle.parameters(vehicle.autopilot.own_fence_by))
     except NoAnswer:

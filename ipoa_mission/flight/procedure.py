@@ -1,6 +1,6 @@
 """Upload and fly a mission on a vehicle."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from contextlib import AbstractContextManager, nullcontext, suppress
 from dataclasses import dataclass, replace
 from enum import StrEnum
@@ -27,8 +27,8 @@ if TYPE_CHECKING:
 
 class Stage(StrEnum):
     POSITION = "waiting for a position"
-    PARAMETERS = "setting parameters"
     CHECK = "checking the mission against the vehicle"
+    PARAMETERS = "setting parameters"
     UPLOAD = "upload"
     RECHECK = "checking the uploaded mission against the vehicle"
     READY = "waiting until it is ready"
@@ -170,44 +170,56 @@ def fly_mission(
 
 
 def load_mission(vehicle: Vehicle, forecast: Forecast, options: ProcedureOptions) -> Forecast:
-    """Upload, and return the forecast with the version and the parameters aboard; refuse its errors in its world."""
+    """Upload, and return the forecast with version and parameters aboard; write nothing before all checks pass."""
     mission = forecast.mission_as_read
     anyway = options.anyway
     stages = options.stages
     vehicle.state.expect_on_ground()
     with stages(Stage.POSITION) as show:
         preflight.await_home(vehicle, show)
-    if options.set_params:
-        with stages(Stage.PARAMETERS) as show:
-            _set_parameters(vehicle, mission, show, options.remark)
     with stages(Stage.CHECK):
+        differing, _ = preflight.other_values(vehicle, mission.parameters)
+        written = {other.name: other.wanted for other in differing} if options.set_params else {}
+        examined = preflight.AsWritten(vehicle, written)
         if not anyway:  # a parameter may be missing or lost
-            preflight.expect_slow_landing(vehicle, forecast)
-        remarks = preflight.expect_fit(vehicle, mission, anyway, options.ignore)
+            preflight.expect_slow_landing(examined, forecast)
+        remarks = preflight.expect_fit(examined, mission, anyway, options.ignore)
         left = left_lists(vehicle, mission)
         if not anyway and MissionType.RALLY in left:
             hint = "clear its lists (ipoa-mission clear), or fly with --anyway"
             raise MissionError(left[MissionType.RALLY], hint, code="other-rally-points")
+        expected = () if written else differing
+        aboard, remarks_aboard = _aboard(vehicle, forecast, expected, options)
+    if written:
+        with stages(Stage.PARAMETERS) as show:
+            _set_parameters(vehicle, differing, show, options.remark)
     differing, notes = _upload(vehicle, mission, anyway, stages, ": --set-params writes it")
+    if differing != expected:
+        with stages(Stage.RECHECK):
+            aboard, remarks_aboard = _aboard(vehicle, forecast, differing, options)
     with suppress(NoAnswer):
         vehicle.link_loss.meanwhile = preflight.without_station(vehicle, vehicle.firmware_version())
-    for words in (*remarks, *left.values(), *notes):
+    for words in (*remarks, *left.values(), *notes, *remarks_aboard):
         options.remark(words)
-    if mission.autopilot is not vehicle.autopilot:
-        return forecast
+    return aboard
+
+
+def _aboard(
+    vehicle: Vehicle, forecast: Forecast, differing: Iterable[preflight.OtherValue], options: ProcedureOptions
+) -> tuple[Forecast, tuple[str, ...]]:
+    """Return the forecast aboard and its remarks; refuse its errors in its world."""
+    if forecast.mission_as_read.autopilot is not vehicle.autopilot:
+        return forecast, ()
     aboard = forecast.on(vehicle.firmware_version())
-    if differing:
-        values = {other.name: other.has for other in differing}
+    values = {other.name: other.has for other in differing}
+    if values:
         wind = None if forecast.scenario else forecast.wind
         aboard = Forecast(aboard.mission_as_read.with_parameters(values), forecast.scenario, wind)
-    if aboard is not forecast and aboard.scenario is not None and not anyway:
-        with stages(Stage.RECHECK):
-            known = {finding.message for finding in check(forecast, options.ignore)}
-            findings = refuse_errors(check(aboard, options.ignore))
-        for finding in findings:
-            if finding.message not in known:
-                options.remark(f"with the parameters and version aboard: {finding.message}")
-    return aboard
+    if aboard is forecast or aboard.scenario is None or options.anyway:
+        return aboard, ()
+    known = {finding.message for finding in check(forecast, options.ignore)}
+    new = [finding.message for finding in refuse_errors(check(aboard, options.ignore)) if finding.message not in known]
+    return aboard, tuple(f"with the parameters and version aboard: {message}" for message in new)
 
 
 def begin_mission(vehicle: Vehicle, forecast: Forecast, options: ProcedureOptions) -> FlightRecord:
@@ -254,12 +266,12 @@ def begun_forecast(forecast: Forecast, first: int) -> Forecast:
     return Forecast(begun_at(forecast.mission_as_read, first), forecast.scenario, wind)
 
 
-def _set_parameters(vehicle: Vehicle, mission: Mission, show: Progress, remark: ReportRemark) -> None:
-    differing, _ = preflight.other_values(vehicle, mission.parameters)
+def _set_parameters(
+    vehicle: Vehicle, differing: Sequence[preflight.OtherValue], show: Progress, remark: ReportRemark
+) -> None:
     names = ", ".join(other.name for other in differing)
     for n, other in enumerate(differing):
         show(n / len(differing), names)
         vehicle.set_parameter(other.name, other.wanted)
         remark(f"{other.name} set to {other.wanted:g} (it was {other.has:g})")
-    if differing:
-        show(1.0, names)
+    show(1.0, names)

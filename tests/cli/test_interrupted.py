@@ -49,7 +49,7 @@ STAGES = {
         0,
         False,
     ),
-    Stage.CHECK: Pressed(preflight, "expect_fit", f"{WRITTEN}; the mission was not sent", (6.0, 41.0), 0, False),
+    Stage.CHECK: Pressed(preflight, "expect_fit", "stopped: the mission was not sent", (5.0, 30.0), 0, False),
     Stage.UPLOAD: Pressed(
         Vehicle, "upload", f"{WRITTEN}; the mission on the vehicle may be the old or the new one", (6.0, 41.0), 0, False
     ),

@@ -8,7 +8,8 @@ from typing import Any
 import pytest
 
 from ipoa_mission.autopilot.autopilot import Autopilot, registered
-from ipoa_mission.errors import Unsafe
+from ipoa_mission.errors import MissionError, Unsafe
+from ipoa_mission.flight import preflight, procedure
 from ipoa_mission.flight.procedure import (
     ProcedureOptions,
     Stage,
@@ -153,13 +154,69 @@ def test_mission_is_checked_with_the_parameters_aboard(missions: Path, wider: st
     if wider:
         with pytest.raises(Unsafe):
             load_mission(vehicle, forecast, options)
+        assert vehicle.download().items == ()
         load_mission(vehicle, forecast, replace(options, anyway=True))
     else:
         loaded = load_mission(vehicle, forecast, options)
         assert (planned, loaded.mission.parameters["RTL_RETURN_ALT"]) == (70.0, 12.0)
         new = [words for words in remarks if words.startswith("with the parameters and version aboard: ")]
         assert any("RTL" in words for words in new)
-        assert entered[-2:] == [Stage.RECHECK] * 2  # Ctrl-C in this check says that the mission is aboard
+        assert entered == [Stage.POSITION, Stage.CHECK, Stage.UPLOAD, Stage.RECHECK]
+
+
+def test_parameter_that_changes_during_the_upload_is_checked_too(
+    missions: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    mission = read_mission(missions / "sitl.plan")
+    vehicle = meet(Line(Loopback(Station(Mock(Autopilot.PX4, mission.home))), Codec(245, 190)))
+    upload = vehicle.upload
+
+    def changed(*arguments: Any, **named: Any) -> None:
+        upload(*arguments, **named)
+        vehicle.set_parameter("RTL_RETURN_ALT", 13.0)
+
+    monkeypatch.setattr(vehicle, "upload", changed)
+    entered = list[Stage]()
+
+    def stages(stage: Stage) -> AbstractContextManager[Progress]:
+        entered.append(stage)
+        return without_progress(stage)
+
+    loaded = load_mission(vehicle, Forecast(mission), ProcedureOptions(stages=stages, set_params=True))
+    assert loaded.mission.parameters["RTL_RETURN_ALT"] == 13.0
+    assert entered[-3:] == [Stage.UPLOAD, Stage.RECHECK, Stage.RECHECK]  # Ctrl-C says that the mission is aboard
+
+
+@pytest.mark.parametrize("check", ["expect_slow_landing", "expect_fit", "other_rally", "aboard"])
+def test_parameters_are_written_after_all_checks(missions: Path, monkeypatch: pytest.MonkeyPatch, check: str) -> None:
+    mission = read_mission(missions / "sitl.plan")
+    vehicle = meet(Line(Loopback(Station(Mock(Autopilot.PX4, mission.home))), Codec(245, 190)))
+    vehicle.set_parameter("RTL_RETURN_ALT", 12.0)
+    seen = list[float]()
+    examined = preflight.expect_fit
+
+    def refuse(*_: object) -> None:
+        raise Unsafe("refused")
+
+    def fit(as_written: preflight.Examined, *arguments: Any) -> tuple[str, ...]:
+        seen.append(as_written.parameters(["RTL_RETURN_ALT"])["RTL_RETURN_ALT"])
+        return examined(as_written, *arguments)
+
+    monkeypatch.setattr(preflight, "expect_fit", fit)
+    if check == "other_rally":
+        vehicle.upload(suited(vehicle, replace(MISSION, home=mission.home)))
+    elif check == "aboard":
+        monkeypatch.setattr(procedure, "_aboard", refuse)
+    else:
+        monkeypatch.setattr(preflight, check, refuse)
+    with pytest.raises(MissionError):
+        load_mission(vehicle, Forecast(mission), ProcedureOptions(set_params=True))
+    assert seen in ([], [70.0])
+    assert vehicle.parameters(["RTL_RETURN_ALT"]) == {"RTL_RETURN_ALT": 12.0}
+    monkeypatch.undo()
+    vehicle.clear(MissionType.RALLY)
+    load_mission(vehicle, Forecast(mission), ProcedureOptions(set_params=True))
+    assert vehicle.parameters(["RTL_RETURN_ALT"]) == {"RTL_RETURN_ALT": 70.0}
 
 
 @pytest.mark.parametrize("autopilot", registered())
