@@ -75,6 +75,8 @@ class VehicleState:
             case m.Heartbeat():
                 self.kind = VehicleKind(message.autopilot, message.type)
                 self.booted = message.system_status >= m.STANDBY
+                if self.armed and not message.armed:
+                    self.landed_state = None  # it was of the flight
                 self.armed = message.armed
                 self.custom_mode = message.custom_mode
             case m.ExtendedState(landed_state) if landed_state:
@@ -96,10 +98,13 @@ class VehicleState:
             raise OtherKind(self.kind, self.other_kind)
 
     def expect_on_ground(self) -> None:
-        """Raise NotReady if armed."""
-        if self.armed:
-            words = f"expected a vehicle disarmed and on the ground: {self}"
-            raise NotReady(words, hint="land and disarm it first", code="not-on-ground")
+        """Raise NotReady unless disarmed, or if reported off the ground."""
+        is_on_ground = self.landed_state in (None, ON_GROUND)
+        if self.armed is not False or not is_on_ground:
+            where = "" if is_on_ground else ", and does not report to be on the ground"
+            words = f"expected a vehicle disarmed and on the ground: {self}{where}"
+            hint = "is its heartbeat heard?" if self.armed is None else "land and disarm it first"
+            raise NotReady(words, hint=hint, code="not-on-ground")
 
     def owns(self, message: m.Message) -> bool:
         if not isinstance(message, m.Heartbeat):

@@ -8,8 +8,9 @@ from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.flight.preflight import idle_fence, other_values, own_values
 from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.link.messages import ARMED_FLAG, Current, ExtendedState, Heartbeat, MavAutopilot, Message, Position
-from ipoa_mission.link.vehicle_state import VehicleState
+from ipoa_mission.link.vehicle_state import NotReady, VehicleState
 from ipoa_mission.mission.items import FenceCircle, Mission, return_to_launch, takeoff
+from tests.refused import refuses
 
 HOME = Geodetic(47.4, 8.5, 400.0)
 ARMED, DISARMED = (Heartbeat(2, MavAutopilot.ARDUPILOT, flag | 1, 3) for flag in (ARMED_FLAG, 0))
@@ -38,6 +39,31 @@ def test_a_state_is_told_as_far_as_it_is_known(name: str) -> None:
     assert state.in_air is in_air
     assert str(state).startswith(words)
     assert words.endswith(": ") or str(state) == words
+
+
+@pytest.mark.parametrize(
+    ("messages", "words"),
+    [
+        ([], "has not reported its state"),
+        ([ARMED], "is armed"),
+        ([ARMED, ExtendedState(1)], "is armed, on the ground"),
+        ([DISARMED, ExtendedState(2)], "is disarmed, in AUTO, and does not report to be on the ground"),
+        ([DISARMED, ExtendedState(4)], "does not report"),
+        ([DISARMED], None),
+        ([DISARMED, ExtendedState(1)], None),
+        ([DISARMED, ExtendedState(0)], None),
+        ([ARMED, ExtendedState(4), DISARMED], None),
+    ],
+)
+def test_only_a_disarmed_vehicle_on_the_ground_is_begun_with(messages: list[Message], words: str | None) -> None:
+    state = VehicleState(Autopilot.ARDUPILOT)
+    for message in messages:
+        state.note(message)
+    if words is None:
+        state.expect_on_ground()
+        return
+    with refuses("not-on-ground", "", "expected a vehicle disarmed and on the ground", words, kind=NotReady):
+        state.expect_on_ground()
 
 
 @dataclass
