@@ -155,7 +155,7 @@ class LowBattery(MissionError):
 def expect_charge(vehicle: Vehicle, forecast: Forecast, first: int = 0) -> None:
     """Raise LowBattery if less than the scenario's reserve remains; begin at item `first`."""
     left = vehicle.state.battery_left
-    if forecast.scenario is None or left is None or left >= 0.95:  # fully charged
+    if forecast.scenario is None or left is None:
         return
     from ipoa_mission.forecast.contingency.energy_budget import budget_of
 
@@ -164,7 +164,7 @@ def expect_charge(vehicle: Vehicle, forecast: Forecast, first: int = 0) -> None:
         return
     begins = next((item.done_s for item in forecast.estimate.items if item.seq == first), 0.0)
     now = budget.against_plan(left, begins)
-    if now is not None and now.lands.likely < now.reserve:
+    if now is not None and now.lands.likely < now.reserve - 1e-9:  # rounding
         raise LowBattery(
             f"the vehicle reports {left:.0%} of its battery, and this flight takes "
             f"{left - now.lands.likely:.1%}: {now.reserve:.0%} must be left after landing",

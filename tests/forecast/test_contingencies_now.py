@@ -33,11 +33,15 @@ rotor_diameter = 0.3
 """
 
 
+def forecast_with(battery: str, folder: Path) -> Forecast:
+    world = folder / "sitl.toml"
+    world.write_text((MISSIONS / "sitl.toml").read_text(encoding="utf-8") + battery, encoding="utf-8")
+    return Forecast(read_mission(MISSIONS / "sitl.plan"), read_scenario(world))
+
+
 @pytest.fixture(scope="module")
 def forecast(tmp_path_factory: pytest.TempPathFactory) -> Forecast:
-    world = tmp_path_factory.mktemp("world") / "sitl.toml"
-    world.write_text((MISSIONS / "sitl.toml").read_text(encoding="utf-8") + BATTERY, encoding="utf-8")
-    return Forecast(read_mission(MISSIONS / "sitl.plan"), read_scenario(world))
+    return forecast_with(BATTERY, tmp_path_factory.mktemp("world"))
 
 
 @pytest.mark.parametrize(("late", "share"), some(2, [(-5.0, 0.1), (5.0, 0.9), (0.0, 0.45), (5.0, 0.1), (-5.0, 0.9)]))
@@ -138,3 +142,17 @@ def test_a_vehicle_that_says_its_battery_is_not_enough_is_not_flown(forecast: Fo
     state.note(BatteryStatus(0, 12.0, -1.0, enough - 2))
     expect_charge(vehicle, forecast, first=len(forecast.mission.items) - 1)  # what is left out takes nothing
     expect_charge(vehicle, Forecast(forecast.mission_as_read))  # whose battery nobody knows
+
+
+@pytest.mark.parametrize(("left", "is_flown"), [(100, True), (99, False), (95, False)])
+def test_a_flight_that_needs_all_but_its_reserve_needs_a_full_battery(
+    forecast: Forecast, tmp_path: Path, left: int, is_flown: bool
+) -> None:
+    budget = budget_of(forecast)
+    assert budget is not None
+    capacity = budget.used.between.likely / 0.75
+    exact = forecast_with(BATTERY.replace("60.0", f"{capacity!r}"), tmp_path)
+    state = VehicleState(exact.mission.autopilot)
+    state.note(BatteryStatus(0, 12.0, -1.0, left))
+    with nullcontext() if is_flown else refuses("low-battery", "", f"{left}%", "25% must be left"):
+        expect_charge(SimpleNamespace(state=state), exact)  # type: ignore[arg-type]
