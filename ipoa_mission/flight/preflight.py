@@ -240,8 +240,11 @@ def _compare_fence(mission: Mission, vehicle: HasParameters, there: Geodetic | N
         fence = vehicle.autopilot.own_fence(vehicle.parameters(vehicle.autopilot.own_fence_by))
     except NoAnswer:
         return ("the vehicle does not report its own fence: the mission was not compared with it",)
-    if fence is None or refusals(mission):
+    if fence is None:
         return ()
+    unsafe = refusals(mission)
+    if unsafe:
+        return (f"the mission was not compared with the vehicle's own fence: {'; '.join(unsafe)}",)
     wrong = breaches(replace(mission, autopilot=vehicle.autopilot), fence, there or mission.home)
     if wrong and not anyway:
         raise OutsideOwnFence("\n".join(wrong), hint=vehicle.autopilot.protocol_profile.widen_fence)

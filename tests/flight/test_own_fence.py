@@ -127,3 +127,11 @@ def test_vehicle_with_too_narrow_a_fence_is_sent_nothing(
         assert any("200.0 m away from home" in words for words in expect_fit(vehicle, flight, anyway=True))
     with board(flight.with_parameters(wide)) as vehicle:
         assert not any("fence" in words for words in expect_fit(vehicle, flight))
+
+
+def test_a_mission_that_no_vehicle_should_fly_is_not_compared_and_says_so() -> None:
+    flight = mission(PX4, 200.0, 12_000.0)
+    with board(flight.with_parameters({"GF_MAX_HOR_DIST": 150.0})) as vehicle:
+        (words,) = (words for words in expect_fit(vehicle, flight, anyway=True) if "own fence" in words)
+    assert words.startswith("the mission was not compared with the vehicle's own fence: ")
+    assert "12000" in words
