@@ -11,7 +11,7 @@ from ipoa_mission.autopilot import failsafe
 from ipoa_mission.autopilot.failsafe import GOES_ON, Cause, Failsafe, FailsafeAction, FailsafeProfile, FailsafeRule
 from ipoa_mission.autopilot.parameters import Parameters
 from ipoa_mission.autopilot.returning import Contingency, FlightStage
-from ipoa_mission.vehicles.arducopter.limits import FENCE_SWITCHES, FenceType
+from ipoa_mission.vehicles.arducopter.limits import FENCE_SWITCHES, PARAMETER_TABLE, FenceType
 
 LAND_PAUSE = 4.0  # LAND_WITH_DELAY_MS, except for a fence breach [s]
 LANDS = FailsafeAction(Contingency.LAND, after_s=LAND_PAUSE)
@@ -129,7 +129,8 @@ def _failsafe(rule: FailsafeRule, parameters: Parameters, series: failsafe.Serie
             action = landing = continues
         if options & 8 and rule.parameter.startswith(("BATT", "FS_THR_ENABLE", "FS_GCS_ENABLE")):
             landing = replace(LANDS, words="by FS_OPTIONS")
-        if rule.cause == Cause.FENCE_BREACHED and int(parameters.get("FENCE_TYPE", 7.0)) == FenceType.FLOOR:
+        types = {**PARAMETER_TABLE.others, **parameters}["FENCE_TYPE"]
+        if rule.cause == Cause.FENCE_BREACHED and int(types) == FenceType.FLOOR:
             landing = replace(GOES_ON, words="a landing disables FENCE_ALT_MIN")
     if rule.cause == Cause.TERRAIN_UNKNOWN:
         landing = replace(GOES_ON, words="a landing needs no terrain data")

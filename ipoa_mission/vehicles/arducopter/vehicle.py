@@ -303,7 +303,8 @@ class ArduCopter(Autopilot):
 
     def own_fence(self, parameters: Parameters) -> OwnFence | None:
         """Return FENCE_TYPE's limits if FENCE_ACTION does more than report (AC_Fence)."""
-        return None if parameters.get("FENCE_ACTION", 1.0) <= 0.0 else copter.fence_limits(parameters)
+        action = {**copter.PARAMETER_TABLE.others, **parameters}["FENCE_ACTION"]
+        return None if action <= 0.0 else copter.fence_limits(parameters)
 
     def return_route(self, parameters: Parameters, order: ReturnOrder) -> ReturnRoute:
         """Return the way to RTL's rally point: the nearest inside the own fence.
@@ -318,10 +319,11 @@ class ArduCopter(Autopilot):
         if not distances:
             return home
         nearest = min(distances, key=distances.__getitem__)
-        limit = 1000.0 * parameters.get("RALLY_LIMIT_KM", 0.3)
+        p = copter.PARAMETER_TABLE.complete(parameters)
+        limit = 1000.0 * p["RALLY_LIMIT_KM"]
         if limit > 0.0 and distances[nearest] > limit:
             return home
-        if parameters.get("RALLY_INCL_HOME", 1.0) != 0.0 and distances[nearest] >= level_distance(order.here, HOME):
+        if p["RALLY_INCL_HOME"] != 0.0 and distances[nearest] >= level_distance(order.here, HOME):
             return home
         return ReturnRoute(ReturnBy.DIRECT, nearest)
 
@@ -341,9 +343,10 @@ class ArduCopter(Autopilot):
         >>> ArduCopter().over_terrain({"RTL_ALT_TYPE": 1.0, "WPNAV_TER_MARGIN": 6.0})
         OverTerrain(margin=6.0, always_over_terrain=True)
         """
-        p = self.parameter_table.by_old_names(parameters)
-        sees_ground = p.get("RNGFND1_TYPE", 0.0) > 0.0 and p.get("WPNAV_RFND_USE", 1.0) > 0.0
-        follows = math.isclose(p.get("RTL_ALT_TYPE", 0.0), 1.0)
+        table = copter.PARAMETER_TABLE
+        p = {**table.others, **table.complete(parameters)}
+        sees_ground = p["RNGFND1_TYPE"] > 0.0 and p.get("WPNAV_RFND_USE", 1.0) > 0.0
+        follows = math.isclose(p["RTL_ALT_TYPE"], 1.0)
         if not (follows and (sees_ground or p.get("TERRAIN_ENABLE", 1.0) > 0.0)):
             return None
         return returning.OverTerrain(max(p.get("WPNAV_TER_MARGIN", 10.0), 0.1), not sees_ground)

@@ -226,14 +226,13 @@ class Px4Multicopter(Autopilot):
 
     def own_fence(self, parameters: Parameters) -> OwnFence | None:
         """Return the limits other than 0, unless GF_ACTION does nothing (0) or warns (1)."""
-        if parameters.get("GF_ACTION", 0.0) <= 1.0:
+        p = {**px4.PARAMETER_TABLE.others, **parameters}
+        if p["GF_ACTION"] <= 1.0:
             return None
-        across, up = (parameters.get(name, 0.0) for name in ("GF_MAX_HOR_DIST", "GF_MAX_VER_DIST"))
-        return OwnFence(
-            FenceLimit("GF_MAX_HOR_DIST", across if across > 0.0 else math.inf),
-            FenceLimit("GF_MAX_VER_DIST", up if up > 0.0 else math.inf),
-            FenceLimit("", -math.inf),
+        across, up = (
+            FenceLimit(name, p[name] if p[name] > 0.0 else math.inf) for name in ("GF_MAX_HOR_DIST", "GF_MAX_VER_DIST")
         )
+        return OwnFence(across, up, FenceLimit("", -math.inf))
 
     def return_route(self, parameters: Parameters, order: ReturnOrder) -> ReturnRoute:
         """Return RTL_TYPE's route, to the nearest of home, rally points and the mission's landing.
@@ -246,7 +245,7 @@ class Px4Multicopter(Autopilot):
         """
         here = order.here
         landing = order.landing
-        kind = parameters.get("RTL_TYPE", ReturnType.HOME_OR_RALLY)
+        kind = px4.PARAMETER_TABLE.complete(parameters)["RTL_TYPE"]
         if kind in {ReturnType.LANDING_OR_BACK, ReturnType.SHORTER_WAY}:
             ahead = landing is not None and (kind == ReturnType.LANDING_OR_BACK or landing.ahead < landing.behind)
             return ReturnRoute(ReturnBy.MISSION_FORWARD if ahead else ReturnBy.MISSION_REVERSED)
@@ -289,7 +288,7 @@ class Px4Multicopter(Autopilot):
         """
         if (version or self.newest).series < (1, 19):
             return None
-        return 2.0 * parameters.get("NAV_ACC_RAD", px4.SINCE_SPLIT["NAV_ACC_RAD"])
+        return 2.0 * self.complete(parameters, version)["NAV_ACC_RAD"]
 
 
 PX4_MULTICOPTER = Px4Multicopter()
