@@ -148,7 +148,10 @@ class Autopilot(metaclass=_ByName):
 
     @abstractmethod
     def return_height(self, parameters: Parameters, height: float, distance: float, goal_up: float = 0.0) -> float:
-        """Return the height above home [m] of a return from `height` over a level `distance` to `goal_up`."""
+        """Return the height above home [m] of a return from `height` over a level `distance` to `goal_up`.
+
+        `parameters`: as `complete` returns them.
+        """
 
     @abstractmethod
     def return_route(self, parameters: Parameters, order: returning.ReturnOrder) -> returning.ReturnRoute:

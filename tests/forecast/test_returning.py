@@ -52,9 +52,9 @@ def test_each_autopilot_returns_by_its_own_rule(
 
 
 def test_the_height_of_a_rally_point_counts() -> None:
-    assert ARDUPILOT.return_height({"RTL_ALT": 1500.0}, 10.0, 100.0, 25.0) == 25.0
-    assert PX4.return_height({}, 10.0, 100.0, 25.0) == 55.0
-    assert PX4.return_height({}, 10.0, 100.0) == 30.0
+    assert ARDUPILOT.return_height(ARDUPILOT.complete({"RTL_ALT": 1500.0}), 10.0, 100.0, 25.0) == 25.0
+    assert PX4.return_height(PX4.complete({}), 10.0, 100.0, 25.0) == 55.0
+    assert PX4.return_height(PX4.complete({}), 10.0, 100.0) == 30.0
 
 
 @pytest.mark.parametrize("autopilot", [ARDUPILOT, PX4])

@@ -23,7 +23,8 @@ def test_a_recorded_flight_came_home_as_high_as_the_law_says(flight: Recorded) -
     frame = LocalFrame(flight.mission.home)
     distance = np.hypot(*frame.to_local(trace[:, 1], trace[:, 2], flight.mission.home.altitude).T[:2])
     coming = trace[np.flatnonzero(distance < 0.5 * distance[0])[0]]
-    law = Px4Return.of(flight.parameters).height(trace[0, 3], distance[0])
+    parameters = flight.mission.with_parameters(flight.parameters).complete_parameters
+    law = Px4Return.of(parameters).height(trace[0, 3], distance[0])
     assert coming[3] == pytest.approx(law, abs=HOME_JUMPS)
 
 

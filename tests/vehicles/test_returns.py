@@ -45,7 +45,7 @@ FENCE = {"FENCE_ENABLE": 1.0, "FENCE_ALT_MAX": 50.0, "FENCE_TYPE": 1.0}
 def test_arducopter_returns_so_high(
     parameters: Parameters, above: float, away: float, goal_up: float, height: float
 ) -> None:
-    assert AP.return_height(parameters, above, away, goal_up) == pytest.approx(height)
+    assert AP.return_height(AP.complete(parameters), above, away, goal_up) == pytest.approx(height)
 
 
 @pytest.mark.parametrize(
@@ -66,8 +66,17 @@ def test_arducopter_returns_so_high(
     ],
 )
 def test_px4_returns_so_high(parameters: Parameters, above: float, away: float, height: float) -> None:
-    assert PX4.return_height(parameters, above, away) == pytest.approx(height)
-    assert PX4.return_height(parameters, above + 7.0, away, 7.0) == pytest.approx(height + 7.0)
+    complete = PX4.complete(parameters, OLD)
+    assert PX4.return_height(complete, above, away) == pytest.approx(height)
+    assert PX4.return_height(complete, above + 7.0, away, 7.0) == pytest.approx(height + 7.0)
+
+
+@pytest.mark.parametrize(("version", "height"), [(OLD, 5.0), (NEW, 10.0), (MAIN, 10.0)])
+def test_px4_returns_by_the_acceptance_radius_of_its_version(version: Version, height: float) -> None:
+    """Within NAV_ACC_RAD, 10 m since 1.18, twice the distance."""
+    assert PX4.return_height(PX4.complete({}, version), 1.0, 5.0) == pytest.approx(height)
+    with pytest.raises(KeyError, match="RTL_RETURN_ALT"):
+        PX4.return_height({}, 1.0, 5.0)
 
 
 @pytest.mark.parametrize(

@@ -94,7 +94,7 @@ class ReturnRoutes:
         lower = self.forecast.world.airspace.ground(beyond)
         under = ground(stops)
         far = np.hypot(*(beyond - stops)[:, :2].T)
-        return_height = partial(self.mission.autopilot.return_height, self.forecast.itinerary.parameters)
+        return_height = partial(self.mission.autopilot.return_height, self.mission.complete_parameters)
         above = list(map(return_height, (stops[:, 2] - under).tolist(), far.tolist(), (up - lower).tolist()))
         along = np.linspace(0.0, 1.0, 61)[None, :, None]  # 60 legs
         paths = stops[:, None] + along * (beyond - stops)[:, None]

@@ -140,8 +140,8 @@ class Px4Return(NamedTuple):
 
     @classmethod
     def of(cls, parameters: Parameters) -> "Px4Return":
-        names = ("RTL_RETURN_ALT", "RTL_MIN_DIST", "NAV_ACC_RAD", "RTL_CONE_ANG")
-        return cls(*(parameters.get(name, PARAMETER_TABLE.moving[name]) for name in names))
+        """Return the law of complete `parameters`."""
+        return cls(*(parameters[name] for name in ("RTL_RETURN_ALT", "RTL_MIN_DIST", "NAV_ACC_RAD", "RTL_CONE_ANG")))
 
     def height(self, above: float, distance: float) -> float:
         """Return the return height above the goal [m] at a level `distance` [m].
