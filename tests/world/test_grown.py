@@ -6,6 +6,7 @@ import shapely
 
 from ipoa_mission.geodesy import Geodetic, apart
 from ipoa_mission.world.obstacles import Cylinder, Obstacle, Prism, Sphere
+from ipoa_mission.world.obstacles.kinds import RoundZone, Zone
 from tests.world.test_new_kind import CABLE
 
 SQUARE = ((0.0, 0.0), (40.0, 0.0), (40.0, 40.0), (0.0, 40.0))
@@ -27,6 +28,11 @@ def test_a_grown_body_is_nearer_by_so_much(body: Prism | Sphere | Cylinder) -> N
     assert np.all(after >= before - aside - 1e-9)
     assert after[0] == pytest.approx(before[0] - aside, abs=0.01)
     assert np.all(after < before - 0.5 * aside)
+
+
+@pytest.mark.parametrize("body", [RoundZone("fair", 5.0, -7.0, 9.0, 0.0, 30.0), Zone("park", SQUARE, (), 0.0, 20.0)])
+def test_a_grown_zone_stays_air(body: RoundZone | Zone) -> None:
+    assert type(body.grown(1.0, 2.0, 3.0)) is type(body)
 
 
 def test_a_court_shrinks_and_vanishes() -> None:

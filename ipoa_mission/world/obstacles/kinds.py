@@ -107,7 +107,7 @@ class Sphere(Part):
         return shapely.Point(self.center[:2]).buffer(self.radius)
 
     def grown(self, aside: float, below: float, above: float) -> "Sphere":
-        return Sphere(self.name, self.center, self.radius + max(aside, below, above))
+        return type(self)(self.name, self.center, self.radius + max(aside, below, above))
 
     def passing(self, a: Points, b: Points) -> Passing:
         """Return distances to the tangent plane nearest to each leg."""
@@ -189,7 +189,7 @@ class Cylinder(Part):
         return Column(shapely.Point(self.east, self.north), self.radius, self.base, self.top)
 
     def grown(self, aside: float, below: float, above: float) -> "Cylinder":
-        return Cylinder(self.name, self.east, self.north, self.radius + aside, self.base - below, self.top + above)
+        return type(self)(self.name, self.east, self.north, self.radius + aside, self.base - below, self.top + above)
 
     def distance(self, points: Points) -> Vector:
         aside = np.hypot(points[:, 0] - self.east, points[:, 1] - self.north) - self.radius
