@@ -49,6 +49,11 @@ class ParameterTable:
         return {row.name: row for row in (*self.affecting, *self.further)}
 
     @cached_property
+    def kinds(self) -> Mapping[str, int]:
+        """Return MAV_PARAM_TYPE by name; others are REAL32."""
+        return {row.name: row.kind for row in (*self.set_up, *self.by_name.values())}
+
+    @cached_property
     def by_meaning(self) -> Mapping[str, Parameter]:
         return {row.meaning: row for row in self.by_name.values() if row.meaning}
 

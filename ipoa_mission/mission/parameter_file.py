@@ -60,8 +60,7 @@ def parameter_contents(mission: Mission, path: Path) -> dict[Path, str | None]:
         hint = "move it, or write the mission under another name"
         raise BadInput(words, hint=hint, code="already-there", place=target)
     lines = [PARAMETERS_HEADER.format(path.stem), "# Vehicle-Id Component-Id Name Value Type"]
-    table = mission.autopilot.parameter_table
-    kinds = {row.name: row.kind for row in (*table.set_up, *table.by_name.values())}
+    kinds = mission.autopilot.parameter_table.kinds
     for name, value in mission.parameters.items():
         number = f"{value:.0f}" if value == int(value) else repr(float(value))
         kind = kinds.get(name, REAL32)  # QGroundControl requires the vehicle's own type

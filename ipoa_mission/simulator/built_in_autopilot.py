@@ -152,7 +152,7 @@ class ParameterServer:
     def __init__(self, autopilot: Autopilot, overrides: Mapping[str, float], version: Version | None = None) -> None:
         self._autopilot = autopilot
         table = autopilot.parameter_table
-        self._types = {row.name: row.kind for row in (*table.set_up, *table.by_name.values())}
+        self._types = table.kinds
         own = {**table.moving, **autopilot.defaults_of(version)}
         self.values = {**defaults(table.set_up), **own, **table.others, **overrides}
 

@@ -13,7 +13,7 @@ import pytest
 from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.autopilot.failsafe import Failsafe
 from ipoa_mission.autopilot.known_parameters import expect_known
-from ipoa_mission.autopilot.parameters import Parameters
+from ipoa_mission.autopilot.parameters import INT8, INT16, INT32, REAL32, Parameters
 from ipoa_mission.autopilot.returning import Contingency, FlightStage
 from ipoa_mission.autopilot.version import Version
 from tests.refused import refuses
@@ -139,6 +139,40 @@ def test_every_parameter_that_decides_is_held_against_its_documentation(
 ) -> None:
     deciding = {rule.parameter for rule in autopilot.failsafe_profile.rules if rule.parameter}
     assert deciding - set(table) - {"COM_LOW_BAT_ACT", "CBRK_FLIGHTTERM"} == deciding & {"COM_IMB_PROP_ACT"}
+
+
+#: AP_Param types of ArduCopter's headers; PX4's parameters.json of 1.17 and 1.18, and sources of main.
+TYPES = {
+    AP: {
+        INT8: "AVD_ENABLE AVD_F_ACTION BATT_FS_CRT_ACT BATT_FS_LOW_ACT CHUTE_ENABLED FENCE_ACTION FENCE_AUTOENABLE "
+        "FENCE_ENABLE FENCE_TYPE FS_CRASH_CHECK FS_DR_ENABLE FS_EKF_ACTION FS_GCS_ENABLE FS_THR_ENABLE",
+        INT16: "SRTL_POINTS",
+        INT32: "FS_OPTIONS",
+        REAL32: "BATT_CRT_MAH BATT_CRT_VOLT BATT_LOW_MAH BATT_LOW_VOLT FS_EKF_THRESH SRTL_ACCURACY",
+    },
+    PX4: {
+        INT32: "CBRK_FLIGHTTERM COM_ACT_FAIL_ACT COM_ARM_ODID COM_DLL_EXCEPT COM_FLTT_LOW_ACT COM_FLT_TIME_MAX "
+        "COM_GNSSLOSS_ACT COM_IMB_PROP_ACT COM_LOW_BAT_ACT COM_PARACHUTE COM_POS_FS_ACT COM_POS_LOW_ACT "
+        "COM_RCL_EXCEPT COM_RC_IN_MODE COM_TRAFF_AVOID COM_WIND_MAX_ACT GF_ACTION NAV_DLL_ACT NAV_RCL_ACT "
+        "NAV_TRAFF_AVOID SYS_HAS_NUM_GNSS",
+        REAL32: "COM_FAIL_ACT_T COM_POS_LOW_EPH COM_WIND_MAX",
+    },
+}
+
+
+@pytest.mark.parametrize("autopilot", [AP, PX4])
+def test_every_parameter_has_the_type_of_the_firmware(autopilot: Autopilot) -> None:
+    """QGroundControl requires it in NAME.params."""
+    firmware = {name: kind for kind, names in TYPES[autopilot].items() for name in names.split()}
+    kinds = autopilot.parameter_table.kinds
+    assert {name: kinds.get(name, REAL32) for name in autopilot.failsafe_profile.parameters} == firmware
+
+
+@pytest.mark.parametrize(("autopilot", "names"), [(AP, {"FENCE_ACTION"}), (PX4, {"GF_ACTION", "NAV_DLL_ACT"})])
+def test_a_default_is_that_of_the_table(autopilot: Autopilot, names: set[str]) -> None:
+    known = autopilot.parameter_table.others
+    defaults = {rule.parameter: rule.default for rule in autopilot.failsafe_profile.rules if rule.parameter in known}
+    assert defaults == {name: known[name] for name in names}
 
 
 @pytest.mark.parametrize(

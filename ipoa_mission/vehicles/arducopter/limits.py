@@ -62,7 +62,7 @@ AFFECTING = (
     Parameter("RTL_CLIMB_MIN", 0.0, INT16, unit=CENTI, newer="RTL_CLIMB_MIN_M"),
     Parameter("RTL_CONE_SLOPE", 3.0, meaning="return cone"),
     Parameter("RALLY_LIMIT_KM", 0.3),
-    Parameter("RALLY_INCL_HOME", 1.0),
+    Parameter("RALLY_INCL_HOME", 1.0, INT8),
     Parameter("CIRCLE_RADIUS", 1000.0, unit=CENTI, newer="CIRCLE_RADIUS_M"),
     Parameter("CIRCLE_RATE", 20.0),
     Parameter("ATC_RATE_R_MAX", 0.0),
@@ -71,6 +71,16 @@ AFFECTING = (
     Parameter("RNGFND1_TYPE", 0.0, INT8),
     Parameter("PLDP_SPEED_DN", 0.0),
 )
+#: Of failsafes; only their type is known.
+_TYPED = {
+    INT8: (
+        "AVD_ENABLE", "AVD_F_ACTION", "CHUTE_ENABLED", "FENCE_AUTOENABLE", "FS_CRASH_CHECK", "FS_DR_ENABLE",
+        "FS_EKF_ACTION",
+        *(f"BATT{n}_{name}" for n in range(2, 10) for name in ("MONITOR", "FS_LOW_ACT", "FS_CRT_ACT")),
+    ),
+    INT16: ("MAV_GCS_SYSID", "MAV_GCS_SYSID_HI", "SRTL_POINTS", "SYSID_MYGCS"),
+    INT32: ("FS_OPTIONS",),
+}  # fmt: skip
 FURTHER = (
     Parameter("MAV_SYSID", 1.0, INT16, meaning="system id"),
     Parameter("FRAME_CLASS", 1.0, INT8),
@@ -92,6 +102,7 @@ FURTHER = (
     Parameter("WPNAV_TER_MARGIN", None, newer="WP_TER_MARGIN"),
     Parameter("WPNAV_RFND_USE", None, newer="WP_RFND_USE"),
     Parameter("TERRAIN_ENABLE", None, INT8),
+    *(Parameter(name, None, kind) for kind, names in _TYPED.items() for name in names),
 )
 
 
