@@ -7,7 +7,8 @@ structure scan.
 import json
 import math
 from collections.abc import Iterator, Sequence
-from typing import Any
+from functools import partial
+from typing import Any, NoReturn
 
 import numpy as np
 
@@ -59,13 +60,17 @@ def _is_here(part: ComplexItem, items: Sequence[Item], first: int, targets: set[
 
 def as_document(part: ComplexItem, number: int, simple: Sequence[dict[str, Any]]) -> dict[str, Any]:
     """`simple` are its items; the first is mission item `number`."""
-    document: dict[str, Any] = json.loads(part.json_text)
+    document: dict[str, Any] = json.loads(part.json_text, parse_constant=partial(_refuse_constant, number))
     if part.has_items:
         keys = ("autoContinue", "command", "frame", "params", "type")
         document[TRANSECTS][ITEMS] = [
             {key: item[key] for key in keys} | {"doJumpId": number + n} for n, item in enumerate(simple)
         ]
     return document
+
+
+def _refuse_constant(number: int, name: str) -> NoReturn:
+    raise BadInput(f"expected finite numbers, not {name}", place=f"complex item at item {number}")
 
 
 MAX_LAYERS = 200

@@ -20,7 +20,7 @@ from ipoa_mission.mission.complex_items import as_document, complex_items_in, en
 from ipoa_mission.mission.items import FenceCircle, FencePolygon, Item, Mission, MissionFile
 from ipoa_mission.mission.json_node import Node, parse_document
 from ipoa_mission.mission.landing_ground import landing_ground_entry
-from ipoa_mission.mission.stored_mission import resolve_frames
+from ipoa_mission.mission.stored_mission import refuse_infinite, resolve_frames
 from ipoa_mission.unread import Unread, gathered
 
 
@@ -43,7 +43,7 @@ ALTITUDE_MODES = {
 
 def tidy(value: float) -> float | int | None:
     """As QGroundControl: whole numbers without a point, NaN as null."""
-    if not math.isfinite(value):
+    if math.isnan(value):
         return None
     return int(value) if abs(value) < 1e15 and value == int(value) else value
 
@@ -93,6 +93,7 @@ def _plan(mission: Mission) -> dict[str, Any]:
     items = resolve_frames(mission.items, mission.autopilot)
     for number, item in enumerate(items, start=1):
         _check_written(number, item, len(items))
+    refuse_infinite(items)
     modes = Counter(ALTITUDE_MODES[Frame(item.frame)] for item in items if item.frame in ALTITUDE_MODES)
     header: dict[str, Any] = {
         "firmwareType": mission.autopilot.mav_autopilot,
@@ -103,17 +104,24 @@ def _plan(mission: Mission) -> dict[str, Any]:
         "version": 2,
     }
     if mission.cruise_speed is not None:
-        header |= {"cruiseSpeed": tidy(mission.cruise_speed), "hoverSpeed": tidy(mission.cruise_speed)}
+        (speed,) = _finite("cruise_speed", mission.cruise_speed)
+        header |= {"cruiseSpeed": speed, "hoverSpeed": speed}
     circles = list[dict[str, Any]]()
     polygons = list[dict[str, Any]]()
-    for part in mission.fence:
+    for n, part in enumerate(mission.fence):
+        place = f"fence[{n}]"
         entry = {"inclusion": part.inclusion, "version": 1}
         if isinstance(part, FencePolygon):
-            polygons.append(entry | {"polygon": [list(map(tidy, vertex)) for vertex in part.vertices]})
+            ring = [_finite(f"{place}: vertices[{k}]", *vertex) for k, vertex in enumerate(part.vertices)]
+            polygons.append(entry | {"polygon": ring})
         else:
-            circles.append(entry | {"circle": {"center": list(map(tidy, part.center)), "radius": tidy(part.radius)}})
+            (radius,) = _finite(f"{place}: radius", part.radius)
+            center = _finite(f"{place}: center", *part.center)
+            circles.append(entry | {"circle": {"center": center, "radius": radius}})
+    ground = landing_ground_entry(mission)
+    _finite("landing_ground", *ground.values())
     return {
-        **({"landingGround": ground} if (ground := landing_ground_entry(mission)) else {}),
+        **({"landingGround": ground} if ground else {}),
         "fileType": "Plan",
         "geoFence": {"circles": circles, "polygons": polygons, "version": 2},
         "groundStation": "QGroundControl",
@@ -159,6 +167,14 @@ def _simple_item(number: int, item: Item) -> dict[str, Any]:
         "Altitude": tidy(item.altitude),
         "AltitudeMode": ALTITUDE_MODES[Frame(item.frame)],
     }
+
+
+def _finite(place: str, *values: float) -> list[float | int | None]:
+    """Return tidy numbers, or raise BadInput."""
+    for value in values:
+        if not math.isfinite(value):
+            raise BadInput(f"expected a finite number, not {value}", place=place)
+    return list(map(tidy, values))
 
 
 def _place(place: Geodetic, name: str) -> list[float | int | None]:

@@ -14,7 +14,7 @@ from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.autopilot.commands import Command, Frame, command_name, plain_frame
 from ipoa_mission.autopilot.firmware_tables import PARAM_NAMES, Firmware
 from ipoa_mission.autopilot.version import Version
-from ipoa_mission.errors import MissionError
+from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.mission.items import FenceCircle, FencePolygon, Item, Mission
 
@@ -218,6 +218,14 @@ def _first_difference(sent: Item, got: Item, firmware: Firmware) -> tuple[str, s
 
 def values_of(item: Item) -> tuple[float, ...]:
     return (*item.params, item.latitude_deg, item.longitude_deg, item.altitude)
+
+
+def refuse_infinite(items: Sequence[Item]) -> None:
+    """Raise BadInput for an infinite value."""
+    for seq, item in enumerate(items, start=1):
+        for name, value in zip(PARAM_NAMES, values_of(item), strict=True):
+            if math.isinf(value):
+                raise BadInput(f"expected a number or NaN, not {value}", place=f"item {seq} ({item.name}): {name}")
 
 
 def _agree(letter: str, expected: float, actual: float) -> bool:

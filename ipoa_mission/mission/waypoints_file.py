@@ -17,7 +17,7 @@ from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.mission.items import Item, Mission, MissionFile
 from ipoa_mission.mission.parameter_file import NUMBER
-from ipoa_mission.mission.stored_mission import CIRCLE, POLYGON, home_item, resolve_frames
+from ipoa_mission.mission.stored_mission import CIRCLE, POLYGON, home_item, refuse_infinite, resolve_frames
 
 FIRST_LINE = "QGC WPL 110"
 TAKEOFF_LOST = "QGroundControl 4.4 loses the take-off of a .waypoints file: open the .plan there"
@@ -30,6 +30,7 @@ def waypoints_text(mission: Mission) -> str:
     items = resolve_frames(mission.items, mission.autopilot)
     for number, item in enumerate((home_item(mission.home), *items)):
         _check(number, item)
+    refuse_infinite(items)
     nan = math.nan if mission.autopilot.firmware().nan_holds else 0.0  # ArduPilot's ground stations read no NaN
     lines = (_line(seq, item, nan) for seq, item in enumerate((home_item(mission.home), *items)))
     return "\n".join([FIRST_LINE, *lines]) + "\n"

@@ -23,6 +23,7 @@ from ipoa_mission.forecast.itinerary.flown_legs import Leg
 from ipoa_mission.geodesy import Geodetic, LocalFrame
 from ipoa_mission.mission.items import FenceCircle, FencePolygon, Item, Mission
 from ipoa_mission.mission.positions import refuse_unsound
+from ipoa_mission.mission.stored_mission import refuse_infinite
 from ipoa_mission.report.table import to_csv
 
 if TYPE_CHECKING:
@@ -126,7 +127,7 @@ def to_geojson(forecast: Forecast, name: str) -> str:
             "command": item.name,
             "frame": int(item.frame),
             "altitude": item.altitude,
-            "params": [param if math.isfinite(param) else None for param in item.params],
+            "params": [None if math.isnan(param) else param for param in item.params],
         }
         height = [round(amsl, 3)] if math.isfinite(amsl) else []
         features.append(_feature("Point", [longitude, latitude, *height], about))
@@ -250,4 +251,5 @@ def write_export(mission: Mission, path: str | Path, scenario: "Scenario | None"
 def forecast_text(forecast: Forecast, suffix: str, name: str) -> str:
     """Raise BadInput for an undrawable position or height."""
     refuse_unsound(forecast.mission_as_read)
+    refuse_infinite(forecast.mission_as_read.items)
     return EXPORTS[suffix](forecast, name)

@@ -132,7 +132,7 @@ def _row(seq: int, item: Item, mission: Mission, legs: list[Leg], scenario: "Sce
         heading_deg=_heading(legs),
         climb=None if points is None else float(points[-1, 2] - points[0, 2]),
         hold_s=hold_of(item),
-        speed=item.params[1] if item.command == Command.DO_CHANGE_SPEED else None,
+        speed=_known(item.params[1]) if item.command == Command.DO_CHANGE_SPEED else None,
         detail=details_of(item),
     )
 

@@ -12,7 +12,7 @@ from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.errors import BadInput
 from ipoa_mission.finding import Severity
 from ipoa_mission.geodesy import Geodetic
-from ipoa_mission.mission.items import FenceCircle, FencePolygon, Item, Mission, takeoff, waypoint
+from ipoa_mission.mission.items import ComplexItem, FenceCircle, FencePolygon, Item, Mission, land, takeoff, waypoint
 from ipoa_mission.mission.mission_io import read_mission_file, write_mission
 from ipoa_mission.mission.parameter_file import read_parameter_file
 from ipoa_mission.mission.plan_file import plan_text
@@ -97,6 +97,28 @@ def test_an_altitude_that_is_no_number_is_not_written(tmp_path: Path) -> None:
     mission = Mission(HOME, (takeoff(HOME, 10.0), waypoint(HOME, math.nan)))
     with refuses("altitude-missing", "item 2 (NAV_WAYPOINT)", kind=BadInput):
         write_mission(mission, tmp_path / "no.plan")
+    assert not list(tmp_path.iterdir())
+
+
+NOT_FINITE = {
+    "fence[0]: radius": {"fence": (FenceCircle((39.1, 121.8), math.inf),)},
+    "fence[0]: center": {"fence": (FenceCircle((39.1, math.nan), 50.0),)},
+    "fence[0]: vertices[1]": {"fence": (FencePolygon(((39.1, 121.8), (math.nan, 121.8), (39.2, 121.9))),)},
+    "cruise_speed": {"cruise_speed": math.inf},
+    "item 1 (NAV_WAYPOINT): param1": {"items": (waypoint(HOME, 12.0, hold_s=-math.inf),)},
+    "item 1 (NAV_WAYPOINT): longitude": {"items": (replace(MISSION.items[1], longitude_deg=math.inf),)},
+    "item 1 (DO_DIGICAM_CONTROL): altitude": {"items": (Item(203, 2, altitude=math.inf),)},
+    "no.params: MPC_XY_CRUISE": {"parameters": {"MPC_XY_CRUISE": math.inf}},
+    "landing_ground": {"items": (*MISSION.items, land(HOME)), "landing_ground": replace(HOME, altitude=math.nan)},
+    "complex item at item 1": {"complex_items": (ComplexItem(MISSION.items, '{"camera": Infinity}', False),)},
+}
+
+
+@pytest.mark.parametrize("place", NOT_FINITE)
+def test_only_nan_of_an_item_is_written_as_null(place: str, tmp_path: Path) -> None:
+    fields: Any = NOT_FINITE[place]
+    with refuses("bad-input", place, kind=BadInput):
+        write_mission(replace(MISSION, **fields), tmp_path / "no.plan")
     assert not list(tmp_path.iterdir())
 
 

@@ -39,6 +39,13 @@ def _zeros(params: tuple[float, float, float, float]) -> tuple[float, float, flo
     return p1, p2, p3, p4
 
 
+def test_infinite_param_is_not_written(tmp_path: Path) -> None:
+    mission = replace(FLIGHT, items=(FLIGHT.items[0], change_speed(math.inf)))
+    with refuses("bad-input", "item 2 (DO_CHANGE_SPEED): param2", kind=BadInput):
+        write_mission(mission, tmp_path / "no.waypoints")
+    assert not list(tmp_path.iterdir())
+
+
 @given(mission=missions(frames=(0, 3), fences=False))
 def test_every_line_is_as_the_strictest_reader_wants_it(mission: Mission, tmp_path_factory: Any) -> None:
     path = tmp_path_factory.getbasetemp() / "strict.waypoints"

@@ -65,6 +65,18 @@ def test_a_mission_without_items_is_no_obstacle(suffix: str, tmp_path: Path) -> 
     assert exported(Mission(HOME, ()), suffix, tmp_path)
 
 
+@pytest.mark.parametrize("suffix", EXPORTS)
+def test_infinite_param_is_not_exported(suffix: str, tmp_path: Path) -> None:
+    mission = replace(MISSION, items=(MISSION.items[0], change_speed(np.inf)))
+    with refuses("bad-input", "item 2 (DO_CHANGE_SPEED): param2"):
+        write_export(mission, tmp_path / f"flight{suffix}")
+
+
+def test_speed_of_nan_is_an_empty_cell(tmp_path: Path) -> None:
+    mission = replace(MISSION, items=(MISSION.items[0], change_speed(np.nan)))
+    assert "nan" not in exported(mission, ".csv", tmp_path)
+
+
 def test_another_suffix_is_refused(tmp_path: Path) -> None:
     with refuses("wrong-suffix", "flight.dji", '".dji"'):
         write_export(MISSION, tmp_path / "flight.dji")
