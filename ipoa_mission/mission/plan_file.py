@@ -3,7 +3,6 @@
 import json
 import math
 import re
-from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from enum import IntEnum
@@ -94,10 +93,9 @@ def _plan(mission: Mission) -> dict[str, Any]:
     for number, item in enumerate(items, start=1):
         _check_written(number, item, len(items))
     refuse_infinite(items)
-    modes = Counter(ALTITUDE_MODES[Frame(item.frame)] for item in items if item.frame in ALTITUDE_MODES)
     header: dict[str, Any] = {
         "firmwareType": mission.autopilot.mav_autopilot,
-        "globalPlanAltitudeMode": next(iter(modes), AltitudeMode.RELATIVE) if len(modes) < 2 else AltitudeMode.MIXED,
+        "globalPlanAltitudeMode": _altitude_mode(items),
         "items": [*_entries(items, mission)],
         "plannedHomePosition": _place(mission.home, "home"),
         "vehicleType": mission.vehicle_type,
@@ -132,6 +130,16 @@ def _plan(mission: Mission) -> dict[str, Any]:
         },
         "version": 1,
     }
+
+
+def _altitude_mode(items: Sequence[Item]) -> AltitudeMode:
+    modes = {ALTITUDE_MODES[Frame(item.frame)] for item in items if item.frame in ALTITUDE_MODES}
+    match [*modes]:
+        case []:
+            return AltitudeMode.RELATIVE
+        case [mode]:
+            return mode
+    return AltitudeMode.MIXED
 
 
 def _entries(items: Sequence[Item], mission: Mission) -> Iterator[dict[str, Any]]:
