@@ -21,29 +21,45 @@ def write_atomically(path: Path, content: str | bytes) -> None:
     write_together({path: content})
 
 
-def write_together(contents: Mapping[Path, str | bytes]) -> None:
-    """Write files, text as UTF-8 with LF: all are complete before the first is renamed.
+def write_together(contents: Mapping[Path, str | bytes | None]) -> None:
+    """Write files, text as UTF-8 with LF; remove those of None. All are on disk before the first is renamed.
 
     Raises:
-        BadInput: one cannot be written; none was, unless a rename failed.
+        BadInput: one cannot be written or removed; none was, unless a later rename failed.
     """
-    staged: dict[Path, Path] = {}
-    targets = {path: Path(os.path.realpath(path)) for path in contents}
+    texts = {path: content for path, content in contents.items() if content is not None}
+    targets = {path: Path(os.path.realpath(path)) for path in texts}
+    hidden = {path: targets.get(path, path).with_name(f".{path.name}.{secrets.token_hex(4)}") for path in contents}
+    removed = [path for path in contents if path not in texts]
     try:
-        for path, content in contents.items():
-            staged[path] = targets[path].with_name(f".{path.name}.{secrets.token_hex(4)}")
-            with staged[path].open("xb") as file:
-                file.write(content.encode() if isinstance(content, str) else content)
+        for path, text in texts.items():
+            _stage(hidden[path], text)
             if path.is_dir():
                 raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR))
+        for path in removed:
+            with suppress(FileNotFoundError):
+                path.replace(hidden[path])
         for path, target in targets.items():
             note_written(path)
-            staged[path].replace(target)
-    except OSError as error:
-        raise Unwritable(f"cannot be written: {error.strerror}", place=path) from error
+            hidden[path].replace(target)
+    except BaseException as error:
+        for each in removed:
+            with suppress(OSError):
+                hidden.pop(each).replace(each)
+        if isinstance(error, OSError):
+            change = "removed" if path in removed else "written"
+            raise Unwritable(f"cannot be {change}: {error.strerror}", place=path) from error
+        raise
     finally:
-        for temporary in staged.values():
+        for temporary in hidden.values():
             temporary.unlink(missing_ok=True)
+
+
+def _stage(path: Path, content: str | bytes) -> None:
+    with path.open("xb") as file:
+        file.write(content.encode() if isinstance(content, str) else content)
+        file.flush()
+        os.fsync(file.fileno())
 
 
 @contextmanager

@@ -113,7 +113,7 @@ class Flight:
         return tuple(remark for remark in self.remarks if remark not in warned)
 
     def write(self, folder: str | Path = ".", report: bool = False) -> tuple[Path, ...]:
-        """Write to `folder` NAME.plan, .waypoints, .json, .params for parameters, NAME.html for `report`: all or none.
+        """Write to `folder` NAME.plan, .waypoints, .json, .params for parameters, NAME.html for `report`, together.
 
         The same flight gives the same bytes.
 
@@ -247,7 +247,7 @@ def plan_for_batteries(
 def write_parts(
     whole: Flight, parts: Sequence[Forecast], summary: dict[str, Any], folder: Path, report: bool = False
 ) -> tuple[Path, ...]:
-    """Write the parts, `summary` as NAME.json, and for `report` NAME.html: all or none."""
+    """Write the parts, `summary` as NAME.json, and for `report` NAME.html, together."""
     make_folder(folder)
     plans = names_of(whole, parts, folder)
     missions = ((plan.stem, part.mission, None) for plan, part in zip(plans, parts, strict=True))

@@ -182,7 +182,7 @@ def digest(text: str) -> str:
 def write_files(
     mission: Mission, folder: Path, name: str, about: Mapping[str, Any], pages: Mapping[Path, str] | None = None
 ) -> tuple[Path, ...]:
-    """Write a mission's files, NAME.json of `about`, and the pages, all or none; return them."""
+    """Write a mission's files, NAME.json of `about`, and the pages together; return them."""
     contents, _ = _mission_contents(mission, folder, name, about)
     return _write({**contents, **(pages or {})})
 
@@ -194,7 +194,7 @@ def write_several(
     about: Mapping[str, Any],
     pages: Mapping[Path, str] | None = None,
 ) -> tuple[Path, ...]:
-    """Write the files of all missions, the pages and NAME.json of `about`, all or none."""
+    """Write the files of all missions, the pages and NAME.json of `about` together."""
     contents = Contents()
     digests = dict[str, str]()
     for part, mission, about_part in missions:
@@ -206,11 +206,8 @@ def write_several(
 
 
 def _write(contents: Contents) -> tuple[Path, ...]:
-    texts = {path: text for path, text in contents.items() if text is not None}
-    write_together(texts)
-    for path in contents.keys() - texts.keys():
-        path.unlink()
-    return tuple(texts)
+    write_together(contents)
+    return tuple(path for path, text in contents.items() if text is not None)
 
 
 def _mission_contents(

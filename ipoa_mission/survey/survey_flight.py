@@ -87,7 +87,7 @@ class Survey:
         return sum(forecast.estimate.total_s for forecast in self.flights)
 
     def write(self, folder: str | Path = ".", report: bool = False) -> tuple[Path, ...]:
-        """Write to `folder` .plan, .waypoints, .json of each flight, NAME.json, pages for `report`: all or none.
+        """Write to `folder` .plan, .waypoints, .json of each flight, NAME.json, pages for `report`, together.
 
         The same survey gives the same bytes.
 
@@ -126,7 +126,7 @@ class Survey:
         }
 
     def report(self, folder: str | Path = ".") -> tuple[Path, ...]:
-        """Write a page for each flight, and one for several: all or none.
+        """Write a page for each flight, and one for several, together.
 
         Raises:
             BadInput: a file cannot be written.

@@ -1,3 +1,4 @@
+import errno
 import json
 import os
 import signal
@@ -7,10 +8,12 @@ import sys
 import threading
 import time
 from collections import Counter
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
+from ipoa_mission import files
 from ipoa_mission.files import MISSIONS as MISSION_SUFFIXES
 from ipoa_mission.files import read_text, write_together
 from ipoa_mission.forecast.forecast import Forecast
@@ -212,6 +215,57 @@ def test_files_of_one_flight_are_written_together_or_not_at_all(
         write_together({tmp_path / "a": "new", tmp_path / "b": "new", tmp_path / "c": "new"})
     assert sorted(path.name for path in tmp_path.iterdir()) == ["a", "c"]
     assert (tmp_path / "a").read_text() == "before"
+
+
+def refuse_renames(monkeypatch: pytest.MonkeyPatch, *refused: str) -> None:
+    """Refuse to rename a file of these names to another name, and another to them."""
+    rename = Path.replace
+
+    def rename_others(path: Path, target: Path) -> Path:
+        if {path.name, target.name} & {*refused}:
+            raise PermissionError(errno.EACCES, "Permission denied")
+        return rename(path, target)
+
+    monkeypatch.setattr(Path, "replace", rename_others)
+
+
+@pytest.mark.parametrize("refused", ["a.plan", "a.params"])
+def test_a_refused_rename_or_removal_leaves_the_old_files(
+    refused: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    mission = read_mission(MISSIONS / "sitl.plan").with_parameters({"MPC_XY_CRUISE": 4.0})
+    write_mission(mission, tmp_path / "a.plan")
+    before = {path: path.read_text() for path in tmp_path.iterdir()}
+    refuse_renames(monkeypatch, refused)
+    with refuses("unwritable", refused):
+        write_mission(replace(mission, parameters={}, cruise_speed=7.0), tmp_path / "a.plan")
+    assert {path: path.read_text() for path in tmp_path.iterdir()} == before
+
+
+def test_ctrl_c_during_a_removal_leaves_the_old_files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "a").write_text("before")
+    monkeypatch.setattr(files, "note_written", _interrupt)
+    with pytest.raises(KeyboardInterrupt):
+        write_together({tmp_path / "a": None, tmp_path / "b": "new"})
+    assert {path.name: path.read_text() for path in tmp_path.iterdir()} == {"a": "before"}
+
+
+def _interrupt(path: Path) -> None:
+    raise KeyboardInterrupt
+
+
+def test_a_file_to_remove_may_be_missing(tmp_path: Path) -> None:
+    write_together({tmp_path / "a": None, tmp_path / "b": "new"})
+    assert [path.name for path in tmp_path.iterdir()] == ["b"]
+
+
+def test_files_are_on_disk_before_the_first_is_renamed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    done = list[str]()
+    sync, rename = os.fsync, Path.replace
+    monkeypatch.setattr(os, "fsync", lambda file: (done.append("sync"), sync(file)))
+    monkeypatch.setattr(Path, "replace", lambda path, target: (done.append("rename"), rename(path, target))[1])
+    write_together({tmp_path / "a": "new", tmp_path / "b": "new"})
+    assert done == ["sync", "sync", "rename", "rename"]
 
 
 @pytest.mark.skipif(os.name == "nt", reason="no such modes")
