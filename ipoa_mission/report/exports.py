@@ -135,9 +135,8 @@ def to_geojson(forecast: Forecast, name: str) -> str:
         features.append(_feature("Polygon", [ring(part)], {"kind": "fence", "inclusion": part.inclusion}))
     for n, (_, (longitude, latitude, amsl)) in enumerate(rally, start=1):
         features.append(_feature("Point", [longitude, latitude, round(amsl, 3)], {"kind": "rally", "seq": n}))
-    lines = ",\n".join(json.dumps(feature, allow_nan=False) for feature in features)
-    head = json.dumps({"type": "FeatureCollection", "name": name, "altitude_datum": "mean sea level"})
-    return f'{head[:-1]}, "features": [\n{lines}\n]}}\n'
+    about_all = {"type": "FeatureCollection", "name": name, "altitude_datum": "mean sea level"}
+    return json.dumps({**about_all, "features": features}, allow_nan=False) + "\n"
 
 
 def _feature(kind: str, coordinates: Sequence[Any], properties: dict[str, Any]) -> dict[str, Any]:
