@@ -38,8 +38,8 @@ class IPOA:
         chaos: a of (18).
         refraction: k n of (20); 1 is plain opposition.
         beta: of (25).
-        freedom_least: nu at first, (29): Cauchy.
-        freedom_most: nu at last: all but Gauss.
+        freedom_least: degrees of freedom at t = 0, (29); 1 is Cauchy.
+        freedom_most: at t = T; 30 is nearly Gaussian.
         chaotic_start: (18)-(21), else uniform.
         inertia: (22), (23).
         levy: (24)-(27), else POA's exploitation.
