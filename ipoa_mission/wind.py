@@ -33,8 +33,13 @@ def wind_at(height: float, wind: WindTable) -> tuple[float, float]:
         if height < wind.gradient_height and wind.gradient_height > 0.0:
             share = (max(height, 0.0) / wind.gradient_height) ** wind.exponent
         return share * wind.east, share * wind.north
+    return interpolate(height, levels)
+
+
+def interpolate(height: float, levels: Sequence[WindLevel]) -> tuple[float, float]:
+    """Return eastward and northward components, constant beyond the levels [m/s]."""
     above = 0
-    while above < MAX_LEVELS - 1 and levels[above].height < height:
+    while above < len(levels) - 1 and levels[above].height < height:
         above += 1
     low, high = levels[max(above - 1, 0)], levels[above]
     share = 1.0
@@ -105,15 +110,7 @@ class Wind:
         if not self.levels:
             share = self.at(height) / self.speed if self.speed else 0.0
             return self.east * share, self.north * share
-        below = self.levels[0]
-        for level in self.levels:
-            if level.height >= height:
-                share = (height - below.height) / (level.height - below.height) if level.height > below.height else 1.0
-                share = min(max(share, 0.0), 1.0)
-                east = below.east + share * (level.east - below.east)
-                return east, below.north + share * (level.north - below.north)
-            below = level
-        return below.east, below.north
+        return interpolate(height, (*self.levels, self.levels[-1]))  # exactly the last above it
 
     @property
     def strongest(self) -> float:

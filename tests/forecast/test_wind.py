@@ -9,7 +9,7 @@ from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.mission.items import Mission, change_speed, land, takeoff, waypoint
 from ipoa_mission.simulator.simulated_flight import SimulatedFlight
 from ipoa_mission.simulator.situation import Conditions
-from ipoa_mission.wind import CALM, Wind
+from ipoa_mission.wind import CALM, Wind, wind_at, wind_table
 from tests.recorded_flights import FLIGHTS, IN_WIND, Recorded, read_flight, read_flights
 
 FLOWN = read_flights(Autopilot.ARDUPILOT, IN_WIND)
@@ -134,3 +134,11 @@ def test_wind_profile_is_interpolated_between_levels_and_constant_beyond() -> No
     assert (wind.speed, wind.from_deg) == (8.0, 180.0)
     stronger = Wind.of_profile([20.0, 40.0], [4.0, 8.0], [270.0, 270.0], spread=2.0).as_strong_as_may_be()
     assert (stronger.at(0.0), stronger.at(40.0)) == pytest.approx((5.0, 10.0))
+
+
+@pytest.mark.parametrize("levels", [2, 7, 8])
+def test_kernels_take_the_wind_of_a_profile(levels: int) -> None:
+    heights = [10.0 * n + 0.1 for n in range(levels)]
+    wind = Wind.of_profile(heights, [0.3 * n for n in range(levels)], [37.0 * n for n in range(levels)])
+    for height in (0.0, *heights, *np.linspace(0.0, 90.0, 50)):
+        assert wind_at(height, wind_table(wind)) == pytest.approx(wind.towards(height), rel=1e-15, abs=1e-15)
