@@ -21,6 +21,8 @@ from ipoa_mission.mission.json_node import Node
 
 TRANSECTS = "TransectStyleComplexItem"
 ITEMS = "Items"
+MAX_LAYERS = 200
+MIN_SIDE = 1e-3  # [m]
 
 
 def complex_item(items: Sequence[Item], document: Any) -> ComplexItem:
@@ -71,10 +73,6 @@ def as_document(part: ComplexItem, number: int, simple: Sequence[dict[str, Any]]
 
 def _refuse_constant(number: int, name: str) -> NoReturn:
     raise BadInput(f"expected finite numbers, not {name}", place=f"complex item at item {number}")
-
-
-MAX_LAYERS = 200
-MIN_SIDE = 1e-3  # [m]
 
 
 def lay_out(node: Node) -> tuple[list[Item], float]:

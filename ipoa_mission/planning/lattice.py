@@ -22,6 +22,9 @@ from ipoa_mission.world.polygon import Plane
 REACH_BEYOND = 1.5  # behind a gap, in cells
 LONGEST_GAP = 20.0  # extent of a gap, in cells
 LEAST_GAP = 1e-6  # [m]
+STRIDES = np.array([step for step in np.ndindex(3, 3, 3) if step != (1, 1, 1)]) - 1
+ROUNDING = 1e-9  # of costs, relative
+CUBE: NDArray[np.int64] = np.array(sorted(np.ndindex(5, 5, 5), key=lambda at: sum((k - 2) ** 2 for k in at))[1:]) - 2
 
 
 class Gaps(NamedTuple):
@@ -135,10 +138,6 @@ class LatticeDetails(NamedTuple):
 
 DETAILS = LatticeDetails()
 USUAL_LATTICE = LatticeStrategy()
-
-STRIDES = np.array([step for step in np.ndindex(3, 3, 3) if step != (1, 1, 1)]) - 1
-ROUNDING = 1e-9  # of costs, relative
-CUBE: NDArray[np.int64] = np.array(sorted(np.ndindex(5, 5, 5), key=lambda at: sum((k - 2) ** 2 for k in at))[1:]) - 2
 
 
 @dataclass(frozen=True, eq=False)

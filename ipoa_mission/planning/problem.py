@@ -18,9 +18,19 @@ from ipoa_mission.planning.path_problem import PathTask
 from ipoa_mission.planning.spline import DEGREE, Spline, basis, even_basis, knots_of
 from ipoa_mission.scenario.path_limits import Limits
 
+Matrix: TypeAlias = NDArray[np.float64]
 COST_STEP = 0.05  # integration step [m]
 FULL_TURN_DEG = 360.0
 STEPS_PER_SPAN = 16  # of the curve
+ALL = slice(None)
+MIN_SPANS_BETWEEN_VIA = 2.0
+COMPARING_FACTOR = 4  # of nodes
+UNSAFE = 1e6  # at least, for a breach
+ROUGH_STEEPNESS = 1.02  # on the greatest slope of a rough curve
+GREATEST_LEG = 0.3  # for comparing curves [m]
+MAX_NODES = 4000
+LENIENCE = 0.1  # of a rough curve; the fine polish mends it [m]
+FULL_SIZE = 50.0  # on a shorter route, lengths shrink in proportion [m]
 
 
 @dataclass(frozen=True)
@@ -127,18 +137,6 @@ def rules_of(task: PathTask) -> Rules:
 
 def _slope(angle: float) -> float:
     return float(np.tan(angle)) if angle < np.pi / 2 else UNLIMITED
-
-
-Matrix: TypeAlias = NDArray[np.float64]
-ALL = slice(None)
-MIN_SPANS_BETWEEN_VIA = 2.0
-COMPARING_FACTOR = 4  # of nodes
-UNSAFE = 1e6  # at least, for a breach
-ROUGH_STEEPNESS = 1.02  # on the greatest slope of a rough curve
-GREATEST_LEG = 0.3  # for comparing curves [m]
-MAX_NODES = 4000
-LENIENCE = 0.1  # of a rough curve; the fine polish mends it [m]
-FULL_SIZE = 50.0  # on a shorter route, lengths shrink in proportion [m]
 
 
 @dataclass(frozen=True, eq=False)

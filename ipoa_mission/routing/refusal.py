@@ -24,6 +24,8 @@ from ipoa_mission.scenario import Scenario
 from ipoa_mission.world.airspace import Airspace
 from ipoa_mission.world.obstacles import Obstacle
 
+ROUNDS = 20
+
 
 @dataclass(frozen=True, eq=False)
 class ChangeTrials:
@@ -148,9 +150,6 @@ def _try_changes(otherwise: str, trials: ChangeTrials) -> tuple[str, str, tuple[
         with_it = "" if clearance is None else f" with {floor_cm(clearance.guaranteed):.2f} m kept"
         return f"{change} plans it{with_it}", f"{change}, which was tried; or reduce safety_distance", (change,)
     return (f"these changes did not help: {', '.join(map(str, in_vain))}", f"reduce safety_distance{otherwise}", ())
-
-
-ROUNDS = 20
 
 
 def slowed_where_needed(nearest: Attempt, trials: ChangeTrials) -> Attempt | None:

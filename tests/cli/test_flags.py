@@ -218,7 +218,6 @@ def test_files_of_one_flight_are_written_together_or_not_at_all(
 
 
 def refuse_renames(monkeypatch: pytest.MonkeyPatch, *refused: str) -> None:
-    """Refuse to rename a file of these names to another name, and another to them."""
     rename = Path.replace
 
     def rename_others(path: Path, target: Path) -> Path:
