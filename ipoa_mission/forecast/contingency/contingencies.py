@@ -39,15 +39,16 @@ class Grade(StrEnum):
 
 
 def clear_at_any_time(times: Vector, clear: NDArray[np.bool_], tolerances: Vector) -> NDArray[np.bool_]:
+    """Return whether no unclear one of increasing `times` is within `tolerances` of each, (n,) each [s]."""
     unclear = times[~clear]
     after = np.searchsorted(unclear, times - tolerances, side="left")
     return np.asarray(after == np.searchsorted(unclear, times + tolerances, side="right"))
 
 
 def share_nearer(times: Vector, tolerances: Vector, evenly: Vector, nearer: NDArray[np.bool_]) -> Vector:
-    """Return the share of possible times with a shortfall, at each of `times` (n,).
+    """Return the share (n,) of `nearer` (m,), weighting `evenly` (m,) [s] by a normal density about `times` (n,) [s].
 
-    `tolerances` (n,) contain nine cases of ten, and limit all.
+    Nine in ten of the density, and all weights, lie within ± `tolerances` (n,) [s].
 
     >>> share_nearer(np.array([5.0, 20.0]), np.full(2, 2.0), np.arange(0.0, 30.0), np.arange(30) < 5).round(2)
     array([0.33, 0.  ])
