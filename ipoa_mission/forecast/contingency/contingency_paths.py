@@ -1,6 +1,7 @@
 """Compute the paths of contingencies at many times of one flight. Obstacles are enlarged by the deviation bound."""
 
 import math
+from collections.abc import Iterator
 from dataclasses import replace
 from functools import cached_property
 
@@ -273,26 +274,42 @@ class ContingencyPaths:
         return slice(goal * self._variants, (goal + 1) * self._variants)
 
     def _returns(self, places: Points, stops: Points, seqs: NDArray[np.intp]) -> tuple[Paths, NDArray[np.bool_]]:
-        """Return the paths of returns (`_paths_to` each goal), and which are possible (n, k)."""
-        back = places - stops
-        back[:, 2] = 0.0
+        """Return paths (n, k, p, 3), k: goals times variants as `_paths_to`; and which are possible (n, k).
+
+        p: ends of `ReturnLeg`; RETURNS has several legs over terrain and along the mission.
+        """
         begins = stops.copy()
         if self.mission.autopilot.guidance.returns_from_order:
             begins[:, 2] = places[:, 2]
         to_goals = self.forecast.returns_from(begins)
+        ups = (0.0, *(up for _, _, up in self.forecast.itinerary.rally))
         paths = list[NDArray[np.float64]]()
-        for path, up in zip(to_goals, (0.0, *(up for _, _, up in self.forecast.itinerary.rally)), strict=True):
-            over, beyond = path[:, 1], path[:, 2]
-            ground = self._ground_below(beyond)
-            for offset in (share * back for share in self._shares):
-                paths.append(np.stack([places, stops, begins + offset, over + offset, beyond, ground], axis=1))
-            paths += [self.routes.over_terrain(places, begins, beyond, up, off) for off in self.routes.off_terrain]
-        for by in self.routes.kinds:
-            along = self.routes.paths(by, np.stack([places, stops, stops, stops], axis=1), seqs)
-            paths += [along] * self._variants
+        for path, up in zip(to_goals, ups, strict=True):
+            paths += self._at_return_height(places, stops, path)
+            paths += self._over_terrain(places, path, up)
+        paths += self._along_mission(places, stops, seqs)
         most = max(path.shape[1] for path in paths)
         padded = np.stack([_padded(path, most) for path in paths], axis=1)
         return padded, self._possible(stops, seqs, len(to_goals) + len(self.routes.kinds))
+
+    def _at_return_height(
+        self, places: Points, stops: Points, path: NDArray[np.float64]
+    ) -> Iterator[NDArray[np.float64]]:
+        back = places - stops
+        back[:, 2] = 0.0
+        begins, over, beyond = path[:, 0], path[:, 1], path[:, 2]
+        ground = self._ground_below(beyond)
+        for offset in (share * back for share in self._shares):
+            yield np.stack([places, stops, begins + offset, over + offset, beyond, ground], axis=1)
+
+    def _over_terrain(self, places: Points, path: NDArray[np.float64], up: float) -> Iterator[NDArray[np.float64]]:
+        for off in self.routes.off_terrain:
+            yield self.routes.over_terrain(places, path[:, 0], path[:, 2], up, off)
+
+    def _along_mission(self, places: Points, stops: Points, seqs: NDArray[np.intp]) -> Iterator[NDArray[np.float64]]:
+        starts = np.stack([places, stops, stops, stops], axis=1)
+        for by in self.routes.kinds:
+            yield from [self.routes.paths(by, starts, seqs)] * self._variants
 
     def _possible(self, stops: Points, seqs: NDArray[np.intp], n_goals: int) -> NDArray[np.bool_]:
         chosen = np.zeros((len(stops), n_goals), dtype=bool)
