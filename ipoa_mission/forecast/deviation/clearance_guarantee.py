@@ -16,7 +16,7 @@ from ipoa_mission.forecast.deviation.proximity import proximity_risks
 from ipoa_mission.forecast.itinerary.itinerary import Itinerary
 from ipoa_mission.forecast.timing.flight_model import Prediction
 from ipoa_mission.forecast.timing.track import THINNING_TOLERANCE, Pieces, pieces_of, thinned
-from ipoa_mission.geometry import Points
+from ipoa_mission.geometry import Points, as_place
 from ipoa_mission.planning.proof import TOUCHING, Check
 from ipoa_mission.world.airspace import Airspace, Clearance
 
@@ -225,23 +225,22 @@ class PredictedFlight:
     def _obstacles(
         self, part: Pieces, law: DeviationLaw, chance: float | None, chosen: NDArray[np.bool_], name: str
     ) -> KeptLimit:
+        """Return the limit of the pieces `chosen` (n - 1,) of a part of n places, on the way without a `name`."""
         airspace = self.task.path.airspace
         required = self.task.path.limits.obstacle_distance
-        nominal = _least_clearance(airspace, [*kept_limits.runs(part.points, chosen)], required if name else -np.inf)
-        least = nominal.distance
-        to = nominal.what
-        place = nominal.place
-        guaranteed = least
+        decisive = required if name else -np.inf  # on the way a lower bound is enough
+        predicted = _least_clearance(airspace, [*kept_limits.runs(part.points, chosen)], decisive)
+        kept = predicted
         if chance is not None:
-            near = proximity_risks(part, airspace, law, least)
-            near = near.of(chosen[near.piece])
-            guaranteed = min(near.clearance_at(chance), least)
-            if len(near.piece):
-                piece, body = near.likeliest(guaranteed)
-                east, north, height = (float(x) for x in part.points[piece])
-                to = airspace.obstacles[body].name
-                place = (east, north, height)
-        return KeptLimit("obstacles", required, least, guaranteed, to, self._item(part, place), place, name)
+            pairs = proximity_risks(part, airspace, law, predicted.distance)
+            pairs = pairs.of(chosen[pairs.piece])
+            kept = replace(predicted, distance=min(pairs.clearance_at(chance), predicted.distance))
+            if len(pairs.piece):
+                piece, body = pairs.likeliest(kept.distance)
+                place = as_place(part.points[piece])
+                kept = replace(kept, place=place, what=airspace.obstacles[body].name)
+        item = self._item(part, kept.place)
+        return KeptLimit("obstacles", required, predicted.distance, kept.distance, kept.what, item, kept.place, name)
 
     def _others(self, part: Pieces, bound: kept_limits.DeviationBound) -> Iterator[KeptLimit]:
         path = thinned(part.points)
