@@ -59,10 +59,10 @@ def wall(distance: float, length: float = 100.0) -> Obstacle:
 @pytest.mark.parametrize("autopilot", list(registered()))
 @pytest.mark.parametrize("chance", [0.1, 0.05, 0.01, 0.002])
 def test_recorded_passes_go_beyond_a_quantile_no_oftener_than_it_says(autopilot: Autopilot, chance: float) -> None:
-    """Four seconds have a moment's chance and one more for each memory."""
+    """Four seconds have a moment's chance and one more for each decorrelation time."""
     distances, law = beside(autopilot, "01"), law_of(autopilot)
     assert len(distances) >= 600
-    assert (distances > law.level.distance(chance)).mean() <= (1 + 4.0 / law.memory) * chance
+    assert (distances > law.level.distance(chance)).mean() <= (1 + 4.0 / law.decorrelation_s) * chance
 
 
 @pytest.mark.parametrize("side", ["down", "up"])

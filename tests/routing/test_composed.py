@@ -57,8 +57,9 @@ def test_passings_that_are_not_likeliest_sum_up_to_the_given_chance() -> None:
     task, required = clearance_task(scenario), scenario.limits.obstacle_distance
     risks = proximity_risks(pieces_of(attempt.quick_prediction.track), scenario.airspace, task.law, required)
     likeliest = risks.likeliest_passings(required, 0.002)
-    passings = {(risks.seconds[n] // task.law.memory, int(risks.obstacle[n])) for n in likeliest}
-    others = [(risks.seconds[n] // task.law.memory, int(body)) not in passings for n, body in enumerate(risks.obstacle)]
+    window = risks.seconds // task.law.decorrelation_s
+    passings = {(window[n], int(risks.obstacle[n])) for n in likeliest}
+    others = [(window[n], int(body)) not in passings for n, body in enumerate(risks.obstacle)]
     assert 0 < len(passings) == len(likeliest)
     assert risks.of(np.array(others)).chance(required) <= 2 * 0.002  # lateral and high ones are each bounded
 

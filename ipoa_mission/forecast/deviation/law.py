@@ -54,12 +54,12 @@ class Quantiles:
 class DeviationLaw:
     """Distribution of a vehicle's deviation from its predicted path.
 
-    `level`: to one side at a moment of a straight flight. A lateral acceleration of `turn` [m/s^2] doubles it. After
-    the last waypoint it is `after_cruise_factor` times as large. It is independent after `memory` [s].
+    `level`: to one side at a moment of a straight flight; twice as large at the lateral `doubling_acceleration`
+    [m/s^2], `after_cruise_factor` times after the last waypoint. It is independent after `decorrelation_s`.
 
-    `down`, `up`: height at a moment, independent after `height_memory` [s]. `lowest`, `highest`: of a whole flight, as
-    a height error persists. `farthest`: to one side, where it does not grow with time. `growth`: in wind [m for each
-    m/s, to the side, down, up].
+    `down`, `up`: height at a moment, independent after `height_decorrelation_s`. `lowest`, `highest`: of a whole
+    flight, as a height error persists. `farthest`: to one side, where it does not grow with time. `growth`: in wind [m
+    for each m/s, to the side, down, up].
 
     `source`: the flights measured. `strongest`: greatest verified wind with gusts [m/s].
     """
@@ -70,16 +70,16 @@ class DeviationLaw:
     lowest: Quantiles
     highest: Quantiles
     farthest: Quantiles | None
-    turn: float
+    doubling_acceleration: float
     after_cruise_factor: float
-    memory: float
-    height_memory: float
+    decorrelation_s: float
+    height_decorrelation_s: float
     growth: tuple[float, float, float]
     source: str
     strongest: float
 
     def widening(self, across: Vector) -> Vector:
-        return np.asarray(1.0 + across / self.turn)
+        return np.asarray(1.0 + across / self.doubling_acceleration)
 
     def lateral(self, chance: float) -> float:
         """Return the lateral deviation [m] exceeded with this probability."""

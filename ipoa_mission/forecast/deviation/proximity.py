@@ -81,7 +81,7 @@ class ProximityRisks:
         """Return the passings that are likeliest nearer than `clearance` [m]; all others sum up to `chance`."""
         each = self._each(clearance)
         order = np.argsort(-each, kind="stable")
-        passing = np.stack([self.seconds // self.law.memory, self.obstacle])[:, order]
+        passing = np.stack([self.seconds // self.law.decorrelation_s, self.obstacle])[:, order]
         _, first = np.unique(passing, axis=1, return_index=True)
         first.sort()
         rest = each[order[first]][::-1].cumsum()[::-1]
@@ -133,14 +133,14 @@ class ProximityRisks:
 
     @cached_property
     def _lateral(self) -> _Draws:
-        return self._draws(~self.by_height, self.law.memory)
+        return self._draws(~self.by_height, self.law.decorrelation_s)
 
     @cached_property
     def _high(self) -> _Draws:
-        return self._draws(self.by_height, self.law.height_memory)
+        return self._draws(self.by_height, self.law.height_decorrelation_s)
 
-    def _draws(self, chosen: NDArray[np.bool_], memory: float) -> _Draws:
-        during = self.seconds[chosen] // memory
+    def _draws(self, chosen: NDArray[np.bool_], window_s: float) -> _Draws:
+        during = self.seconds[chosen] // window_s
         during = (during - during.min(initial=np.inf)).astype(np.intp)
         count = int(self.obstacle.max()) + 1
         numbers, likeliest = np.unique(during * count + self.obstacle[chosen], return_inverse=True)
