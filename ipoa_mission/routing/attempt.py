@@ -96,8 +96,8 @@ class Attempt:
     @cached_property
     def is_fit(self) -> bool:
         quick = self.quick_prediction
-        most_overrun = 0.5  # beyond the goal [m]
-        if quick.overrun > most_overrun or strays(quick.path, self.plan.curve, self.scenario.route.tolerance):
+        max_overrun = 0.5  # beyond the goal [m]
+        if quick.overrun > max_overrun or strays(quick.path, self.plan.curve, self.scenario.route.tolerance):
             return False
         return self.keeps_limits
 

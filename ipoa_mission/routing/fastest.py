@@ -43,7 +43,7 @@ class Composition(NamedTuple):
     )  # fmt: skip
     spacings: tuple[float, ...] = (6.0, 2.5)  # of even levels [m]
     max_rounds: int = 16
-    least_spacing: float = 1.0  # where two levels meet [m]
+    min_spacing: float = 1.0  # where two levels meet [m]
     remaining_risk: float = 0.7  # share of the chance, of passings that stay as they are
 
 
@@ -118,7 +118,7 @@ def _composed(levels: list[_Level], chosen: NDArray[np.intp]) -> tuple[Points, V
     ]
     kept = rows[:0]
     for row in sorted(rows):
-        if kept and row[0] - kept[-1][0] < COMPOSITION.least_spacing:
+        if kept and row[0] - kept[-1][0] < COMPOSITION.min_spacing:
             if not row[1]:
                 continue
             if not kept[-1][1]:
@@ -210,7 +210,7 @@ class RouteGrid(NamedTuple):
     turn_radii: tuple[float, ...] = (0.0, 4.0, 7.0, 10.0, 14.0)  # of PX4 [m]; 0: its parameter
     spline_shares: tuple[float, ...] = (0.8, 0.4, 0.0)  # of the tolerance
     spline_spacings: tuple[float, ...] = (40.0, 25.0, 12.0)  # [m]
-    most_splines: int = 200
+    max_splines: int = 200
 
 
 GRID = RouteGrid()
@@ -245,9 +245,7 @@ def _splines(curve: Spline, scenario: Scenario) -> Iterator[Route]:
         line = relaxed(curve, room * scenario.route.tolerance, via)
         length = float(leg_lengths(line).sum())
         whole, brake = braking_length(scenario), min(braking_length(scenario), length / 2)
-        spacings = {
-            max(spacing, length / GRID.most_splines) for spacing in GRID.spline_spacings if spacing < length / 2
-        }
+        spacings = {max(spacing, length / GRID.max_splines) for spacing in GRID.spline_spacings if spacing < length / 2}
         for spacing in sorted(spacings, reverse=True):
             even = length / math.ceil(length / spacing)
             for last, on_curve in ((max(brake, even), True), (max(brake, even), False), (even, False)):
@@ -258,14 +256,14 @@ def _splines(curve: Spline, scenario: Scenario) -> Iterator[Route]:
 
 class RouteSearch(NamedTuple):
     starts: int = 2  # routes to improve
-    most_behind: float = 1.06  # of the second start's time to the first's
+    max_behind: float = 1.06  # of the second start's time to the first's
     trials: int = 36
     legs: int = 2000  # in all trials
     patience: int = 15  # trials without gain
     step_shares: tuple[float, ...] = (0.5, 0.2)  # of the tolerance
-    least_gain_s: float = 0.1
+    min_gain_s: float = 0.1
     equal_share: float = 0.005  # of the time, of equally quick routes
-    most_delayed: float = 1.02  # of the time without noise, of a route that noise may make the quickest
+    max_delay: float = 1.02  # of the time without noise, of a route that noise may make the quickest
 
 
 SEARCH = RouteSearch()
@@ -275,7 +273,7 @@ def fastest_routes(plan: Plan, scenario: Scenario) -> list[Attempt]:
     """Return the quickest routes within all limits, best first: fewest missed waypoints, then greatest margin."""
     drawn = [Attempt(plan, route, scenario) for route in candidates(plan.curve, scenario)]
     quickest = _quickest(drawn, scenario)
-    most = SEARCH.most_behind * min(attempt.quick_prediction.seconds for attempt in drawn)
+    most = SEARCH.max_behind * min(attempt.quick_prediction.seconds for attempt in drawn)
     if not quickest or quickest[0].quick_prediction.seconds > most:
         composed = composed_route(plan, scenario)
         if not composed.is_fit and not quickest:
@@ -290,7 +288,7 @@ def fastest_routes(plan: Plan, scenario: Scenario) -> list[Attempt]:
 
 def _best_of_equal(attempts: list[Attempt]) -> Attempt:
     """Return the best of the routes that are as quick as the first with sensor noise, which is costly to predict."""
-    most = SEARCH.most_delayed * attempts[0].quick_prediction.seconds
+    most = SEARCH.max_delay * attempts[0].quick_prediction.seconds
     equal = [attempt for attempt in attempts if attempt.quick_prediction.seconds <= most]
     if len(equal) == 1:
         return equal[0]
@@ -306,7 +304,7 @@ def _quickest(drawn: list[Attempt], scenario: Scenario) -> list[Attempt]:
     cleared, fit = dict[bytes, Points](), dict[tuple[int, bool], Attempt]()
     while waiting and len(fit) < SEARCH.starts:
         seconds, n, is_clear, attempt = heappop(waiting)
-        if fit and seconds > SEARCH.most_behind * min(other.quick_prediction.seconds for other in fit.values()):
+        if fit and seconds > SEARCH.max_behind * min(other.quick_prediction.seconds for other in fit.values()):
             break
         points = attempt.route.points
         kind, place = (len(points), attempt.route.spline), points.tobytes()
@@ -338,7 +336,7 @@ def _improve(attempt: Attempt) -> Attempt:
             candidate = attempt.along(changes[at % len(changes)])
             tried.add(candidate.route.points.tobytes())
             if (
-                candidate.quick_prediction.seconds < attempt.quick_prediction.seconds - SEARCH.least_gain_s
+                candidate.quick_prediction.seconds < attempt.quick_prediction.seconds - SEARCH.min_gain_s
                 and candidate.is_fit
             ):
                 attempt, in_vain = candidate, 0

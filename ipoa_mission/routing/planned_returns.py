@@ -168,7 +168,7 @@ class RallyEffort(NamedTuple):
     landing_clearance: float = 2.0  # around a landing place [m]
     sample_count: int = 60
     sample_step: float = 0.5  # next to a shortfall [s]
-    least_separation: float = 12.0  # of home and rally points [m]: PX4 ignores those within 10 m of home
+    min_separation: float = 12.0  # of home and rally points [m]: PX4 ignores those within 10 m of home
 
 
 EFFORT = RallyEffort()
@@ -252,7 +252,7 @@ def _places(paths: ContingencyPaths) -> Points:
     for distance in EFFORT.lateral_distances:
         for sign in (1.0, -1.0) if distance else (1.0,):
             for spot in spots + sign * distance * aside:
-                if min(float(np.hypot(*(spot - other))) for other in spaced) >= EFFORT.least_separation:
+                if min(float(np.hypot(*(spot - other))) for other in spaced) >= EFFORT.min_separation:
                     spaced.append(spot)
     level = np.array(spaced[1:]).reshape(-1, 2)
     return np.column_stack([level, paths.forecast.world.airspace.ground(level)])

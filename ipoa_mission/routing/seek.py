@@ -85,10 +85,10 @@ class SeekEffort(NamedTuple):
     hopeless_slack: float = -0.15  # [m]
     max_moves: int = 4  # of a path
     max_vain_moves: int = 2  # in a row with little gain
-    least_gain: float = 0.01  # of a move [m]
+    min_gain: float = 0.01  # of a move [m]
     max_searches: int = 6
     seed_count: int = 2
-    most_delay: float = 1.1  # ratio to the first route's time
+    max_delay: float = 1.1  # ratio to the first route's time
 
 
 EFFORT = SeekEffort()
@@ -169,7 +169,7 @@ def seek(scenario: Scenario, seed: int, progress: Progress, plans: int = EFFORT.
         if slow is not None:
             return min(slow, attempt, key=lambda route: (not route.is_acceptable, route.quick_prediction.seconds))
         if attempt.is_acceptable:
-            if delay < EFFORT.most_delay or plans == 1:
+            if delay < EFFORT.max_delay or plans == 1:
                 return attempt
             slow = attempt
         elif nearest is None or attempt.slack > nearest.slack:
@@ -233,7 +233,7 @@ def _move_until_safe(plan: Plan, margins: _Margins, scenario: Scenario) -> tuple
         if moved is None:
             break
         latest = best_route(replace(latest.plan, curve=moved), scenario, EFFORT.hopeless_slack)
-        in_vain = 0 if latest.slack > best.slack + EFFORT.least_gain else in_vain + 1
+        in_vain = 0 if latest.slack > best.slack + EFFORT.min_gain else in_vain + 1
         best = max(best, latest, key=lambda attempt: attempt.merit)
     if not best.is_guaranteed and best.slack >= EFFORT.hopeless_slack and scenario.route.mode == "fastest":
         slow = (narrowed_route(best.plan, scenario, mode) for mode in ("corridor", "even"))
