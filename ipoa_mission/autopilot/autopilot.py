@@ -102,8 +102,7 @@ class Autopilot(metaclass=_ByName):
     def braking_distance(self, parameters: Parameters, speed: "Vector", accel: "Vector") -> "Vector":
         """Return the straight distance to a stop (n,) [m] from `speed` [m/s] and `accel` along it [m/s^2]."""
 
-    def flies_on(self, contingency: returning.Contingency) -> float:
-        """Return the delay before braking for a contingency [s]."""
+    def braking_delay_s(self, contingency: returning.Contingency) -> float:
         return 0.0 if contingency in returning.IN_PLACE else self.guidance.brakes_after
 
     def stopping_offset(

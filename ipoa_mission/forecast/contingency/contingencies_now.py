@@ -55,7 +55,7 @@ class ContingenciesNow:
         paths = self._contingencies.paths
         mission = self._contingencies.forecast.mission
         stop = place.copy()
-        stop[:2] += mission.autopilot.flies_on(contingency) * velocity
+        stop[:2] += mission.autopilot.braking_delay_s(contingency) * velocity
         stop[:2] += mission.autopilot.stopping_offset(
             mission.parameters, velocity[None, :], np.zeros((1, 2)), contingency
         )[0]

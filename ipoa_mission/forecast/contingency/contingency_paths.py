@@ -91,7 +91,7 @@ class ContingencyPaths:
         begin, end = self.in_air
         step_s = 0.2
         times = np.append(np.arange(begin, end, step_s), end)
-        obeyed = np.minimum(times + autopilot.flies_on(contingency), end)
+        obeyed = np.minimum(times + autopilot.braking_delay_s(contingency), end)
         before, stops, after = (pieces.at(times_s) for times_s in (obeyed - step_s, obeyed, obeyed + step_s))
 
         velocity = (after - before) / (2 * step_s)
