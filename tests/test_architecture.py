@@ -290,6 +290,7 @@ def test_the_pure_rooms_have_no_clock_and_no_global_randomness() -> None:
 
 
 LINES_OF_A_FILE, LINES_OF_A_FUNCTION, PARAMETERS = 400, 80, 8
+BY_PLACE = 5  # arguments
 OF_A_VERB = 12  # or groups of them
 
 
@@ -327,6 +328,24 @@ def test_functions_take_what_one_can_keep_in_mind() -> None:
         if len([parameter for parameter in parameters if parameter.arg not in {"self", "cls"}]) > most:
             many.add(name)
     assert many == set()
+
+
+def test_tuples_of_many_fields_are_made_by_their_names() -> None:
+    tuples = {
+        node.name
+        for path in FILES
+        for node in nodes(path)
+        if isinstance(node, ast.ClassDef) and "NamedTuple" in map(ast.unparse, node.bases)
+    }
+    by_place = {
+        f"{path.relative_to(REPOSITORY)}:{node.lineno}"
+        for path in FILES
+        if "dynamics" in path.parts
+        for node in nodes(path)
+        if isinstance(node, ast.Call) and ast.unparse(node.func).split(".")[-1] in tuples
+        if len(node.args) > BY_PLACE
+    }
+    assert not by_place
 
 
 def test_tools_use_what_is_public() -> None:

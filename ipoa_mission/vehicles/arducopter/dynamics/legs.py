@@ -129,7 +129,7 @@ def at_speeds(leg: CopterLeg, speeds: MotionLimits, elapsed: float, copter: Copt
 def leg_between(kind: Kind, origin: Place, target: Place, speeds: MotionLimits) -> CopterLeg:
     length = math.dist(origin, target)
     direction = Enu(*(x / length for x in curves.minus(target, origin))) if length > 1e-9 else ZERO
-    return CopterLeg(kind, Enu(*origin), Enu(*target), direction, length, speeds)
+    return CopterLeg(kind, Enu(*origin), Enu(*target), direction=direction, length=length, speeds=speeds)
 
 
 def _speed_at(leg: CopterLeg, end: float) -> float:

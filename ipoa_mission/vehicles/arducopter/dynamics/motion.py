@@ -111,7 +111,7 @@ class CopterLeg(NamedTuple):
     ends_near: float = 0.0  # 1: it ends within the acceptance radius
 
 
-NO_LEG = CopterLeg(Kind.NOTHING, ZERO, ZERO, ZERO, 0.0, MotionLimits(0.0, 0.0, 0.0))
+NO_LEG = CopterLeg(Kind.NOTHING, ZERO, ZERO, ZERO, length=0.0, speeds=MotionLimits(0.0, 0.0, 0.0))
 
 
 class Tuning(NamedTuple):

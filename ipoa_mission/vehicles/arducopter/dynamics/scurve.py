@@ -46,7 +46,9 @@ def _fill(segments: list[Segment]) -> list[Segment]:
     return segments + [Segment(math.inf, *[0.0] * 6)] * (MOST_SEGMENTS - len(segments))
 
 
-AT_REST = Profile(_fill([Segment(0.0, 0.0, CONSTANT, 0.0, 0.0, 0.0, 0.0)]), 0.0, 0.0, 0.0, 0.0)
+AT_REST = Profile(
+    _fill([Segment(begin=0.0, lasts=0.0, shape=CONSTANT, jerk=0.0, accel=0.0, speed=0.0, way=0.0)]), 0.0, 0.0, 0.0, 0.0
+)
 
 
 @dataclass(frozen=True)
@@ -92,7 +94,7 @@ def profile(length: float, limits: SCurveLimits, enter: float = 0.0, leave: floa
     state = _append(segments, up, 1.0, (0.0, 0.0, enter, 0.0))
     down = ramp_for(peak - leave, limits, from_rest=leave <= 0)
     falls, lasts = _cruise_and_brake(segments, state, (peak, leave), down, length)
-    return Profile(_fill(segments), lasts, state[0], falls, peak, leave)
+    return Profile(_fill(segments), lasts=lasts, risen=state[0], falls=falls, peak=peak, leave=leave)
 
 
 def _cruise_and_brake(
@@ -101,7 +103,7 @@ def _cruise_and_brake(
     """Append the rest of the leg, from the peak to the leave speed; return when it brakes and ends [s]."""
     (begin, _, _, way), (peak, leave) = state, speeds
     cruise = max(0.0, (length - way - (peak + leave) / 2 * down.lasts) / peak)
-    segments.append(Segment(begin, cruise, CONSTANT, 0.0, 0.0, peak, way))
+    segments.append(Segment(begin=begin, lasts=cruise, shape=CONSTANT, jerk=0.0, accel=0.0, speed=peak, way=way))
     falls = begin + cruise
     return falls, _append(segments, down, -1.0, (falls, 0.0, peak, way + peak * cruise))[0]
 
@@ -134,11 +136,15 @@ def change(current: Profile, time: float, length: float, limits: SCurveLimits) -
     if limits.speed < before and _distance(limits.speed, before, 0.0, limits) > length - way:
         return current
     peak = _fit_peak(limits.speed, before, 0.0, length - way, limits)
-    segments.append(Segment(current.risen, begin - current.risen, CONSTANT, 0.0, 0.0, before, cruise.way))
+    at_limit = Segment(
+        begin=current.risen, lasts=begin - current.risen, shape=CONSTANT,
+        jerk=0.0, accel=0.0, speed=before, way=cruise.way,
+    )  # fmt: skip
+    segments.append(at_limit)
     over = ramp_for(abs(peak - before), limits, from_rest=False)
     state = _append(segments, over, math.copysign(1.0, peak - before), (begin, 0.0, before, way))
     falls, lasts = _cruise_and_brake(segments, state, (peak, 0.0), ramp_for(peak, limits), length)
-    return Profile(_fill(segments), lasts, current.risen, falls, max(peak, before))
+    return Profile(_fill(segments), lasts=lasts, risen=current.risen, falls=falls, peak=max(peak, before))
 
 
 def _peak(length: float, limits: SCurveLimits) -> float:

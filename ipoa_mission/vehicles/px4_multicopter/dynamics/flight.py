@@ -183,7 +183,10 @@ def step(state: State, order: Order, constants: px4.SimulationConstants) -> Stat
     if there and reached < 0.0 and (math.isnan(order.heading) or abs(heading_error(state, order)) <= limits.yaw_error):
         reached = time
     nose = turn_nose(state, order, limits, constants.dt) if constants.turns else state.nose
-    return State(time, body, nose, trajectory, guidance, control, errors, contact, state.begun, reached, there)
+    return State(
+        time=time, body=body, nose=nose, trajectory=trajectory, guidance=guidance, control=control,
+        errors=errors, contact=contact, begun=state.begun, reached=reached, been_there=there,
+    )  # fmt: skip
 
 
 def track_setpoint(state: State, order: Order, constants: px4.SimulationConstants, velocity: Enu) -> px4.Trajectory:
@@ -242,14 +245,20 @@ def is_over(state: State, order: Order) -> bool:
 
 
 def at_rest(place: Enu, time: float, yaw: float, errors: px4.Errors, on_ground: bool) -> State:
-    body = px4.Body(place, ZERO, px4.Level(0.0, 0.0), px4.Level(0.0, 0.0), ZERO, on_ground, time)
+    body = px4.Body(
+        place=place, speed=ZERO, acceleration=px4.Level(0.0, 0.0), setpoint=px4.Level(0.0, 0.0),
+        thrust=ZERO, on_ground=on_ground, airborne_since=time,
+    )  # fmt: skip
     east = px4.Axis(place.east, 0.0, 0.0)
     trajectory = px4.Trajectory(east, px4.Axis(place.north, 0.0, 0.0), px4.Axis(place.up, 0.0, 0.0))
     guidance = px4.Guidance(px4.ON_LINE, place, 0.0, True)
     control = px4.Control(ZERO, 1.0, 0.0)
-    contact = px4.Contact(False, False, 0, time)
+    contact = px4.Contact(on_ground=False, lost=False, stages=0, since=time)
     nose = px4.Yaw(yaw, 0.0)
-    return State(time, body, nose, trajectory, guidance, control, errors, contact, time, px4.NOT_YET, False)
+    return State(
+        time=time, body=body, nose=nose, trajectory=trajectory, guidance=guidance, control=control,
+        errors=errors, contact=contact, begun=time, reached=px4.NOT_YET, been_there=False,
+    )  # fmt: skip
 
 
 def begin(state: State, order: Order) -> State:
@@ -259,12 +268,15 @@ def begin(state: State, order: Order) -> State:
     if on_ground:
         trajectory = px4.Trajectory(trajectory.east, trajectory.north, px4.Axis(trajectory.up.place, -GROUND_SINK, 0.0))
     body = px4.Body(
-        body.place, body.speed, body.acceleration, body.setpoint, body.thrust, on_ground, body.airborne_since
-    )
+        place=body.place, speed=body.speed, acceleration=body.acceleration, setpoint=body.setpoint,
+        thrust=body.thrust, on_ground=on_ground, airborne_since=body.airborne_since,
+    )  # fmt: skip
     guidance = px4.Guidance(px4.ON_LINE, as_tuple(order.start), state.guidance.held, state.guidance.rising)
     return State(
-        state.time, body, state.nose, trajectory, guidance, state.control, state.errors,
-        px4.Contact(False, False, 0, state.time), state.time, px4.NOT_YET, False,
+        time=state.time, body=body, nose=state.nose, trajectory=trajectory, guidance=guidance,
+        control=state.control, errors=state.errors,
+        contact=px4.Contact(on_ground=False, lost=False, stages=0, since=state.time),
+        begun=state.time, reached=px4.NOT_YET, been_there=False,
     )  # fmt: skip
 
 
@@ -288,10 +300,14 @@ def past_cruise(state: State, order: Order, constants: px4.SimulationConstants) 
     y = px4.Axis(y.place + north, y.speed, y.acceleration)
     trajectory = px4.Trajectory(x, y, state.trajectory.up)
     place = Enu(body.place.east + east, body.place.north + north, body.place.up)
-    moved = px4.Body(place, body.speed, body.acceleration, body.setpoint, body.thrust, body.on_ground, since)
+    moved = px4.Body(
+        place=place, speed=body.speed, acceleration=body.acceleration, setpoint=body.setpoint,
+        thrust=body.thrust, on_ground=body.on_ground, airborne_since=since,
+    )  # fmt: skip
     return State(
-        time, moved, state.nose, trajectory, state.guidance, state.control, state.errors, state.contact,
-        state.begun, state.reached, state.been_there,
+        time=time, body=moved, nose=state.nose, trajectory=trajectory, guidance=state.guidance, control=state.control,
+        errors=state.errors, contact=state.contact, begun=state.begun, reached=state.reached,
+        been_there=state.been_there,
     )  # fmt: skip
 
 

@@ -48,7 +48,9 @@ def simulation_constants(
 def leg(limits: Px4Limits, start: Enu, goal: Enu, *, beyond: Enu | None = None, cruise: float | None = None) -> Order:
     """Return a leg on to `beyond`, or with a stop; `cruise` [m/s] is by default MPC_XY_CRUISE."""
     fastest = min(limits.cruise if cruise is None else cruise, limits.most_speed)
-    return Order(px4.GO, start, goal, beyond or goal, limits.radius, limits.height_radius, fastest)
+    return Order(
+        px4.GO, start, goal, beyond or goal, radius=limits.radius, height_radius=limits.height_radius, cruise=fastest
+    )
 
 
 def take_off(top: Enu, limits: Px4Limits) -> Order:

@@ -189,7 +189,9 @@ def remainder(value: float, modulus: float) -> float:
 
 
 def no_errors(seed_1: float, seed_2: float) -> Errors:
-    return Errors(seed_1, seed_2, 0.0, 0.0, 0.0, NOT_YET, ZERO)
+    return Errors(
+        seed_1=seed_1, seed_2=seed_2, next_in=0.0, home=0.0, reported=0.0, reported_at=NOT_YET, drift=ZERO,
+    )  # fmt: skip
 
 
 def add_sensor_errors(state: State, constants: SimulationConstants) -> Errors:
@@ -202,8 +204,9 @@ def add_sensor_errors(state: State, constants: SimulationConstants) -> Errors:
         reported, reported_at = last.home, NOT_YET
     if last.next_in > constants.dt:
         return Errors(
-            last.seed_1, last.seed_2, last.next_in - constants.dt, last.home, reported, reported_at, last.drift
-        )
+            seed_1=last.seed_1, seed_2=last.seed_2, next_in=last.next_in - constants.dt,
+            home=last.home, reported=reported, reported_at=reported_at, drift=last.drift,
+        )  # fmt: skip
     senses = constants.senses
     seed_1, seed_2, n_east, n_north = normal(last.seed_1, last.seed_2)
     seed_1, seed_2, n_up, n_height = normal(seed_1, seed_2)
@@ -220,7 +223,10 @@ def add_sensor_errors(state: State, constants: SimulationConstants) -> Errors:
     if flown < CORRECTED_FOR and abs(measured - home) > CORRECTED_BEYOND:
         home = measured
         reported_at = time + NOTICED_S if reported_at < 0.0 else reported_at
-    return Errors(seed_1, seed_2, last.next_in - constants.dt + senses.every, home, reported, reported_at, drift)
+    return Errors(
+        seed_1=seed_1, seed_2=seed_2, next_in=last.next_in - constants.dt + senses.every,
+        home=home, reported=reported, reported_at=reported_at, drift=drift,
+    )  # fmt: skip
 
 
 def integrate(state: State, setpoint: Enu, constants: SimulationConstants, is_held: bool) -> Body:
@@ -251,4 +257,7 @@ def integrate(state: State, setpoint: Enu, constants: SimulationConstants, is_he
         rise = speed.up + (thrust.up - drag * speed.up) * dt
         speed = Enu(speed.east + felt_east * dt, speed.north + felt_north * dt, rise)
         place = plus(place, scaled(plus(speed, drift), dt))
-    return Body(place, speed, Level(felt_east, felt_north), Level(lean_east, lean_north), thrust, on_ground, since)
+    return Body(
+        place=place, speed=speed, acceleration=Level(felt_east, felt_north), setpoint=Level(lean_east, lean_north),
+        thrust=thrust, on_ground=on_ground, airborne_since=since,
+    )  # fmt: skip
