@@ -22,9 +22,9 @@ LAND_START = FailsafeAction(
     Contingency.LAND_START, (Contingency.RTL, Contingency.LAND), "to DO_RETURN_PATH_START or DO_LAND_START"
 )
 BRAKES = FailsafeAction(Contingency.HOLD, (Contingency.LAND,))
-STOPS = FailsafeAction(Contingency.TERMINATE)
+TERMINATES = FailsafeAction(Contingency.TERMINATE)
 BATTERY_ACTIONS = {
-    0: GOES_ON, 1: LANDS, 2: RETURNS, 3: SMART_RETURNS, 4: SMART_OR_LANDS, 5: STOPS, 6: LAND_START, 7: BRAKES,
+    0: GOES_ON, 1: LANDS, 2: RETURNS, 3: SMART_RETURNS, 4: SMART_OR_LANDS, 5: TERMINATES, 6: LAND_START, 7: BRAKES,
 }  # fmt: skip
 
 
@@ -76,7 +76,7 @@ FAILSAFE_RULES = (
         "position by dead reckoning", "FS_DR_ENABLE",
         {
             0: GOES_ON, 1: _drifts("drifts on dead reckoning while it lands"),
-            **dict.fromkeys((2, 3, 4, 6), _drifts("drifts on dead reckoning while it returns")), 5: STOPS,
+            **dict.fromkeys((2, 3, 4, 6), _drifts("drifts on dead reckoning while it returns")), 5: TERMINATES,
             7: _drifts("drifts on dead reckoning while it holds"),
         }, default=2.0,
     ),
@@ -90,8 +90,8 @@ FAILSAFE_RULES = (
             6: _until_clear(Contingency.UNKNOWN, "LOITER {}: a low throttle stick makes it descend"),
         }, default=1.0, needs={"AVD_ENABLE": 0.0},
     ),
-    FailsafeRule("parachute", other=STOPS, needs={"CHUTE_ENABLED": 0.0}),
-    FailsafeRule("out of control", "FS_CRASH_CHECK", {0: GOES_ON}, default=1.0, other=STOPS),
+    FailsafeRule("parachute", other=TERMINATES, needs={"CHUTE_ENABLED": 0.0}),
+    FailsafeRule("out of control", "FS_CRASH_CHECK", {0: GOES_ON}, default=1.0, other=TERMINATES),
     FailsafeRule("thrust lost", other=replace(GOES_ON, words="uses all thrust that is left")),
     FailsafeRule(
         "vibration",

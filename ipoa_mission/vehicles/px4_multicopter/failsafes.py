@@ -13,15 +13,15 @@ from ipoa_mission.autopilot.parameters import Parameters
 from ipoa_mission.autopilot.returning import Contingency, FlightStage
 
 V1_18, V1_19 = (1, 18), (1, 19)
-FALLS = FailsafeAction(Contingency.TERMINATE)
+TERMINATES = FailsafeAction(Contingency.TERMINATE)
 LANDS = FailsafeAction(Contingency.LAND, (Contingency.TERMINATE,))
 RETURNS = FailsafeAction(Contingency.RTL, (Contingency.LAND, Contingency.TERMINATE))
 HOLDS = FailsafeAction(Contingency.HOLD, (Contingency.RTL, Contingency.LAND, Contingency.TERMINATE))
 DRIFTS = FailsafeAction(
     Contingency.UNKNOWN, (Contingency.LAND, Contingency.TERMINATE), "without a position it drifts while it descends"
 )
-LINK_ACTIONS = {0: GOES_ON, 1: HOLDS, 2: RETURNS, 3: LANDS, 5: FALLS, 6: FALLS}
-GRADED_ACTIONS = {0: GOES_ON, 1: GOES_ON, 2: HOLDS, 3: RETURNS, 4: FALLS, 5: LANDS}
+LINK_ACTIONS = {0: GOES_ON, 1: HOLDS, 2: RETURNS, 3: LANDS, 5: TERMINATES, 6: TERMINATES}
+GRADED_ACTIONS = {0: GOES_ON, 1: GOES_ON, 2: HOLDS, 3: RETURNS, 4: TERMINATES, 5: LANDS}
 HEALTH_ACTIONS = {0: GOES_ON, 1: GOES_ON, 2: GOES_ON, 3: RETURNS, 4: LANDS}
 TRAFFIC_ACTIONS = {
     0: GOES_ON, 1: GOES_ON, 2: replace(RETURNS, words="descends to its return height if it is higher"), 3: LANDS,
@@ -35,7 +35,7 @@ FAILSAFE_RULES = (
     ),
     FailsafeRule(
         "emergency battery", "COM_LOW_BAT_ACT",
-        {0: GOES_ON, 1: RETURNS, 2: LANDS, 3: LANDS, 4: replace(FALLS, since=V1_19)},
+        {0: GOES_ON, 1: RETURNS, 2: LANDS, 3: LANDS, 4: replace(TERMINATES, since=V1_19)},
     ),
     FailsafeRule("flight time left is short", "COM_FLTT_LOW_ACT", {0: GOES_ON, 1: GOES_ON, 3: RETURNS}),
     FailsafeRule(
@@ -47,25 +47,25 @@ FAILSAFE_RULES = (
     FailsafeRule(Cause.POSITION_LOST, other=DRIFTS, until=V1_19),
     FailsafeRule(
         Cause.POSITION_LOST, "COM_POS_FS_ACT",
-        {0: DRIFTS, 1: replace(FALLS, words="lands while it has a local position")}, other=DRIFTS, since=V1_19,
+        {0: DRIFTS, 1: replace(TERMINATES, words="lands while it has a local position")}, other=DRIFTS, since=V1_19,
     ),
     FailsafeRule(
         Cause.POSITION_INACCURATE, "COM_POS_LOW_ACT", GRADED_ACTIONS, default=3.0, needs={"COM_POS_LOW_EPH": -1.0},
     ),
     FailsafeRule(
-        "satellite receiver lost", "COM_GNSSLOSS_ACT", {0: GOES_ON, 1: RETURNS, 2: LANDS, 3: FALLS},
+        "satellite receiver lost", "COM_GNSSLOSS_ACT", {0: GOES_ON, 1: RETURNS, 2: LANDS, 3: TERMINATES},
         needs={"SYS_HAS_NUM_GNSS": 0.0}, since=V1_18,
     ),
     FailsafeRule("wind too strong", "COM_WIND_MAX_ACT", GRADED_ACTIONS, needs={"COM_WIND_MAX": -1.0}),
     FailsafeRule("flown for too long", other=RETURNS, needs={"COM_FLT_TIME_MAX": -1.0}),
     FailsafeRule("mission cannot be flown on", other=RETURNS),
-    FailsafeRule("motor failed", "COM_ACT_FAIL_ACT", {0: GOES_ON, 1: HOLDS, 2: LANDS, 3: RETURNS, 4: FALLS}),
+    FailsafeRule("motor failed", "COM_ACT_FAIL_ACT", {0: GOES_ON, 1: HOLDS, 2: LANDS, 3: RETURNS, 4: TERMINATES}),
     FailsafeRule(
         "propeller out of balance", "COM_IMB_PROP_ACT", {-1: GOES_ON, 0: GOES_ON, 1: RETURNS, 2: LANDS}, until=V1_18,
     ),
-    FailsafeRule("attitude or motor failure", "CBRK_FLIGHTTERM", {121212: GOES_ON}, default=121212.0, other=FALLS),
+    FailsafeRule("attitude or motor failure", "CBRK_FLIGHTTERM", {121212: GOES_ON}, default=121212.0, other=TERMINATES),
     FailsafeRule("parachute missing", "COM_PARACHUTE", HEALTH_ACTIONS, since=V1_18),
-    FailsafeRule("Remote ID lost", "COM_ARM_ODID", {**HEALTH_ACTIONS, 5: FALLS}, since=V1_18),
+    FailsafeRule("Remote ID lost", "COM_ARM_ODID", {**HEALTH_ACTIONS, 5: TERMINATES}, since=V1_18),
     FailsafeRule("traffic receiver lost", "COM_TRAFF_AVOID", HEALTH_ACTIONS, since=V1_19),
     FailsafeRule(
         Cause.TRAFFIC_NEAR, "NAV_TRAFF_AVOID",
@@ -73,7 +73,7 @@ FAILSAFE_RULES = (
         until=V1_19,
     ),
     FailsafeRule(
-        Cause.TRAFFIC_NEAR, "NAV_TRAFF_AVOID", {**TRAFFIC_ACTIONS, 4: HOLDS, 5: FALLS}, default=1.0, since=V1_19,
+        Cause.TRAFFIC_NEAR, "NAV_TRAFF_AVOID", {**TRAFFIC_ACTIONS, 4: HOLDS, 5: TERMINATES}, default=1.0, since=V1_19,
     ),
     *failsafe.order_rules(Contingency.RTL, Contingency.LAND, Contingency.HOLD, Contingency.TERMINATE),
 )  # fmt: skip
