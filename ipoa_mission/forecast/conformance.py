@@ -18,7 +18,7 @@ from ipoa_mission.mission.flight_record import Deviation, DeviationKind
 
 
 class ConformanceLimits(NamedTuple):
-    """The limits of a deviation, beyond the deviation bound, and how long it lasts."""
+    """Beyond the deviation bound."""
 
     margin_factor: float = 2.0  # of the bound, added to it
     min_margin: float = 5.0  # [m]

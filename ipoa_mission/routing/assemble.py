@@ -1,4 +1,4 @@
-"""Build the mission for a plan, with the waypoints that the scenario asks for."""
+"""Build the mission for a plan."""
 
 from collections.abc import Iterable, Iterator
 from dataclasses import replace

@@ -263,7 +263,7 @@ class RouteSearch(NamedTuple):
     step_shares: tuple[float, ...] = (0.5, 0.2)  # of the tolerance
     min_gain_s: float = 0.1
     equal_share: float = 0.005  # of the time, of equally quick routes
-    max_delay: float = 1.02  # of the time without noise, of a route that noise may make the quickest
+    max_delay: float = 1.02  # of the time without noise, to be flown with it
 
 
 SEARCH = RouteSearch()

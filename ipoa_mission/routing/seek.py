@@ -190,10 +190,7 @@ class _Margins(NamedTuple):
 
 
 def _margins_in_turn(scenario: Scenario, seed: int, closed: set[int]) -> Iterator[tuple[int, _Margins]]:
-    """Yield of each seed different margins for the deviation bound, then none.
-
-    Margins that close gaps are skipped for the seeds in `closed`, which found no path with other margins.
-    """
+    """Yield each seed's margins, then none; for seeds in `closed`, which found no path, those that keep gaps."""
     none = initial_growth(scenario)
     for number in range(seed, seed + EFFORT.seed_count):
         tried = list[tuple[tuple[Obstacle, ...], float]]()

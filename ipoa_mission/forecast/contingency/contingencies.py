@@ -1,4 +1,4 @@
-"""Compute each contingency by second: clearance and its certainty, duration, energy."""
+"""Grade and time each contingency by second."""
 
 import math
 from collections.abc import Iterator, Sequence
@@ -153,7 +153,7 @@ class PredictedContingency(NamedTuple):
 
 
 def predict_contingency(forecast: Forecast, contingency: Contingency, time: float) -> PredictedContingency:
-    """Return duration and energy of a contingency ordered at a time [s]; raise NotModeled unless it is `TIMED`."""
+    """Predict a contingency ordered at a time [s]; raise NotModeled unless it is `TIMED`."""
     if contingency not in TIMED:
         raise NotModeled(f"the duration of {contingency} is not modeled")
     model = forecast.mission.autopilot.part(FlightModel)
@@ -168,7 +168,7 @@ def predict_contingency(forecast: Forecast, contingency: Contingency, time: floa
 
 
 class Contingencies:
-    """The contingencies of a forecast: `forecast.cached(Contingencies)`; times are means over all flights."""
+    """Times are means over all flights."""
 
     def __init__(self, forecast: Forecast) -> None:
         self.forecast = forecast

@@ -15,7 +15,7 @@ from ipoa_mission.geometry import Vector
 
 @dataclass(frozen=True)
 class DurationSampling:
-    """The steps between which a duration is interpolated, halved where it changes faster than `max_slope` [s/s]."""
+    """Steps are halved where a duration changes faster than `max_slope` [s/s]."""
 
     step_s: float = 10.0
     min_step_s: float = 1.0
@@ -26,7 +26,7 @@ DURATIONS = DurationSampling()
 
 
 class ContingenciesNow:
-    """The contingencies that can be ordered, in flight; `off_path` [m] and more away none is forecast."""
+    """`off_path` [m] and more away none is forecast."""
 
     off_path: ClassVar = 10.0
 

@@ -31,7 +31,7 @@ from ipoa_mission.world.airspace import NOTHING_NEAR, ROUNDING, Clearance
 
 
 class ContingencyPaths:
-    """Compute contingency paths: `forecast.cached(ContingencyPaths)`. Times are of a flight with exact position."""
+    """Times are of a flight with exact position."""
 
     def __init__(
         self, forecast: Forecast, enlarged: EnlargedAirspace | None = None, shared: "ContingencyPaths | None" = None
@@ -331,6 +331,6 @@ def _end_of_flight(contingency: Contingency) -> int:
 
 
 def _padded(path: NDArray[np.float64], count: int) -> NDArray[np.float64]:
-    """Repeat the last place but one of paths (n, p, 3), until they have `count` places and end as before."""
+    """Repeat the last place but one of paths (n, p, 3), to `count` places."""
     repeated = np.repeat(path[:, -2:-1], count - path.shape[1], axis=1)
     return np.concatenate([path[:, :-1], repeated, path[:, -1:]], axis=1)

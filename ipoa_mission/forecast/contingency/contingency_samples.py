@@ -19,8 +19,6 @@ ObstacleIndices: TypeAlias = NDArray[np.intp]  # nearest to legs, by index (n, k
 
 @dataclass(frozen=True)
 class Sampling:
-    """The times of an order: each second, and finer where a shortfall may hide."""
-
     step_s: float = 1.0
     min_step_s: float = 0.05
     batch_size: int = 5_000  # limited by memory

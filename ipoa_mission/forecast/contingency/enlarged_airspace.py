@@ -66,7 +66,7 @@ class EnlargedAirspace:
         return least, nearest
 
     def obstacle_clearance(self, points: Points, within: float = math.inf) -> Clearance:
-        """Return the least clearance of a path, as `Airspace.obstacle_clearance`."""
+        """As `Airspace.obstacle_clearance`."""
         if not self.tight:
             return self.whole.obstacle_clearance(points, within)
         least = NOTHING_NEAR

@@ -225,7 +225,7 @@ class PredictedFlight:
     def _obstacles(
         self, part: Pieces, law: DeviationLaw, chance: float | None, chosen: NDArray[np.bool_], name: str
     ) -> KeptLimit:
-        """Return the limit of the pieces `chosen` (n - 1,) of a part of n places, on the way without a `name`."""
+        """`chosen`: pieces (n-1,) of the part. `name`: empty on the way."""
         airspace = self.task.path.airspace
         required = self.task.path.limits.obstacle_distance
         decisive = required if name else -np.inf  # on the way a lower bound is enough

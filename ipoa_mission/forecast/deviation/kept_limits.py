@@ -61,7 +61,7 @@ PLACE_RADIUS = 15.0  # of the path around a place near to a limit [m]
 
 @dataclass(frozen=True, eq=False)
 class ClearanceTask:
-    """Limits and given places of a flight, the deviation law, and the chance to fall short of a limit."""
+    """`chance`: to fall short of a limit; None: without a bound."""
 
     path: PathTask
     law: DeviationLaw

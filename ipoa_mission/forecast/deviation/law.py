@@ -52,10 +52,10 @@ class Quantiles:
 
 @dataclass(frozen=True)
 class DeviationLaw:
-    """Distribution of a vehicle's deviation from its predicted path.
+    """`level`: to one side at a moment of a straight flight.
 
-    `level`: to one side at a moment of a straight flight; twice as large at the lateral `doubling_acceleration`
-    [m/s^2], `after_cruise_factor` times after the last waypoint. It is independent after `decorrelation_s`.
+    It doubles at the lateral `doubling_acceleration` [m/s^2]. After the last waypoint it is `after_cruise_factor` times
+    as large. It is independent after `decorrelation_s`.
 
     `down`, `up`: height at a moment, independent after `height_decorrelation_s`. `lowest`, `highest`: of a whole
     flight, as a height error persists. `farthest`: to one side, where it does not grow with time. `growth`: in wind [m

@@ -125,7 +125,6 @@ class ProximityRisks:
         return float(min(low + high, 1.0))
 
     def _side_of_a_flight(self, clearance: float) -> float:
-        """Return the probability of such a lateral deviation anywhere in a flight, to one side."""
         if self.law.farthest is None:
             return 1.0
         spare = np.maximum(self.lateral - clearance, (self.distance - clearance) / self.facing) / self.widening

@@ -1,5 +1,5 @@
 """ArduCopter 4.x: one folder is the whole plug-in.
 
-`vehicle.py` declares it, with `limits` and `failsafes`. `flight_model` predicts times by `dynamics`;
-`braking` and `limits` are closed forms. `flight_controller` and `log` load later.
+`vehicle.py` declares it, with `limits` and `failsafes`. `braking` and `limits` are closed forms. `flight_controller`
+and `log` load later.
 """

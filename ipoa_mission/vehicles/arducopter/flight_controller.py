@@ -164,7 +164,7 @@ class ArduCopterController:
             self._flying = False
 
     def _fall(self) -> None:
-        """Fall to the ground without thrust; drag is neglected."""
+        """Drag is neglected."""
         state = self._copter.state
         state.vz -= GRAVITY * STEP_S
         state.place += state.velocity * STEP_S

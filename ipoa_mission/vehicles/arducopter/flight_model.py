@@ -80,7 +80,7 @@ class ArduCopterModel(FlightModel):
     def predict_contingency(
         self, itinerary: Itinerary, wind: Wind, contingency: Contingency, time: float
     ) -> Prediction:
-        """Predict the time with a contingency; the track has a sample at its order."""
+        """The track has a sample at the order."""
         flight = _Flight(itinerary, wind, None)
         flight.until = time
         for n in range(len(itinerary.visits)):

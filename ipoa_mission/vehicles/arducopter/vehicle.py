@@ -89,8 +89,6 @@ QUIET_FUNCTIONS = frozenset({
 
 
 class ArduCopter(Autopilot):
-    """ArduPilot on a multicopter."""
-
     name = "ardupilot"
     rank = 1
     model = "ArduCopter"

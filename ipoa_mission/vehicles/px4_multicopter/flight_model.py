@@ -233,8 +233,7 @@ def _missed(itinerary: Itinerary, runs: Points) -> tuple[Missed, ...]:
 def spread_of(path: Track, runs: list[Points]) -> Points:
     """Return how far runs leave the path beyond the usual: to a side, below, above (n, 3) [m].
 
-    Noise moves the moment at which a waypoint counts as reached, and so the place of the turn to the next one. A run is
-    time on the path and place (m, 4).
+    Noise moves the places where they turn. A run is time on the path and place (m, 4).
     """
     every = 3  # samples
     clock = path.times[::every]
