@@ -8,7 +8,7 @@ from tools import REPOSITORY
 from tools.census import comments
 
 REFERENCE = re.compile(r"[A-Za-z_]\w*(?:[./][A-Za-z_]\w*)*(?:\(\))?")
-ROOMS = re.compile(r"`((?:\w+/)+)(\w+)((?:\.\w+)*)`")  # room, module, names
+ROOMS = re.compile(r"`(?!tests/)((?:\w+/)+)(\w+)((?:\.\w+)*)`")  # room, module, names
 PROSE = re.compile(r'"""(?s:.*?)"""|(?:^|  ) *#.*', re.MULTILINE)
 #: Of other projects, files and data.
 FOREIGN = {
@@ -48,7 +48,7 @@ def is_defined(module: Path, names: list[str]) -> bool:
     return module.exists()
 
 
-@pytest.mark.parametrize("page", ["life-of-a-plan.md", "glossary.md"])
+@pytest.mark.parametrize("page", ["life-of-a-plan.md", "glossary.md", "safety.md"])
 def test_names_with_their_room_exist(page: str) -> None:
     text = (REPOSITORY / "docs" / page).read_text(encoding="utf-8")
     references = ROOMS.findall(text)
@@ -58,6 +58,16 @@ def test_names_with_their_room_exist(page: str) -> None:
         if not is_defined(REPOSITORY / "ipoa_mission" / room / f"{module}.py", names.split(".")[1:])
     }
     assert references
+    assert not stale
+
+
+def test_formulas_of_the_guarantee_name_methods() -> None:
+    text = (REPOSITORY / "docs" / "safety.md").read_text(encoding="utf-8")
+    methods = set(re.findall(r"`(\w+)\(\)`", text))
+    proximity = REPOSITORY / "ipoa_mission/forecast/deviation/proximity.py"
+    stale = {method for method in methods if not is_defined(proximity, ["ProximityRisks", method])}
+    formulas = re.findall(r"^    \S.* <?= .*$", text, re.MULTILINE)
+    assert len([line for line in formulas if "()`" in line]) > 7
     assert not stale
 
 
