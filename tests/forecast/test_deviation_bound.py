@@ -113,7 +113,7 @@ def test_height_errors_over_a_roof_last_a_whole_flight() -> None:
 
 def test_a_bend_widens_the_deviation_bound() -> None:
     course, world = straight(wall(5.0))
-    bent = replace(course, across=np.full(len(course.across), PX4.turn))
+    bent = replace(course, across=np.full(len(course.across), PX4.doubling_acceleration))
     assert proximity_risks(bent, world, PX4, 4.0).clearance_at(0.01) == pytest.approx(
         5.0 - 2 * PX4.level.distance(0.01), abs=0.002
     )
