@@ -4,7 +4,8 @@
 the arming disarms the vehicle, unless it may be in the air.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 
 from ipoa_mission.autopilot.commands import Command, VehicleCommand
@@ -14,7 +15,7 @@ from ipoa_mission.link.flight_order import SHOWN_S, change_mode
 from ipoa_mission.link.messages import CommandLong, CommandResult, Current, Position, SystemStatus
 from ipoa_mission.link.onboard_list import OnboardList, expect_unchanged, prove
 from ipoa_mission.link.orders import CommandRefused, command, request_stream, set_current
-from ipoa_mission.link.vehicle_state import ON_GROUND, NotReady, VehicleState
+from ipoa_mission.link.vehicle_state import ON_GROUND, NotFlown, NotReady, VehicleState
 from ipoa_mission.progress import Progress, silent
 
 STREAMS_S = {  # [s]; ArduPilot sends none unasked
@@ -122,6 +123,37 @@ def _await_ready(departure: Departure, ready_s: float) -> Dialogue[None]:
     except TimeUp as late:
         why = reason or _not_ready_reason(state)
         raise TimeUp(f"{late}: the vehicle is not ready: {why}", hint=str(state)) from None
+
+
+@contextmanager
+def restored_mode(state: VehicleState, tell: Callable[[Dialogue[None]], None]) -> Iterator[None]:
+    """After an error restore the mode before `prepare`, or add the present one."""
+    try:
+        yield
+    except (MissionError, KeyboardInterrupt) as error:
+        before = str(state)
+        left = "" if isinstance(error, NotFlown) else _mode_left(state, tell)
+        failed = error if isinstance(error, MissionError) else Cancelled("cancelled")
+        if failed.hint == before:
+            failed.hint = str(state)
+        if not left:
+            raise
+        failed.args = (f"{failed.args[0]}; {left}",)
+        failed.known["mode_left"] = left
+        raise failed from None
+
+
+def _mode_left(state: VehicleState, tell: Callable[[Dialogue[None]], None]) -> str:
+    modes = state.autopilot.modes
+    if state.replaced_mode is None or state.armed is not False:
+        return ""
+    with suppress(MissionError):
+        tell(restore_mode(state, state.replaced_mode))
+    mode = modes.arming if state.custom_mode is None else state.custom_mode
+    if mode not in {modes.arming, modes.mission} - {state.replaced_mode}:
+        state.replaced_mode = None
+        return ""
+    return f"it is in {modes.name(mode)}" + (": it takes off when armed" if mode == modes.mission else "")
 
 
 def restore_mode(state: VehicleState, mode: int) -> Dialogue[None]:

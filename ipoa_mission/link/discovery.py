@@ -144,6 +144,15 @@ class VehicleSession:
         finally:
             self._until = before
 
+    @contextmanager
+    def _without_limit(self) -> Iterator[None]:
+        before = self._until
+        self._until = math.inf
+        try:
+            yield
+        finally:
+            self._until = before
+
     def _overhear(self, message: m.Message) -> None:
         self.state.note(message)
 

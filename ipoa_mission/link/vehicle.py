@@ -2,7 +2,6 @@
 
 import itertools
 import logging
-import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, replace
@@ -26,7 +25,7 @@ from ipoa_mission.link.messages import Heartbeat, Message, MissionType
 from ipoa_mission.link.onboard_list import OnboardList, ReplacedSince, read_again
 from ipoa_mission.link.reconnect import RETRY_S, SILENT_S, KnownVehicle, LinkLoss
 from ipoa_mission.link.upload import ReadBackDiffers, Unflyable, Unplaced, Upload, upload, upload_by_file
-from ipoa_mission.link.vehicle_state import ModeWatch, NotFlown, NotReady, VehicleState
+from ipoa_mission.link.vehicle_state import ModeWatch, NotReady, VehicleState
 from ipoa_mission.mission import stored_mission
 from ipoa_mission.mission.flight_record import FlightRecord
 from ipoa_mission.mission.items import Item, Mission
@@ -210,7 +209,7 @@ class Vehicle(VehicleSession):
         if not self._options.anyway:
             self.line.expect_alone(self.system)
         permit = permit or (None if mission is None else partial(check_start, mission, None, first))
-        with self._restored_mode():
+        with departure.restored_mode(self.state, self._tell_without_limit):
             with self._in_time():
                 self._tell(departure.prepare(prepared, self.ready_s))
             position = self.state.position
@@ -234,48 +233,14 @@ class Vehicle(VehicleSession):
             raise NotReady("the vehicle was not prepared", hint="call `prepare` first")
         until_s = min(self._until, self.line.now() + self.ready_s)
         prepared = replace(self._departure, progress=progress)
-        with self.state.in_errors(), self._restored_mode(), self._without_limit():  # complete a begun departure first
-            self._tell(departure.depart_when_ready(prepared, lambda: until_s - self.line.now()))
+        with self.state.in_errors(), departure.restored_mode(self.state, self._tell_without_limit):
+            # complete a begun departure first
+            self._tell_without_limit(departure.depart_when_ready(prepared, lambda: until_s - self.line.now()))
         self.state.replaced_mode = None
 
-    @contextmanager
-    def _without_limit(self) -> Iterator[None]:
-        limit_s = self._until
-        self._until = math.inf
-        try:
-            yield
-        finally:
-            self._until = limit_s
-
-    @contextmanager
-    def _restored_mode(self) -> Iterator[None]:
-        try:
-            yield
-        except (MissionError, KeyboardInterrupt) as error:
-            before = str(self.state)
-            left = "" if isinstance(error, NotFlown) else self._restore_mode()
-            failed = error if isinstance(error, MissionError) else Cancelled("cancelled")
-            if failed.hint == before:
-                failed.hint = str(self.state)
-            if not left:
-                raise
-            failed.args = (f"{failed.args[0]}; {left}",)
-            failed.known["mode_left"] = left
-            raise failed from None
-
-    def _restore_mode(self) -> str:
-        """Return the mode of a disarmed vehicle, if not restored."""
-        state = self.state
-        modes = self.autopilot.modes
-        if state.replaced_mode is None or state.armed is not False:
-            return ""
-        with suppress(MissionError), self._without_limit():
-            self._tell(departure.restore_mode(state, state.replaced_mode))
-        mode = modes.arming if state.custom_mode is None else state.custom_mode
-        if mode not in {modes.arming, modes.mission} - {state.replaced_mode}:
-            state.replaced_mode = None
-            return ""
-        return f"it is in {modes.name(mode)}" + (": it takes off when armed" if mode == modes.mission else "")
+    def _tell_without_limit(self, dialogue: Dialogue[None]) -> None:
+        with self._without_limit():
+            self._tell(dialogue)
 
     def watch(self, progress: Progress = silent) -> FlightRecord:
         """Wait until the flight is over, or a deviation (`conformance`) holds the vehicle.
