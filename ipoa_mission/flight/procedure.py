@@ -180,10 +180,7 @@ def load_mission(vehicle: Vehicle, forecast: Forecast, options: ProcedureOptions
     with stages(Stage.CHECK):
         differing, _ = preflight.other_values(vehicle, mission.parameters)
         written = {other.name: other.wanted for other in differing} if options.set_params else {}
-        examined = preflight.AsWritten(vehicle, written)
-        if not anyway:  # a parameter may be missing or lost
-            preflight.expect_slow_landing(examined, forecast)
-        remarks = preflight.expect_fit(examined, mission, anyway, options.ignore)
+        remarks = _examine(preflight.AsWritten(vehicle, written), forecast, options)
         left = left_lists(vehicle, mission)
         if not anyway and MissionType.RALLY in left:
             hint = "clear its lists (ipoa-mission clear), or fly with --anyway"
@@ -193,6 +190,8 @@ def load_mission(vehicle: Vehicle, forecast: Forecast, options: ProcedureOptions
     if written:
         with stages(Stage.PARAMETERS) as show:
             _set_parameters(vehicle, differing, show, options.remark)
+        with stages(Stage.CHECK):  # a parameter may be lost
+            remarks = _examine(vehicle, forecast, options)
     differing, notes = _upload(vehicle, mission, anyway, stages, ": --set-params writes it")
     if differing != expected:
         with stages(Stage.RECHECK):
@@ -202,6 +201,12 @@ def load_mission(vehicle: Vehicle, forecast: Forecast, options: ProcedureOptions
     for words in (*remarks, *left.values(), *notes, *remarks_aboard):
         options.remark(words)
     return aboard
+
+
+def _examine(aboard: preflight.Examined, forecast: Forecast, options: ProcedureOptions) -> tuple[str, ...]:
+    if not options.anyway:
+        preflight.expect_slow_landing(aboard, forecast)
+    return preflight.expect_fit(aboard, forecast.mission_as_read, options.anyway, options.ignore)
 
 
 def _aboard(

@@ -211,7 +211,7 @@ def test_parameters_are_written_after_all_checks(missions: Path, monkeypatch: py
         monkeypatch.setattr(preflight, check, refuse)
     with pytest.raises(MissionError):
         load_mission(vehicle, Forecast(mission), ProcedureOptions(set_params=True))
-    assert seen in ([], [70.0])
+    assert seen[:1] in ([], [70.0])
     assert vehicle.parameters(["RTL_RETURN_ALT"]) == {"RTL_RETURN_ALT": 12.0}
     monkeypatch.undo()
     vehicle.clear(MissionType.RALLY)
