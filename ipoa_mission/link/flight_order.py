@@ -228,11 +228,13 @@ class Conformance:
     _logbook: Logbook | None = None
     _seen_s: float = -math.inf
     _is_ordered: bool = False
+    _disobeyed: str = ""
 
     def compare(self, monitor: "Monitor | None") -> None:
         self._monitor = monitor
         self._seen_s = -math.inf
         self._is_ordered = False
+        self._disobeyed = ""
         self.deviations.clear()
 
     def of(self, logbook: Logbook) -> "Conformance":
@@ -249,8 +251,8 @@ class Conformance:
 
     @property
     def why_not(self) -> str:
-        if not self._is_ordered:
-            return ""
+        if not self.is_held and (self._disobeyed or not self._is_ordered):
+            return self._disobeyed
         reaction = "it holds" if self.is_held else f"{self.on_deviation} was ordered"
         return f"{reaction}, because {self.deviations[-1]}"
 
@@ -269,6 +271,8 @@ class Conformance:
         if self._is_ordered and self.order.is_under_way:
             return  # ignore deviations until the vehicle obeys
         if in_mission:
+            if self._is_ordered and self.order.words and not self._disobeyed:
+                self._disobeyed = f"{self.why_not}; {self.order.words}"
             self._is_ordered = False  # refused, or the mission was resumed
         place = self._monitor.local(Geodetic(heard.latitude_deg, heard.longitude_deg, heard.altitude), heard.height)
         deviation = self._monitor.see(heard.time_s, place, self._item)

@@ -12,7 +12,7 @@ from ipoa_mission.geodesy import Geodetic, LocalFrame
 from ipoa_mission.link.codec import Codec, Target
 from ipoa_mission.link.connect import meet
 from ipoa_mission.link.line import Line
-from ipoa_mission.link.messages import CommandLong, Message, Position
+from ipoa_mission.link.messages import CommandAck, CommandLong, CommandResult, Message, Position
 from ipoa_mission.link.vehicle import Vehicle
 from ipoa_mission.mission.flight_record import Deviation, DeviationKind, OnDeviation
 from ipoa_mission.mission.items import Mission, land, takeoff
@@ -106,6 +106,33 @@ def test_one_that_deviates_flies_on_if_only_a_report_was_chosen(family: Autopilo
     assert {each.kind for each in record.deviations} == {DeviationKind.OUTSIDE, DeviationKind.PASSED}
     assert record.failure.startswith("item 2: ")
     assert not {each.command for each in commands} & {Command.DO_PAUSE_CONTINUE, 176, Command.COMPONENT_ARM_DISARM}
+
+
+@pytest.mark.parametrize("result", [CommandResult.DENIED, None])
+@pytest.mark.parametrize("reaction", [OnDeviation.HOLD, OnDeviation.RTL])
+@pytest.mark.parametrize("family", registered())
+def test_a_flight_that_disobeyed_its_order_is_incomplete(
+    family: Autopilot, reaction: OnDeviation, result: CommandResult | None
+) -> None:
+    """None: it does not answer."""
+    vehicle, _ = begun(family, elsewhere(family))
+    vehicle.conformance.on_deviation = reaction
+    mock = far_end(line_of(vehicle)).autopilot
+    heard = mock.receive
+
+    def receive(message: Message, source: Target, now: float) -> None:
+        if not isinstance(message, CommandLong) or message.command not in (Command.DO_PAUSE_CONTINUE, 176):
+            heard(message, source, now)
+        elif result is not None:
+            mock.vehicle.send(CommandAck(message.command, result), source)
+
+    mock.receive = receive
+    record = vehicle.watch()
+    assert (record.completed, record.armed) == (False, False)
+    assert record.why_not.startswith(f"{reaction} was ordered, because {record.deviations[0]}; ")
+    assert ("DENIED" if result else "6 times") in record.why_not
+    vehicle.conformance.compare(None)
+    assert vehicle.conformance.why_not == ""
 
 
 @pytest.mark.parametrize("family", registered())
