@@ -242,7 +242,7 @@ def begin_mission(vehicle: Vehicle, forecast: Forecast, options: ProcedureOption
             options.remark(words)
 
     with options.stages(Stage.READY) as show:
-        vehicle.conformance.compare(_monitor(vehicle, forecast, options.first, options.remark))
+        vehicle.conformance.begin(_monitor(vehicle, forecast, options.first, options.remark))
         vehicle.prepare(options.first, show, permit)
     with options.stages(Stage.START) as show:
         vehicle.start(show)

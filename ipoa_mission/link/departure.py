@@ -14,7 +14,7 @@ from ipoa_mission.link.dialogue import Cancelled, Dialogue, NoAnswer, SendOnce, 
 from ipoa_mission.link.flight_order import SHOWN_S, change_mode
 from ipoa_mission.link.messages import CommandLong, CommandResult, Current, Position, SystemStatus
 from ipoa_mission.link.onboard_list import OnboardList, expect_unchanged, prove
-from ipoa_mission.link.orders import CommandRefused, command, request_stream, set_current
+from ipoa_mission.link.orders import CommandRefused, request_stream, send, set_current
 from ipoa_mission.link.vehicle_state import ON_GROUND, NotFlown, NotReady, VehicleState
 from ipoa_mission.progress import Progress, silent
 
@@ -107,7 +107,7 @@ def _await_ready(departure: Departure, ready_s: float) -> Dialogue[None]:
             if state.custom_mode == mode:
                 if (yield from until(lambda: state.may_arm is not False and _has_position(state), LIMITS.check_s)):
                     return
-                yield from command(VehicleCommand.RUN_PREARM_CHECKS)
+                yield from send(VehicleCommand.RUN_PREARM_CHECKS)
                 yield from wait(LIMITS.retry_s)
                 reason = _not_ready_reason(state)
                 lasting = state.autopilot.protocol_profile.arming_words.lasting(reason)
@@ -195,7 +195,7 @@ def depart(departure: Departure) -> Dialogue[None]:
             state.expect_flown()
             yield from prove(departure.onboard_lists, state)
             may_be_armed = True
-            result, words = yield from command(Command.COMPONENT_ARM_DISARM, 1.0)
+            result, words = yield from send(Command.COMPONENT_ARM_DISARM, 1.0)
             if result == CommandResult.ACCEPTED:
                 break
             has_reason = bool(reasons.reasons(words))
@@ -250,7 +250,7 @@ def _has_position(state: VehicleState) -> bool:
 
 
 def _order(action: str, number: int, *params: float) -> Dialogue[None]:
-    result, words = yield from command(number, *params)
+    result, words = yield from send(number, *params)
     if result != CommandResult.ACCEPTED:
         raise CommandRefused(action, result, words)
 

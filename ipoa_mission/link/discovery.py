@@ -16,7 +16,7 @@ from ipoa_mission.link.conversations import observed
 from ipoa_mission.link.dialogue import SPECIFIED, Dialogue, Patience, T, Tempo
 from ipoa_mission.link.line import Carrier, Line, Listening, converse
 from ipoa_mission.link.mavutil_channel import expect_line, messages_from, payload_of
-from ipoa_mission.link.orders import message_request, order, request_version
+from ipoa_mission.link.orders import command_long, message_request, request_version
 from ipoa_mission.link.vehicle_state import VehicleState
 
 VERSIONS_S = 3.0
@@ -43,7 +43,9 @@ def versions_of(line: Line, systems: Iterable[int], seconds: float = VERSIONS_S)
     versions = dict[int, Version]()
     until = line.now() + seconds
     # today's request and its predecessor
-    turns = cycle((message_request("AUTOPILOT_VERSION"), order(VehicleCommand.REQUEST_AUTOPILOT_CAPABILITIES, 1.0)))
+    turns = cycle(
+        (message_request("AUTOPILOT_VERSION"), command_long(VehicleCommand.REQUEST_AUTOPILOT_CAPABILITIES, 1.0))
+    )
     while silent and line.now() < until:
         request = next(turns)
         for system in sorted(silent):

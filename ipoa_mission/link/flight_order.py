@@ -13,7 +13,7 @@ from ipoa_mission.link.conversations import VehicleTexts, listen_for_words
 from ipoa_mission.link.dialogue import Dialogue, Pause, SendOnce, until
 from ipoa_mission.link.logbook import Logbook
 from ipoa_mission.link.messages import CommandAck, CommandLong, CommandResult, Message, Position
-from ipoa_mission.link.orders import CommandRefused, command, mode_order, order, send_command
+from ipoa_mission.link.orders import CommandRefused, command_long, mode_order, send, send_command
 from ipoa_mission.link.vehicle_state import NotFlown, NotReady, VehicleState
 from ipoa_mission.mission.flight_record import Deviation, OnDeviation
 
@@ -31,7 +31,7 @@ def pause(state: VehicleState) -> Dialogue[None]:
     """Hold position; raise NotReady. ArduCopter pauses on its way to a waypoint, and brakes elsewhere; PX4 holds."""
     yield from _expect_flying(state)
     if state.autopilot.protocol_profile.pauses_in_mission:
-        result, _ = yield from command(Command.DO_PAUSE_CONTINUE, 0.0)
+        result, _ = yield from send(Command.DO_PAUSE_CONTINUE, 0.0)
         if result == CommandResult.ACCEPTED:
             yield from until(lambda: state.custom_mode is not None, SHOWN_S)
             return
@@ -42,7 +42,7 @@ def resume(state: VehicleState) -> Dialogue[None]:
     yield from _expect_flying(state)
     yield from _enter(state, state.autopilot.modes.mission)
     if state.autopilot.protocol_profile.pauses_in_mission:
-        yield from command(Command.DO_PAUSE_CONTINUE, 1.0)  # refused unless paused
+        yield from send(Command.DO_PAUSE_CONTINUE, 1.0)  # refused unless paused
 
 
 def return_to_launch(state: VehicleState) -> Dialogue[None]:
@@ -87,14 +87,14 @@ class FlightOrder:
         autopilot = self.state.autopilot
         brake = self._change(autopilot.modes.hold)
         if autopilot.protocol_profile.pauses_in_mission and self.state.custom_mode == autopilot.modes.mission:
-            self._take(_Step("pause", order(Command.DO_PAUSE_CONTINUE, 0.0), pauses=True, otherwise=brake))
+            self._take(_Step("pause", command_long(Command.DO_PAUSE_CONTINUE, 0.0), pauses=True, otherwise=brake))
         else:
             self._take(brake)
 
     def go_on(self) -> None:
         steps = [self._change(self.state.autopilot.modes.mission)]
         if self.is_paused:
-            steps.append(_Step("go on", order(Command.DO_PAUSE_CONTINUE, 1.0)))
+            steps.append(_Step("go on", command_long(Command.DO_PAUSE_CONTINUE, 1.0)))
         self._take(*steps)
 
     @property
@@ -230,16 +230,15 @@ class Conformance:
     _is_ordered: bool = False
     _disobeyed: str = ""
 
-    def compare(self, monitor: "Monitor | None") -> None:
+    def begin(self, monitor: "Monitor | None") -> None:
         self._monitor = monitor
         self._seen_s = -math.inf
         self._is_ordered = False
         self._disobeyed = ""
         self.deviations.clear()
 
-    def of(self, logbook: Logbook) -> "Conformance":
+    def attach(self, logbook: Logbook) -> None:
         self._logbook = logbook
-        return self
 
     @property
     def is_held(self) -> bool:

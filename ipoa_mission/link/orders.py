@@ -30,20 +30,20 @@ class CommandRefused(MissionError):
         super().__init__(f"{action}: the vehicle answered {name}" + (f": {words}" if words else ""))
 
 
-def order(number: int, *params: float) -> m.CommandLong:
+def command_long(number: int, *params: float) -> m.CommandLong:
     return m.CommandLong(number, (*params, *(0.0,) * (7 - len(params))))  # type: ignore[arg-type]
 
 
 def message_request(name: str) -> m.CommandLong:
-    return order(VehicleCommand.REQUEST_MESSAGE, float(message_number(name)))
+    return command_long(VehicleCommand.REQUEST_MESSAGE, float(message_number(name)))
 
 
 def mode_order(mode: int, autopilot: Autopilot) -> m.CommandLong:
-    return order(VehicleCommand.DO_SET_MODE, m.CUSTOM_MODE_FLAG, *autopilot.modes.numbers(mode))
+    return command_long(VehicleCommand.DO_SET_MODE, m.CUSTOM_MODE_FLAG, *autopilot.modes.numbers(mode))
 
 
-def command(number: int, *params: float) -> Dialogue[tuple[int, str]]:
-    return send_command(order(number, *params))
+def send(number: int, *params: float) -> Dialogue[tuple[int, str]]:
+    return send_command(command_long(number, *params))
 
 
 def send_command(message: m.CommandLong) -> Dialogue[tuple[int, str]]:
@@ -66,7 +66,7 @@ def send_command(message: m.CommandLong) -> Dialogue[tuple[int, str]]:
 
 def set_current(seq: int, home: int, restart: bool = False) -> Dialogue[None]:
     """By command 224, or the older message (PX4); `home`: 1 if the list has it; `restart` resets jump counters."""
-    result, words = yield from command(VehicleCommand.DO_SET_MISSION_CURRENT, float(seq), float(restart))
+    result, words = yield from send(VehicleCommand.DO_SET_MISSION_CURRENT, float(seq), float(restart))
     if result == m.CommandResult.ACCEPTED:
         return
     if result != m.CommandResult.UNSUPPORTED:
@@ -78,7 +78,7 @@ def set_current(seq: int, home: int, restart: bool = False) -> Dialogue[None]:
 
 
 def request_stream(name: str, interval_s: float) -> Dialogue[bool]:
-    result, _ = yield from command(VehicleCommand.SET_MESSAGE_INTERVAL, message_number(name), round(interval_s * 1e6))
+    result, _ = yield from send(VehicleCommand.SET_MESSAGE_INTERVAL, message_number(name), round(interval_s * 1e6))
     return result == m.CommandResult.ACCEPTED
 
 

@@ -233,7 +233,7 @@ class Vehicle(VehicleSession):
             raise NotReady("the vehicle was not prepared", hint="call `prepare` first")
         until_s = min(self._until, self.line.now() + self.ready_s)
         prepared = replace(self._departure, progress=progress)
-        with self.state.in_errors(), departure.restored_mode(self.state, self._tell_without_limit):
+        with self.state.with_state_as_hint(), departure.restored_mode(self.state, self._tell_without_limit):
             # complete a begun departure first
             self._tell_without_limit(departure.depart_when_ready(prepared, lambda: until_s - self.line.now()))
         self.state.replaced_mode = None
@@ -256,11 +256,12 @@ class Vehicle(VehicleSession):
         onboard = self._onboard_lists.get(MissionType.MISSION)
         is_back = False
         record = None
-        compared = self.conformance.of(self._logbook)
+        compared = self.conformance
+        compared.attach(self._logbook)
         observers: list[Observer] = [self.order, compared]
         if onboard is not None:
             observers.append(onboard)
-        with self.state.in_errors(), self._in_flight_time(), self._mode_watch.watched(self._logbook.modes):
+        with self.state.with_state_as_hint(), self._in_flight_time(), self._mode_watch.watched(self._logbook.modes):
             while record is None:
                 try:
                     if is_back:
@@ -357,7 +358,7 @@ class Vehicle(VehicleSession):
         self._tell(orders.set_parameter(name, value, self.autopilot))
 
     def _tell_flying(self, order: Callable[[VehicleState], Dialogue[None]]) -> None:
-        with self._in_time(), self.state.in_errors():
+        with self._in_time(), self.state.with_state_as_hint():
             self._tell(order(self.state))
 
     def _overhear(self, message: Message) -> None:

@@ -115,8 +115,7 @@ class VehicleState:
         return self.kind in (None, reported) or (reported.is_flown and reported.autopilot is self.autopilot)
 
     @contextmanager
-    def in_errors(self) -> Iterator[None]:
-        """Add this state as the hint to errors."""
+    def with_state_as_hint(self) -> Iterator[None]:
         try:
             yield
         except MissionError as error:

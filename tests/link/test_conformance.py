@@ -38,7 +38,7 @@ def begun(family: Autopilot, forecast: Mission | None = None) -> tuple[Vehicle, 
     vehicle = meet(Line(Loopback(Station(Mock(family, HOME))), Codec(245, 190)))
     flown = mission(family, place(150.0, 0.0), place(150.0, 60.0))
     vehicle.upload(flown)
-    vehicle.conformance.compare(ConformanceMonitor(Forecast(forecast or flown)))
+    vehicle.conformance.begin(ConformanceMonitor(Forecast(forecast or flown)))
     vehicle.prepare()
     vehicle.start()
     mock, commands = far_end(line_of(vehicle)).autopilot, list[CommandLong]()
@@ -131,7 +131,7 @@ def test_a_flight_that_disobeyed_its_order_is_incomplete(
     assert (record.completed, record.armed) == (False, False)
     assert record.why_not.startswith(f"{reaction} was ordered, because {record.deviations[0]}; ")
     assert ("DENIED" if result else "6 times") in record.why_not
-    vehicle.conformance.compare(None)
+    vehicle.conformance.begin(None)
     assert vehicle.conformance.why_not == ""
 
 
@@ -145,7 +145,7 @@ def test_watcher_may_order_the_mission_to_go_on(family: Autopilot) -> None:
         if isinstance(message, Position) and vehicle.conformance.is_held:
             hold_times.append(message.time_s)
             if hold_times[-1] - hold_times[0] > 10.0:
-                vehicle.conformance.compare(None)
+                vehicle.conformance.begin(None)
                 vehicle.order.go_on()
 
     vehicle.overhearing = overhear
@@ -169,7 +169,7 @@ def test_a_pilot_who_takes_over_is_not_compared(family: Autopilot) -> None:
     vehicle, commands = begun(family)
     compared = vehicle.conformance
     monitor = ConformanceMonitor(Forecast(elsewhere(family)))
-    compared.compare(monitor)
+    compared.begin(monitor)
     vehicle.state.custom_mode = family.modes.hold
     vehicle.state.armed, vehicle.state.landed_state = True, 2
     far = place(900.0, 900.0)

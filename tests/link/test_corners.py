@@ -75,7 +75,7 @@ def conformance(in_air: bool, mode: int, under_way: bool = False) -> Any:
         local=lambda place, height: place,
         see=lambda time, place, item: seen.append(item),
     )
-    made.compare(monitor)
+    made.begin(monitor)
     made.seen = seen
     return made
 

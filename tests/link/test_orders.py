@@ -55,13 +55,13 @@ def said_by(dialogue: Dialogue[object], *answers: list[Message]) -> list[Message
 
 def test_a_command_is_answered_with_its_result_and_words() -> None:
     answers = [BEAT, CommandAck(9, 0), Text(3, "no position"), CommandAck(400, 4), Text(2, "no compass")]
-    assert lead(orders.command(400, 1.0), answers).result == (4, "no position; no compass")
+    assert lead(orders.send(400, 1.0), answers).result == (4, "no position; no compass")
 
 
 def test_a_command_in_progress_is_waited_for() -> None:
-    assert lead(orders.command(300), [CommandAck(300, 5), BEAT, CommandAck(300, 0)]).result == (0, "")
+    assert lead(orders.send(300), [CommandAck(300, 5), BEAT, CommandAck(300, 0)]).result == (0, "")
     with refuses("command-not-ended", kind=NoAnswer):
-        lead(orders.command(300), [CommandAck(300, 5)])
+        lead(orders.send(300), [CommandAck(300, 5)])
 
 
 def test_the_current_item_is_set_by_command_or_by_the_older_message() -> None:

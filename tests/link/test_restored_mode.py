@@ -8,6 +8,7 @@ import pytest
 from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.autopilot.vehicle_kind import VehicleKind
 from ipoa_mission.checks.unsafe import NotAtStart
+from ipoa_mission.errors import MissionError
 from ipoa_mission.flight.preflight import LowBattery
 from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.link.channel import LinkDown
@@ -104,6 +105,7 @@ def test_a_mode_that_is_not_restored_is_in_the_message(family: Autopilot, error:
         vehicle.prepare(permit=partial(forbid, error))
     assert mock.vehicle.mode == family.modes.arming
     assert str(ended.value).endswith(f"; {LEFT[family]}")
+    assert isinstance(ended.value, MissionError)
     assert ended.value.known["mode_left"] == LEFT[family]
 
 

@@ -36,7 +36,7 @@ def flown(sitl: Sitl, words: str = "", link: str | None = None) -> dict[str, obj
 
 def bring_home(sitl: Sitl) -> None:
     with sitl.connect() as vehicle:
-        result, words = vehicle._hold(orders.command(Command.NAV_RETURN_TO_LAUNCH))
+        result, words = vehicle._hold(orders.send(Command.NAV_RETURN_TO_LAUNCH))
         assert result == CommandResult.ACCEPTED, words
         assert vehicle._hold(until(lambda: vehicle.state.armed is False, 240.0)), str(vehicle.state)
 
