@@ -27,64 +27,32 @@ ROUNDING = 1e-9  # of costs, relative
 CUBE: NDArray[np.int64] = np.array(sorted(np.ndindex(5, 5, 5), key=lambda at: sum((k - 2) ** 2 for k in at))[1:]) - 2
 
 
-class Gaps(NamedTuple):
-    """Between two obstacles each, or one and the boundary."""
-
-    middle: Plane  # (k, 2)
-    ahead: Plane  # unit vectors (k, 2)
-    length: Vector  # (k,) [m]
-    heights: NDArray[np.float64]  # lowest and highest (2, k) [m]
-
-
 def gap_places(problem: PreparedProblem, widest: float, cell: float, heights: Vector) -> Iterator[Points]:
     """Yield, for each of `heights`, places (k, 3) before, in and behind the gaps up to `widest` [m]."""
-    gaps = _gaps(problem, widest)
-    level_places, gap = _places_along(gaps, cell)
-    lowest, highest = gaps.heights
-    for height in heights:
-        crossed = ((lowest <= height) & (height <= highest))[gap]
-        yield np.column_stack([level_places[crossed], np.full(np.count_nonzero(crossed), height)])
-
-
-def _gaps(problem: PreparedProblem, widest: float) -> Gaps:
     shapes, radii, required, levels = _outlines(problem.task.airspace, problem.limits.obstacle_distance)
-    first, second = _near_pairs(shapes, radii, widest)
-    begin, across, width = _between(shapes, radii, first, second)
-    is_gap = (width > LEAST_GAP) & (width < widest)
-    first, second, begin, across, width = (values[is_gap] for values in (first, second, begin, across, width))
-    across /= np.linalg.norm(across, axis=1)[:, None]
-    to_middle = radii[first] + (width + required[first] - required[second]) / 2  # of what remains
-    ahead = np.column_stack([-across[:, 1], across[:, 0]])
-    length = np.minimum(_extent(shapes[first], ahead, radii[first]), _extent(shapes[second], ahead, radii[second]))
-    lowest = np.maximum(levels[first, 0], levels[second, 0])
-    highest = np.minimum(levels[first, 1], levels[second, 1])
-    return Gaps(begin + across * to_middle[:, None], ahead, length, np.array([lowest, highest]))
-
-
-def _near_pairs(shapes: NDArray[np.object_], radii: Vector, widest: float) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-    """Return indices (k,), (k,) of pairs whose boxes are within `widest`."""
     tree = shapely.STRtree(shapely.envelope(shapely.buffer(shapes, radii, quad_segs=4)))
     first, second = tree.query(tree.geometries, "dwithin", widest)
-    once = first < second
-    return first[once], second[once]
-
-
-def _between(
-    shapes: NDArray[np.object_], radii: Vector, first: NDArray[np.intp], second: NDArray[np.intp]
-) -> tuple[Plane, Plane, Vector]:
-    """Return shortest lines, origins and vectors (k, 2), and widths between grown shapes (k,) [m]."""
+    first, second = first[first < second], second[first < second]
     ends = shapely.get_coordinates(shapely.shortest_line(shapes[first], shapes[second])).reshape(-1, 2, 2)
     across = ends[:, 1] - ends[:, 0]
-    return ends[:, 0], across, np.linalg.norm(across, axis=1) - radii[first] - radii[second]
-
-
-def _places_along(gaps: Gaps, cell: float) -> tuple[Plane, NDArray[np.intp]]:
-    """Return places (m, 2) every half cell, and their gaps (m,)."""
-    either_way = np.ceil(2 * (np.minimum(gaps.length / cell, LONGEST_GAP) + REACH_BEYOND)).astype(int)
+    apart = np.linalg.norm(across, axis=1)
+    width = apart - radii[first] - radii[second]
+    gaps = (width > LEAST_GAP) & (width < widest)
+    first, second, width = first[gaps], second[gaps], width[gaps]
+    across = across[gaps] / apart[gaps, None]
+    middle = ends[gaps, 0] + across * (radii[first] + (width + required[first] - required[second]) / 2)[:, None]
+    ahead = np.column_stack([-across[:, 1], across[:, 0]])
+    length = np.minimum(_extent(shapes[first], ahead, radii[first]), _extent(shapes[second], ahead, radii[second]))
+    either_way = np.ceil(2 * (np.minimum(length / cell, LONGEST_GAP) + REACH_BEYOND)).astype(int)
+    lowest = np.maximum(levels[first, 0], levels[second, 0])
+    highest = np.minimum(levels[first, 1], levels[second, 1])
     count = 2 * either_way + 1
     gap = np.repeat(np.arange(len(count)), count)
     along = np.arange(len(gap)) - np.repeat(np.cumsum(count) - count + either_way, count)
-    return gaps.middle[gap] + 0.5 * cell * along[:, None] * gaps.ahead[gap], gap
+    level_places = middle[gap] + 0.5 * cell * along[:, None] * ahead[gap]
+    for height in heights:
+        crossed = ((lowest <= height) & (height <= highest))[gap]
+        yield np.column_stack([level_places[crossed], np.full(np.count_nonzero(crossed), height)])
 
 
 def _extent(shapes: NDArray[np.object_], ahead: Plane, radii: Vector) -> Vector:
