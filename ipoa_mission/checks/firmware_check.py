@@ -368,7 +368,6 @@ def check_passing(forecast: Forecast) -> Iterator[Finding]:
 
 
 def _rises(forecast: Forecast) -> dict[int, float]:
-    """Return the greatest change of height [m] after each waypoint."""
     mission = forecast.mission
     try:
         program = forecast.itinerary.program

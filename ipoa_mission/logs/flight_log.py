@@ -162,7 +162,6 @@ def read_flights(path: str | Path, system: int | None = None) -> FlightLog:
 
 
 def _gaps(log: Log, is_on_board: bool) -> Iterator[str]:
-    """Report positions that are missing while armed, and wrong ones."""
     fixes = log.fixes
     times = fixes.times
     beats = sorted((time, event.armed) for time, event in log.events if isinstance(event, m.Heartbeat))

@@ -190,7 +190,6 @@ class _Finder:
         return obstacles
 
     def _doubt(self, feature: Feature, shape: Any, keys: Sequence[str], top: float) -> None:
-        """Report heights not understood, or maybe above the assumed `top` [m]."""
         for key in dict.fromkeys((*keys, *unread_heights(feature.tags, top, self._rules.storey_height))):
             words = f"a height that was not understood ({key} {feature.tags[key][:20]!r}), {top:g} m was taken"
             remedy = "write the height in meters, or name the property that holds it under [[maps]]: height_key"

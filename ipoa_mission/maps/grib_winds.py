@@ -173,7 +173,6 @@ def _axis_deg(eccodes: Any, get: Any, path: Path, latitude_deg: float, longitude
 
 
 def _aggregation(get: Any) -> str:
-    """Describe an average, a spread or a percentile; empty for a single forecast."""
     if get("stepType") not in (None, "instant"):
         return f"its {get('stepType')} over a time"
     template = get("productDefinitionTemplateNumber", int)

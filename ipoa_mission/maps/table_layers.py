@@ -102,7 +102,6 @@ def _layer(pyogrio: Any, path: Path, name: str, place: str, around: MapWindow) -
 
 
 def _expect_whole(path: Path) -> None:
-    """Check that a Shapefile's files are whole, with equal rows."""
     header = 100  # [bytes]
     sizes = {}
     for suffix in (".shx", ".dbf"):

@@ -84,7 +84,6 @@ def _home_above(datum: Datum, winds: ForecastWinds) -> float:
 
 
 def _flown_levels(heights: list[float], notes: ForecastWinds) -> list[float]:
-    """Return the levels up to the first one above `HIGHEST`."""
     above = [height for height in heights if height >= 0]
     if not above:
         home = f"home, which is at {notes.place.altitude:g} m"

@@ -132,7 +132,6 @@ def paths_on_maps(rows: Sequence[TrialRow], scenarios: dict[str, Scenario]) -> s
 
 
 def _draw_world(above: Any, front: Any, scenario: Scenario) -> None:
-    """Draw ground heights and obstacle plans; from the south, outlines over the highest ground."""
     bounds = scenario.airspace.bounds
     east = np.linspace(bounds.lower[0], bounds.upper[0], 121)
     north = np.linspace(bounds.lower[1], bounds.upper[1], 121)

@@ -161,7 +161,6 @@ def _nearby(course: SampledTrack, scenario: Scenario) -> Iterator[answers.Nearby
 def _near_places(
     guarantee: ClearanceGuarantee | None, course: SampledTrack, scenario: Scenario | None
 ) -> Iterator[answers.Binding]:
-    """Yield places too near to the flight, and the five nearest, worst first."""
     if scenario is None:
         return
     for danger in drawn_flight.find_dangers(course, scenario):

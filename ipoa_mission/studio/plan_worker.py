@@ -158,7 +158,6 @@ class PlanWorker:
 def _survey(
     scenario: Scenario, order: JobOrder, progress: ShowProgress, answer: Answer
 ) -> tuple[Survey, tuple[Path, ...]]:
-    """Plan a survey without the parts flown in valid logs; return it with these."""
     logs = tuple(Path(log) for log in order["flown"])
     try:
         return plan_survey(scenario=scenario, seed=order["seed"], flown=logs, progress=progress), logs

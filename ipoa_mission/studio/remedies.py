@@ -67,7 +67,6 @@ def _tried(error: MissionError) -> Iterator[Remedy]:
 
 
 def _unread(error: MissionError, scenario: Scenario) -> Iterator[Remedy]:
-    """Yield a remedy for unread contents: the user states that they limit no flight."""
     codes = error.known.get("codes")
     if isinstance(codes, list) and "not-read" in codes:
         yield _put("Ignore what was not read", ("safety", "ignore"), [*scenario.safety.ignore, "not-read"])

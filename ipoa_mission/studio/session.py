@@ -162,7 +162,6 @@ class Session:
             self._follow()
 
     def _follow(self) -> None:
-        """Show the scenario, sketch it, and plan it once no change follows."""
         self._forget(*OBSOLETE)
         self._stop("plan")
         self._stop("contingencies")

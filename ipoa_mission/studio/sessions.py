@@ -71,7 +71,6 @@ class Lobby:
         )
 
     def _offered(self, path: str) -> Path:
-        """Return an offered file; copy an example into the folder first."""
         start = self._start()
         if path in [file.path for file in start.examples]:
             return keep(Path(path).name, Path(path).read_bytes(), self.folder, OPENED)

@@ -94,7 +94,6 @@ def _gimbal_items(scenario: Scenario, mission: Mission) -> list[Item]:
 
 
 def _camera_items(distance: float, mission: Mission) -> tuple[list[Item], list[Item]]:
-    """Return the items that start photos every `distance` [m], and those that stop them."""
     if distance == 0.0:
         return [], []
     firmware = mission.firmware

@@ -87,7 +87,6 @@ def _length(chain: list[_Run]) -> float:
 
 
 def _runs(tour: Tour, path: Points, sight: Sight, ground: Ground) -> Iterator[_Run]:
-    """Yield the pieces of lines that a path (n, 3) flies."""
     max_lateral = min(max(0.1 * sight.spacing, 2.0), 0.4 * sight.spacing)  # [m]
     max_slant = 0.25  # [m/m]
     is_high = path[:, 2] - ground(path) >= 0.9 * sight.least
@@ -107,7 +106,6 @@ def _runs(tour: Tour, path: Points, sight: Sight, ground: Ground) -> Iterator[_R
 
 
 def _unflown_pieces(flown: list[tuple[float, float]], length: float, sight: Sight) -> list[tuple[float, float]]:
-    """Return the unflown pieces [m], each with its overlap."""
     end = min(MAX_REST, sight.spacing / 4)
     reached = 0.0
     left = list[tuple[float, float]]()

@@ -298,7 +298,6 @@ def _with_survey(scenario: Scenario, area: Any, camera: Any, keys: Mapping[str, 
 
 
 def _messages_of_flights(plan: SurveyPlan, messages_of: Callable[[SurveyFlight], Iterable[str]]) -> Iterator[str]:
-    """Drop repeats; prefix messages of some flights with their numbers."""
     flights_by_words = dict[str, list[int]]()
     for n, flight in enumerate(plan.flights, 1):
         for words in dict.fromkeys(messages_of(flight)):
@@ -313,7 +312,6 @@ def _warnings_of(flight: SurveyFlight) -> Iterator[str]:
 
 
 def _more_flights(plan: SurveyPlan) -> tuple[str, ...]:
-    """Suggest one more flight if one may land on its reserve."""
     unsure = any(finding.code == "battery-unsure" for flight in plan.flights for finding in flight.findings)
     if not unsure or plan.section.starts is not None:
         return ()

@@ -151,7 +151,6 @@ class GapCloser:
     cost: LegTimes
 
     def _gaps(self, route: SensedPath) -> Any:
-        """Return the gaps; large ones switch the sensor on along ways that see them."""
         gaps = self.area.difference(area_seen_from(route.legs(True), self.width))
         too_much = gaps.area - MAX_UNSEEN * self.area.area
         off = [n for n, on in enumerate(route.is_on) if not on]
@@ -305,7 +304,6 @@ class GapCloser:
     def _goals(
         self, around: Any | None, lines: list[Points], before: list[Vector], after: list[Vector]
     ) -> list[Points]:
-        """Return the places (k, 2) that see a gap."""
         ends = np.array([*before, *after])
         if lines:
             begun = [_begun_near(line, ends) for line in lines]
