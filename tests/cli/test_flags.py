@@ -261,8 +261,17 @@ def test_a_file_to_remove_may_be_missing(tmp_path: Path) -> None:
 def test_files_are_on_disk_before_the_first_is_renamed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     done = list[str]()
     sync, rename = os.fsync, Path.replace
-    monkeypatch.setattr(os, "fsync", lambda file: (done.append("sync"), sync(file)))
-    monkeypatch.setattr(Path, "replace", lambda path, target: (done.append("rename"), rename(path, target))[1])
+
+    def noted_sync(file: int) -> None:
+        done.append("sync")
+        sync(file)
+
+    def noted_rename(path: Path, target: Path) -> Path:
+        done.append("rename")
+        return rename(path, target)
+
+    monkeypatch.setattr(os, "fsync", noted_sync)
+    monkeypatch.setattr(Path, "replace", noted_rename)
     write_together({tmp_path / "a": "new", tmp_path / "b": "new"})
     assert done == ["sync", "sync", "rename", "rename"]
 
