@@ -5,6 +5,7 @@ import math
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
+from types import MappingProxyType
 from typing import Protocol
 
 import numpy as np
@@ -36,38 +37,9 @@ log = logging.getLogger(__name__)
 
 
 class HasParameters(Protocol):
-    @property
-    def autopilot(self) -> Autopilot: ...
+    autopilot: Autopilot
 
     def parameters(self, wanted: Iterable[str | Sequence[str]]) -> Parameters: ...
-
-
-class Examined(HasParameters, Protocol):
-    def firmware_version(self) -> Version | None: ...
-
-    def home(self) -> Geodetic | None: ...
-
-
-@dataclass(frozen=True)
-class AsWritten:
-    """A vehicle with parameters as if `written`."""
-
-    vehicle: Examined
-    written: Parameters
-
-    @property
-    def autopilot(self) -> Autopilot:
-        return self.vehicle.autopilot
-
-    def parameters(self, wanted: Iterable[str | Sequence[str]]) -> Parameters:
-        values = self.vehicle.parameters(wanted)
-        return {name: self.written.get(name, value) for name, value in values.items()}
-
-    def firmware_version(self) -> Version | None:
-        return self.vehicle.firmware_version()
-
-    def home(self) -> Geodetic | None:
-        return self.vehicle.home()
 
 
 @dataclass(frozen=True)
@@ -99,9 +71,10 @@ def other_values(vehicle: HasParameters, wanted: Parameters) -> tuple[tuple[Othe
     return tuple(differing), tuple(missing)
 
 
-def own_values(vehicle: HasParameters, names: Iterable[str]) -> Parameters:
+def own_values(vehicle: HasParameters, names: Iterable[str], written: Parameters = MappingProxyType({})) -> Parameters:
     table = vehicle.autopilot.parameter_table
-    return table.by_old_names(vehicle.parameters([name for name, _ in table.spellings(older)] for older in names))
+    values = vehicle.parameters([name for name, _ in table.spellings(older)] for older in names)
+    return table.by_old_names({**values, **written})
 
 
 def without_station(vehicle: HasParameters, version: Version | None = None) -> str:
@@ -132,12 +105,12 @@ class FastLanding(MissionError):
     """The vehicle's own parameters make a fast touchdown."""
 
 
-def expect_slow_landing(vehicle: HasParameters, forecast: Forecast) -> None:
+def expect_slow_landing(vehicle: Vehicle, forecast: Forecast, written: Parameters) -> None:
     mission = forecast.mission
     planned = mission.autopilot.slow_stretch(mission.parameters)
     if mission.autopilot is not vehicle.autopilot or planned is None or forecast.ground.is_level:
         return
-    actual = vehicle.autopilot.slow_stretch(own_values(vehicle, vehicle.autopilot.slowed_by.decided_by))
+    actual = vehicle.autopilot.slow_stretch(own_values(vehicle, vehicle.autopilot.slowed_by.decided_by, written))
     for landing in landings(forecast):
         height = landing.assumed_height
         if actual is not None and actual.is_fast(height) and not planned.is_fast(height):
@@ -192,7 +165,11 @@ def await_home(vehicle: Vehicle, progress: Progress = silent) -> None:
 
 
 def expect_fit(
-    vehicle: Examined, mission: Mission, anyway: bool = False, ignore: Iterable[str] = ()
+    vehicle: Vehicle,
+    mission: Mission,
+    anyway: bool = False,
+    ignore: Iterable[str] = (),
+    written: Parameters = MappingProxyType({}),
 ) -> tuple[str, ...]:
     """Check a mission against this vehicle; send nothing.
 
@@ -201,6 +178,7 @@ def expect_fit(
         mission: to fly.
         anyway: return failed checks as remarks, except an unmeasured firmware version.
         ignore: codes of findings to leave out.
+        written: values by the vehicle's names, as if aboard.
 
     Returns:
         Remarks for the user.
@@ -230,14 +208,16 @@ def expect_fit(
         there = vehicle.home()
     return (
         *_compare_home(mission, there, anyway),
-        *_compare_fence(mission, vehicle, there, anyway),
+        *_compare_fence(mission, vehicle, there, anyway, written),
         *(finding.message for finding in findings),
     )
 
 
-def _compare_fence(mission: Mission, vehicle: HasParameters, there: Geodetic | None, anyway: bool) -> tuple[str, ...]:
+def _compare_fence(
+    mission: Mission, vehicle: Vehicle, there: Geodetic | None, anyway: bool, written: Parameters
+) -> tuple[str, ...]:
     try:
-        fence = vehicle.autopilot.own_fence(vehicle.parameters(vehicle.autopilot.own_fence_by))
+        fence = vehicle.autopilot.own_fence({**vehicle.parameters(vehicle.autopilot.own_fence_by), **written})
     except NoAnswer:
         return ("the vehicle does not report its own fence: the mission was not compared with it",)
     if fence is None:

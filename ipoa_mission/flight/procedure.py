@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 from enum import StrEnum
 from typing import TYPE_CHECKING, TypeAlias
 
+from ipoa_mission.autopilot.parameters import Parameters
 from ipoa_mission.checks.check import check
 from ipoa_mission.checks.unsafe import NotAtStart, begun_at, check_start, refuse_errors
 from ipoa_mission.errors import MissionError
@@ -170,7 +171,7 @@ def fly_mission(
 
 
 def load_mission(vehicle: Vehicle, forecast: Forecast, options: ProcedureOptions) -> Forecast:
-    """Upload, and return the forecast with version and parameters aboard; write nothing before all checks pass."""
+    """Write and upload after all checks; return the forecast with version and parameters aboard."""
     mission = forecast.mission_as_read
     anyway = options.anyway
     stages = options.stages
@@ -180,7 +181,7 @@ def load_mission(vehicle: Vehicle, forecast: Forecast, options: ProcedureOptions
     with stages(Stage.CHECK):
         differing, _ = preflight.other_values(vehicle, mission.parameters)
         written = {other.name: other.wanted for other in differing} if options.set_params else {}
-        remarks = _examine(preflight.AsWritten(vehicle, written), forecast, options)
+        remarks = _examine(vehicle, forecast, options, written)
         left = left_lists(vehicle, mission)
         if not anyway and MissionType.RALLY in left:
             hint = "clear its lists (ipoa-mission clear), or fly with --anyway"
@@ -191,7 +192,7 @@ def load_mission(vehicle: Vehicle, forecast: Forecast, options: ProcedureOptions
         with stages(Stage.PARAMETERS) as show:
             _set_parameters(vehicle, differing, show, options.remark)
         with stages(Stage.CHECK):  # a parameter may be lost
-            remarks = _examine(vehicle, forecast, options)
+            remarks = _examine(vehicle, forecast, options, {})
     differing, notes = _upload(vehicle, mission, anyway, stages, ": --set-params writes it")
     if differing != expected:
         with stages(Stage.RECHECK):
@@ -203,16 +204,16 @@ def load_mission(vehicle: Vehicle, forecast: Forecast, options: ProcedureOptions
     return aboard
 
 
-def _examine(aboard: preflight.Examined, forecast: Forecast, options: ProcedureOptions) -> tuple[str, ...]:
+def _examine(vehicle: Vehicle, forecast: Forecast, options: ProcedureOptions, written: Parameters) -> tuple[str, ...]:
     if not options.anyway:
-        preflight.expect_slow_landing(aboard, forecast)
-    return preflight.expect_fit(aboard, forecast.mission_as_read, options.anyway, options.ignore)
+        preflight.expect_slow_landing(vehicle, forecast, written)
+    return preflight.expect_fit(vehicle, forecast.mission_as_read, options.anyway, options.ignore, written)
 
 
 def _aboard(
     vehicle: Vehicle, forecast: Forecast, differing: Iterable[preflight.OtherValue], options: ProcedureOptions
 ) -> tuple[Forecast, tuple[str, ...]]:
-    """Return the forecast aboard and its remarks; refuse its errors in its world."""
+    """Refuse errors in its world."""
     if forecast.mission_as_read.autopilot is not vehicle.autopilot:
         return forecast, ()
     aboard = forecast.on(vehicle.firmware_version())

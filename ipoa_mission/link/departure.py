@@ -80,7 +80,7 @@ def unsubscribe() -> Dialogue[None]:
 
 
 def prepare(departure: Departure, ready_s: float = LIMITS.ready_s) -> Dialogue[None]:
-    """Prepare for arming: current item, mode, position, pre-arm checks. Raise as `Vehicle.prepare`."""
+    """Raise as `Vehicle.prepare`."""
     state = departure.state
     yield from until(lambda: state.armed is not None and state.custom_mode is not None, SHOWN_S)
     state.expect_flown()
@@ -127,7 +127,6 @@ def _await_ready(departure: Departure, ready_s: float) -> Dialogue[None]:
 
 @contextmanager
 def restored_mode(state: VehicleState, tell: Callable[[Dialogue[None]], None]) -> Iterator[None]:
-    """After an error restore the mode before `prepare`, or add the present one."""
     try:
         yield
     except (MissionError, KeyboardInterrupt) as error:
@@ -157,10 +156,9 @@ def _mode_left(state: VehicleState, tell: Callable[[Dialogue[None]], None]) -> s
 
 
 def restore_mode(state: VehicleState, mode: int) -> Dialogue[None]:
-    """Order a mode, else hold, while disarmed."""
     for wanted in (mode, state.autopilot.modes.hold):
         if state.armed is False:
-            state.custom_mode = None  # perhaps from before our last order
+            state.custom_mode = None  # may be older than our order
             if not (yield from change_mode(state, wanted)):
                 return
 

@@ -132,6 +132,14 @@ class VehicleSession:
         self.state.expect_flown()
         return self._hold(observed(dialogue, lambda heard: self.state.expect_flown()))
 
+    def _tell_without_limit(self, dialogue: Dialogue[None]) -> None:
+        before = self._until
+        self._until = math.inf
+        try:
+            self._tell(dialogue)
+        finally:
+            self._until = before
+
     def _hold(self, dialogue: Dialogue[T], quiet_s: float = math.inf) -> T:
         target = Target(self.system, m.AUTOPILOT_COMPONENT)
         listening = Listening(self._overhear, self._until, quiet_s)
@@ -141,15 +149,6 @@ class VehicleSession:
     def _in_time(self) -> Iterator[None]:
         before = self._until
         self._until = min(before, self.line.now() + self._patience.total_s)
-        try:
-            yield
-        finally:
-            self._until = before
-
-    @contextmanager
-    def _without_limit(self) -> Iterator[None]:
-        before = self._until
-        self._until = math.inf
         try:
             yield
         finally:

@@ -256,7 +256,6 @@ class Conformance:
         return f"{reaction}, because {self.deviations[-1]}"
 
     def observe(self, heard: Message, now_s: float) -> Dialogue[None]:
-        """Compare a position with the forecast; order the reaction to a deviation."""
         yield from ()
         if self._monitor is None or not isinstance(heard, Position) or heard.time_s - self._seen_s < 0.2:
             return

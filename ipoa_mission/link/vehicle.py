@@ -234,13 +234,8 @@ class Vehicle(VehicleSession):
         until_s = min(self._until, self.line.now() + self.ready_s)
         prepared = replace(self._departure, progress=progress)
         with self.state.with_state_as_hint(), departure.restored_mode(self.state, self._tell_without_limit):
-            # complete a begun departure first
             self._tell_without_limit(departure.depart_when_ready(prepared, lambda: until_s - self.line.now()))
         self.state.replaced_mode = None
-
-    def _tell_without_limit(self, dialogue: Dialogue[None]) -> None:
-        with self._without_limit():
-            self._tell(dialogue)
 
     def watch(self, progress: Progress = silent) -> FlightRecord:
         """Wait until the flight is over, or a deviation (`conformance`) holds the vehicle.

@@ -53,7 +53,7 @@ class VehicleState:
     booted: bool = False
     armed: bool | None = None
     custom_mode: int | None = None
-    replaced_mode: int | None = None  # by `prepare`, until the start
+    replaced_mode: int | None = None  # by `prepare`
     landed_state: int | None = None
     position: m.Position | None = None
     current: m.Current | None = None
@@ -76,7 +76,7 @@ class VehicleState:
                 self.kind = VehicleKind(message.autopilot, message.type)
                 self.booted = message.system_status >= m.STANDBY
                 if self.armed and not message.armed:
-                    self.landed_state = None  # it was of the flight
+                    self.landed_state = None  # of the flight
                 self.armed = message.armed
                 self.custom_mode = message.custom_mode
             case m.ExtendedState(landed_state) if landed_state:
@@ -98,7 +98,7 @@ class VehicleState:
             raise OtherKind(self.kind, self.other_kind)
 
     def expect_on_ground(self) -> None:
-        """Raise NotReady unless disarmed, or if reported off the ground."""
+        """Raise NotReady if armed, unknown, or reported off the ground."""
         is_on_ground = self.landed_state in (None, ON_GROUND)
         if self.armed is not False or not is_on_ground:
             where = "" if is_on_ground else ", and does not report to be on the ground"
