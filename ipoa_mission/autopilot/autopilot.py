@@ -149,7 +149,7 @@ class Autopilot(metaclass=_ByName):
     def return_height(self, parameters: Parameters, height: float, distance: float, goal_up: float = 0.0) -> float:
         """Return the height above home [m] of a return from `height` over a level `distance` to `goal_up`.
 
-        `parameters`: as `complete` returns them.
+        `parameters`: by `complete`.
         """
 
     @abstractmethod

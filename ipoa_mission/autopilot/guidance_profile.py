@@ -28,7 +28,7 @@ class WaypointDefaults(NamedTuple):
 
 
 class GuidanceProfile(NamedTuple):
-    flown_on_into: Set[int]  # it enters these without a stop after a waypoint, unlike other navigation commands
+    passes_before: Set[int]  # commands before which it passes a waypoint without a stop
     flies_vtol_items: bool = False  # it flies them as take-off and landing of a multicopter
     zero_is_here: bool = False  # latitude and longitude 0 mean the previous place, altitude 0 its height
     stops_to_hold: bool = False  # it stops for a hold of 1 s or more, and ignores shorter ones
@@ -41,11 +41,11 @@ class GuidanceProfile(NamedTuple):
     waits_armed: str = ""  # it disarms on the ground after this parameter's time [s]; empty: never
     waits_until_clock: bool = False  # NAV_DELAY without seconds waits until a time of day
     terrain_by: str = ""  # arming with items over terrain needs terrain data or this parameter's range finder
-    takes_radius: bool = False  # the acceptance radius determines where it turns
-    turned_late: float = 0.0  # such a radius, small enough for slower flight [m]
+    turns_at_acceptance_radius: bool = False
+    small_acceptance_radius: float = 0.0  # for late turns at low speed [m]
     overshoot: float = 10.0  # beyond its braking distance, before it turns back to a missed item [m]
     first_item: int = 1  # jumps in the stored list give the first item this number
-    past_the_end: int = 0  # after a shorter list this item is current; -1 is the last
+    current_after_end: int = 0  # index of the current item after a shorter list; -1: the last
     lands_below_item: bool = False  # LAND's slow stretch counts from an item below home
     returns_from_order: bool = False  # RTL counts its height from the order, not from the stopping point
     climbs_coming_back: bool = False  # RTL climbs on its way back to the point of the order
@@ -83,7 +83,6 @@ class ProtocolProfile(NamedTuple):
     keeps_types: bool = False  # a set with another type has no effect
     limits_are_bits: str = ""  # this parameter switches its own fence's limits
     arming_words: ArmingWords = ArmingWords(re.compile(r"(?!)"), re.compile(r"(?!)"))  # never match
-    #: The hint for a fence that is too narrow.
     widen_fence: str = "give the vehicle a wider fence; --anyway sends it all the same"
 
 

@@ -91,7 +91,7 @@ def onward(items: Sequence[Item], n: int, autopilot: Autopilot, later: Iterable[
     """Return the item that the vehicle flies on to from item n; None: it stops."""
     guidance = autopilot.guidance
     next_index = next_navigated(items, n, autopilot, later)
-    if next_index is None or items[next_index].command not in guidance.flown_on_into:
+    if next_index is None or items[next_index].command not in guidance.passes_before:
         return None
     if guidance.stops_at_terrain and items[next_index].is_over_terrain != items[n].is_over_terrain:
         return None
@@ -242,7 +242,7 @@ class Program:
         tried = (self.after(n, taking=False) for n in range(index, len(self.items) - 1))
         ahead = next((n for n in tried if n is None or self.items[n].moves), None)
         follows = next((n for n in self.ahead(index) if self.items[n].moves), None)
-        flies_on = self.autopilot.guidance.flown_on_into
+        flies_on = self.autopilot.guidance.passes_before
         wrong = ahead is not None and ahead != follows and self.items[ahead].command in flies_on
         return ahead if wrong else None
 

@@ -93,8 +93,8 @@ def _near_routes(plan: Plan, scenario: Scenario) -> Iterator[Attempt]:
     yield narrow
     if is_fastest:
         guidance = scenario.vehicle.autopilot.guidance
-        if guidance.takes_radius:
-            yield replace(narrow, route=replace(narrow.route, radius=guidance.turned_late))
+        if guidance.turns_at_acceptance_radius:
+            yield replace(narrow, route=replace(narrow.route, radius=guidance.small_acceptance_radius))
         yield _route(plan, scenario, mode, 2 * NARROW)
 
 

@@ -60,7 +60,7 @@ def composed_route(plan: Plan, scenario: Scenario) -> Attempt:
     remaining = COMPOSITION.remaining_risk
     for _ in range(COMPOSITION.max_rounds):
         points, stations, radii = _composed(levels, chosen)
-        radius = radii if scenario.vehicle.autopilot.guidance.takes_radius else 0.0
+        radius = radii if scenario.vehicle.autopilot.guidance.turns_at_acceptance_radius else 0.0
         attempt = Attempt(plan, Route(points, radius=radius), scenario)
         fit += [attempt] if attempt.is_fit else []
         forbidding = attempt.furthest.guarantee.forbidding if attempt.is_fit else None
@@ -229,7 +229,8 @@ def candidates(curve: Spline, scenario: Scenario) -> Iterator[Route]:
             if points.tobytes() in drawn:
                 continue
             drawn.add(points.tobytes())
-            for radius in GRID.turn_radii if guidance.takes_radius and len(points) > 2 else GRID.turn_radii[:1]:
+            has_radii = guidance.turns_at_acceptance_radius and len(points) > 2
+            for radius in GRID.turn_radii if has_radii else GRID.turn_radii[:1]:
                 yield Route(points, radius=radius)
 
 

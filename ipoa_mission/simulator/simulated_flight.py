@@ -101,7 +101,7 @@ class SimulatedFlight(Situation):
                 self.hold()
             return
         if self.current >= len(items):
-            self.current = self.autopilot.guidance.past_the_end % len(items)
+            self.current = self.autopilot.guidance.current_after_end % len(items)
         if self.mode is FlightMode.MISSION:
             self._controller.follow_new_mission(before)
         else:

@@ -199,7 +199,7 @@ class Toy(Autopilot):
         surely_there=(("TOY_ID",),),
     )
     tables = FirmwareTables(FIRMWARE, Path(__file__).with_name("no_tables.json"))
-    guidance = GuidanceProfile(flown_on_into=frozenset())
+    guidance = GuidanceProfile(passes_before=frozenset())
     protocol_profile = ProtocolProfile(starts_by_command=True)
     refusals = Refusals(
         lambda firmware, command, *_: None if firmware.takes(command) else Refused("UNSUPPORTED"),

@@ -232,7 +232,7 @@ def _stops(program: Program, n: int, place: Place) -> bool:
 
 def _turns_back(program: Program, n: int, before: Place, place: Place) -> bool:
     after = program.shaped_by(n)
-    if after is None or program.items[after].command not in program.autopilot.guidance.flown_on_into:
+    if after is None or program.items[after].command not in program.autopilot.guidance.passes_before:
         return False
     return turn_deg(before, place, program.place(after, place)) > MAX_TURN_DEG
 

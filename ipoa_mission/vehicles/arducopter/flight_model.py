@@ -156,7 +156,7 @@ class _Flight:
             self.copter.change_speed(int(params[0]), params[1])
         elif command == Command.NAV_RETURN_TO_LAUNCH:
             self.go(procedures.return_home(self.copter, self.itinerary.goal_of_return(self.copter.here)))
-        elif command in ARDUCOPTER.guidance.flown_on_into:
+        elif command in ARDUCOPTER.guidance.passes_before:
             return self.fly_to(n)
         elif command <= LAST_NAV or command in UNTIMED:
             self.remarks.append(f"item {visit.seq}: command {command} is not modeled and counts as no time")

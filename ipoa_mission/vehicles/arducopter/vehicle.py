@@ -144,7 +144,7 @@ class ArduCopter(Autopilot):
         Path(__file__).with_name("firmware_tables.json"),
     )
     guidance = profile.GuidanceProfile(
-        flown_on_into=frozenset(
+        passes_before=frozenset(
             {*WAYPOINTS, Command.NAV_LOITER_UNLIM, Command.NAV_LOITER_TIME, Command.NAV_PAYLOAD_PLACE}
         ),
         flies_vtol_items=True,

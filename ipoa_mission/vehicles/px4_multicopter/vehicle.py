@@ -138,12 +138,12 @@ class Px4Multicopter(Autopilot):
         Path(__file__).with_name("firmware_tables.json"),
     )
     guidance = profile.GuidanceProfile(
-        flown_on_into=FLOWN_TO - {Command.NAV_LOITER_TURNS, Command.NAV_PAYLOAD_PLACE},
+        passes_before=FLOWN_TO - {Command.NAV_LOITER_TURNS, Command.NAV_PAYLOAD_PLACE},
         least_takeoff=("NAV_MC_ALT_RAD", 1.0),
-        takes_radius=True,
-        turned_late=2.5,
+        turns_at_acceptance_radius=True,
+        small_acceptance_radius=2.5,
         first_item=0,
-        past_the_end=-1,
+        current_after_end=-1,
         climbs_coming_back=True,
         brakes_after=0.6,
     )
