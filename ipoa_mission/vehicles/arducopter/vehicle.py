@@ -6,7 +6,6 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import ClassVar
 
-import ipoa_mission.vehicles.arducopter.limits as copter
 from ipoa_mission.autopilot import guidance_profile as profile
 from ipoa_mission.autopilot import returning
 from ipoa_mission.autopilot.autopilot import Autopilot
@@ -20,6 +19,13 @@ from ipoa_mission.autopilot.version import Version
 from ipoa_mission.geometry import Place, Points, Vector
 from ipoa_mission.vehicles.arducopter.braking import braking_displacement, flown_circle
 from ipoa_mission.vehicles.arducopter.failsafes import FAILSAFES
+from ipoa_mission.vehicles.arducopter.limits import (
+    FENCE_SWITCHES,
+    PARAMETER_TABLE,
+    CopterReturn,
+    copter_limits,
+    fence_limits,
+)
 
 
 def refused(firmware: Firmware, command: int, frame: int, values: Sequence[float], count: int) -> Refused | None:
@@ -107,7 +113,7 @@ class ArduCopter(Autopilot):
             9: "LAND", 16: "POSHOLD", 17: "BRAKE", 21: "SMART_RTL", 27: "AUTO_RTL",
         },
     )  # fmt: skip
-    parameter_table = copter.PARAMETER_TABLE
+    parameter_table = PARAMETER_TABLE
     tables = FirmwareTables(
         Firmware(
             autopilot="ardupilot",
@@ -228,7 +234,7 @@ class ArduCopter(Autopilot):
         "MockProfile": "ipoa_mission.vehicles.arducopter.flight_controller:MOCK_PROFILE",
     }
     own_fence_by = (
-        *copter.FENCE_SWITCHES, "FENCE_TYPE", "FENCE_ACTION", "FENCE_RADIUS", "FENCE_ALT_MAX", "FENCE_ALT_MIN",
+        *FENCE_SWITCHES, "FENCE_TYPE", "FENCE_ACTION", "FENCE_RADIUS", "FENCE_ALT_MAX", "FENCE_ALT_MIN",
     )  # fmt: skip
     failsafe_profile = FAILSAFES
 
@@ -238,7 +244,7 @@ class ArduCopter(Autopilot):
         >>> ArduCopter().braking_distance({"WPNAV_ACCEL": 250.0}, np.array([10.0]), np.zeros(1)).round(2)
         array([21.25])
         """
-        return copter.copter_limits(parameters).stopping_distance(speed)
+        return copter_limits(parameters).stopping_distance(speed)
 
     def stopping_offset(
         self, parameters: Parameters, velocity: Points, accel: Points, contingency: Contingency
@@ -251,7 +257,7 @@ class ArduCopter(Autopilot):
         """
         if contingency not in returning.IN_PLACE:
             return super().stopping_offset(parameters, velocity, accel, contingency)
-        p = copter.PARAMETER_TABLE.complete(parameters)
+        p = PARAMETER_TABLE.complete(parameters)
         if contingency is Contingency.HOLD:
             brake_mode_decel = 7.5  # BRAKE_MODE_DECEL_RATE [m/s^2]
             return braking_displacement(velocity, 0.0 * accel, brake_mode_decel, p["PSC_JERK_XY"])
@@ -283,7 +289,7 @@ class ArduCopter(Autopilot):
         >>> round(flown.radius, 1), round(flown.runs_on, 1)
         (58.4, 15.5)
         """
-        limits = copter.copter_limits(parameters, version)
+        limits = copter_limits(parameters, version)
         return flown_circle(limits, radius, speed or limits.speed, turn)
 
     def slow_stretch(self, parameters: Parameters) -> returning.SlowStretch | None:
@@ -292,7 +298,7 @@ class ArduCopter(Autopilot):
         >>> ArduCopter().slow_stretch({}).touchdown(12.0)
         1.5
         """
-        p = copter.PARAMETER_TABLE.complete(parameters)
+        p = PARAMETER_TABLE.complete(parameters)
         if p["RNGFND1_TYPE"] > 0:
             return None
         low = max(p["LAND_ALT_LOW"] / 100, 1.0)
@@ -301,8 +307,8 @@ class ArduCopter(Autopilot):
 
     def own_fence(self, parameters: Parameters) -> OwnFence | None:
         """Return FENCE_TYPE's limits if FENCE_ACTION does more than report (AC_Fence)."""
-        action = {**copter.PARAMETER_TABLE.others, **parameters}["FENCE_ACTION"]
-        return None if action <= 0.0 else copter.fence_limits(parameters)
+        action = {**PARAMETER_TABLE.others, **parameters}["FENCE_ACTION"]
+        return None if action <= 0.0 else fence_limits(parameters)
 
     def return_route(self, parameters: Parameters, order: ReturnOrder) -> ReturnRoute:
         """Return the way to RTL's rally point: the nearest inside the own fence.
@@ -310,14 +316,14 @@ class ArduCopter(Autopilot):
         Home counts if nearer and RALLY_INCL_HOME, or if all are beyond RALLY_LIMIT_KM. Not modeled: polygon fences, and
         OA_TYPE.
         """
-        fence = copter.fence_limits(parameters)
+        fence = fence_limits(parameters)
         home = ReturnRoute(ReturnBy.DIRECT)
         inside = [n for n, place in enumerate(order.rally) if fence is None or _is_inside(fence, place)]
         distances = {n: level_distance(order.here, order.rally[n]) for n in inside}
         if not distances:
             return home
         nearest = min(distances, key=distances.__getitem__)
-        p = copter.PARAMETER_TABLE.complete(parameters)
+        p = PARAMETER_TABLE.complete(parameters)
         limit = 1000.0 * p["RALLY_LIMIT_KM"]
         if limit > 0.0 and distances[nearest] > limit:
             return home
@@ -331,17 +337,17 @@ class ArduCopter(Autopilot):
         >>> ArduCopter().return_height({"RTL_ALT": 6000.0, "FENCE_ENABLE": 1.0, "FENCE_ALT_MAX": 50.0}, 20.0, 400.0)
         48.0
         """
-        return copter.CopterReturn.of(parameters).height(height, distance, goal_up)
+        return CopterReturn.of(parameters).height(height, distance, goal_up)
 
     def over_terrain(self, parameters: Parameters) -> returning.OverTerrain | None:
         """Return the effect of RTL_ALT_TYPE 1, which needs a range finder or terrain data.
 
-        While a range finder sees no ground, it acts as RTL_ALT_TYPE 0. Arming needs terrain data without one.
+        While a range finder sees no ground, it acts as RTL_ALT_TYPE 0.
 
         >>> ArduCopter().over_terrain({"RTL_ALT_TYPE": 1.0, "WPNAV_TER_MARGIN": 6.0})
         OverTerrain(margin=6.0, always_over_terrain=True)
         """
-        table = copter.PARAMETER_TABLE
+        table = PARAMETER_TABLE
         p = {**table.others, **table.complete(parameters)}
         sees_ground = p["RNGFND1_TYPE"] > 0.0 and p.get("WPNAV_RFND_USE", 1.0) > 0.0
         follows = math.isclose(p["RTL_ALT_TYPE"], 1.0)

@@ -14,7 +14,7 @@ from ipoa_mission.simulator.mock_profile import BYTEWISE, CAPABILITIES, Answer, 
 from ipoa_mission.simulator.situation import STEP_S, FlightMode, MissionState, SimulatedVehicle, Situation
 from ipoa_mission.vehicles.px4_multicopter.dynamics import navigator
 from ipoa_mission.vehicles.px4_multicopter.dynamics.flight import at_rest, begin, is_over, step
-from ipoa_mission.vehicles.px4_multicopter.dynamics.state import SIH_SENSES, Level, Order, integrate, no_errors
+from ipoa_mission.vehicles.px4_multicopter.dynamics.state import SIH_SENSORS, Level, Order, integrate, no_errors
 from ipoa_mission.vehicles.px4_multicopter.limits import px4_limits
 from ipoa_mission.vehicles.px4_multicopter.vehicle import PX4_MULTICOPTER
 
@@ -33,7 +33,7 @@ class Px4Controller:
         self._now = situation
         self._ground = conditions.ground
         self._parameters = parameters
-        self._law = navigator.simulation_constants(self._limits, airframe, SIH_SENSES, conditions.wind, STEP_S)
+        self._law = navigator.simulation_constants(self._limits, airframe, SIH_SENSORS, conditions.wind, STEP_S)
         seeds = (float(chance.randrange(1, 2_000_000_000)), float(chance.randrange(1, 2_000_000_000)))
         self._state = at_rest(Enu(*vehicle.place), situation.time_s, vehicle.yaw, no_errors(*seeds), True)
         self._orders: list[Order] = []

@@ -28,11 +28,10 @@ from ipoa_mission.forecast.timing.flight_model import (
 )
 from ipoa_mission.forecast.timing.track import Track
 from ipoa_mission.geometry import Points, Vector
-from ipoa_mission.vehicles.px4_multicopter.dynamics import navigator
-from ipoa_mission.vehicles.px4_multicopter.dynamics import state as px4
+from ipoa_mission.vehicles.px4_multicopter.dynamics import navigator, state
 from ipoa_mission.vehicles.px4_multicopter.dynamics.flight import at_start, fly
 from ipoa_mission.vehicles.px4_multicopter.dynamics.guidance import speed_to
-from ipoa_mission.vehicles.px4_multicopter.dynamics.navigator import FLOWN_TO
+from ipoa_mission.vehicles.px4_multicopter.dynamics.navigator import HELD_OR_REACHED
 from ipoa_mission.vehicles.px4_multicopter.dynamics.state import Order
 from ipoa_mission.vehicles.px4_multicopter.limits import LEAST_HOLD, px4_limits
 from ipoa_mission.wind import CALM, Wind
@@ -67,10 +66,10 @@ class Px4Model(FlightModel):
     """PX4 in SIH; flown with noise unless `noise_free`."""
 
     scatter = (0.7, 0.02, 2.0)
-    simulated_lag = px4.SIH.lag
+    simulated_lag = state.SIH.lag
 
     def predicted(self, itinerary: Itinerary, wind: Wind, fast: bool | None, noise_free: bool) -> Prediction:
-        flights = Flights(itinerary, wind, px4.KNOWS if noise_free else px4.SIH_SENSES)
+        flights = Flights(itinerary, wind, state.NOISE_FREE if noise_free else state.SIH_SENSORS)
         orders = flights.mission_orders.orders
         ends = list(flights.mission_orders.done)
         remarks = list(flights.mission_orders.remarks)
@@ -141,7 +140,7 @@ class Px4Model(FlightModel):
 
     def spread(self, itinerary: Itinerary, wind: Wind, predicted: Prediction) -> Points | None:
         flights = Flights(itinerary, wind)
-        if flights.limits.splits_axes or not itinerary.visits:  # it stops at each waypoint (docs/lab/kept.md)
+        if flights.limits.decoupled_axes or not itinerary.visits:  # it stops at each waypoint (docs/lab/kept.md)
             return None
         orders = flights.mission_orders.orders
         ends = [0, *flights.mission_orders.done]
@@ -160,11 +159,11 @@ class Px4Model(FlightModel):
 
     def kinematics(self, parameters: Parameters, speed: float | None = None) -> Kinematics:
         limits = px4_limits(parameters)
-        level = min(speed or limits.cruise, limits.most_speed)
+        level = min(speed or limits.cruise, limits.max_speed)
         return Kinematics(level, limits.climb, limits.descent, limits.accel, limits.jerk)
 
     def airframe(self, altitude: float) -> SlowedByAir:
-        return px4.SIH
+        return state.SIH
 
     def median_times(self, itinerary: Itinerary) -> Vector:
         flights = Flights(itinerary)
@@ -223,7 +222,7 @@ def _missed(itinerary: Itinerary, runs: Points) -> tuple[Missed, ...]:
     """Return the share of runs (m, n) [s] that miss each waypoint, and their mean delay."""
     lasted = np.diff(runs, axis=1, prepend=0.0)
     longer = lasted - np.median(lasted, axis=0)
-    flown_to = np.array([visit.item.command in FLOWN_TO for visit in itinerary.visits], dtype=bool)
+    flown_to = np.array([visit.item.command in HELD_OR_REACHED for visit in itinerary.visits], dtype=bool)
     missed = (longer > RUNS.missed_s) & flown_to
     share = missed.mean(axis=0)
     cost = (longer * missed).sum(axis=0) / np.maximum(missed.sum(axis=0), 1)
@@ -255,7 +254,7 @@ def spread_of(path: Track, runs: list[Points]) -> Points:
 class FlownOnce(NamedTuple):
     done: Vector  # times at the start and after each order (n + 1,) [s]
     samples: Points  # time, place and velocity (m, 7)
-    progress: px4.FlightProgress
+    progress: state.FlightProgress
 
 
 class FlyOn(Protocol):
@@ -263,7 +262,7 @@ class FlyOn(Protocol):
 
 
 class Flights:
-    def __init__(self, itinerary: Itinerary, wind: Wind = CALM, senses: px4.SensorModel = px4.SIH_SENSES) -> None:
+    def __init__(self, itinerary: Itinerary, wind: Wind = CALM, senses: state.SensorModel = state.SIH_SENSORS) -> None:
         mission = itinerary.mission
         self.itinerary = itinerary
         self.airframe = navigator.airframe_of(mission.vehicle)
@@ -283,7 +282,7 @@ class Flights:
         until = fly_mission(self.at_start(seed or 0), time)
         onward = navigator.contingency_orders(contingency, until.samples[-1], self.itinerary, self.limits)
         orders = tuple(navigator.with_patience(onward, onward[0].start, self.limits, self.airframe.landing_delay))
-        begins = until._replace(done=until.done[-1:], progress=until.progress._replace(steps=px4.NOT_BEGUN))
+        begins = until._replace(done=until.done[-1:], progress=until.progress._replace(steps=state.NOT_BEGUN))
         return until, self.simulation(orders, noisy=noisy, steps=steps)(begins)
 
     def simulation(
@@ -304,15 +303,15 @@ class Flights:
         inputs: Any = orders
         if machine is not fly:
             inputs = records(orders, Order)
-            constants = records(constants, px4.SimulationConstants)
+            constants = records(constants, state.SimulationConstants)
 
         every = RUNS.sample_steps if sampled or not noisy else 0
 
         def fly_on(flight: FlownOnce, until: float = math.inf) -> FlownOnce:
             left = inputs[len(flight.done) - 1 :]
-            times, places, (state, of_order, touched) = machine(left, constants, flight.progress, until, every)
+            times, places, (last, of_order, touched) = machine(left, constants, flight.progress, until, every)
             done = np.append(flight.done, times)
-            progress = px4.FlightProgress(px4.State(*state), of_order, touched)
+            progress = state.FlightProgress(state.State(*last), of_order, touched)
             if len(done) > len(orders) or progress.state.time >= until:
                 return FlownOnce(done, np.vstack([flight.samples, places]), progress)
             raise MissionError(
@@ -341,7 +340,7 @@ class Flights:
         params = self.itinerary.visits[n].item.params
         if command == Command.NAV_DELAY:
             return "hold" if params[0] > 0 else ""
-        if command not in FLOWN_TO:
+        if command not in HELD_OR_REACHED:
             return ""
         order = self.mission_orders.orders[self.mission_orders.done[n] - 1]
         if order.hold_s > LEAST_HOLD:

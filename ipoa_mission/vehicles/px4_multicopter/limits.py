@@ -12,9 +12,9 @@ from ipoa_mission.geometry import GRAVITY, Vector
 
 #: Since then the vertical setpoint has its own speed (1ae8f2383f), and a passed waypoint is not flown back to
 #: (d0004403a3).
-SPLITS_AXES = (1, 18)
+DECOUPLED_SINCE = (1, 18)
 MEASURED = (Version(1, 17), Version(1, 18, 0, "beta"))  # docs/lab/flown.md, px4-1.18.md
-SINCE_SPLIT: Parameters = {"NAV_ACC_RAD": 10.0}  # c05cc47b75
+DECOUPLED_DEFAULTS: Parameters = {"NAV_ACC_RAD": 10.0}  # c05cc47b75
 
 #: PX4 1.17's for a multicopter (SI units, degrees); `rc.mc_defaults` has precedence over its reference.
 AFFECTING = (
@@ -163,15 +163,15 @@ class Px4Limits(NamedTuple):
     """Motion limits in m, s, rad; gains in 1/s."""
 
     cruise: Annotated[float, "MPC_XY_CRUISE"]
-    most_speed: Annotated[float, "MPC_XY_VEL_MAX"]
+    max_speed: Annotated[float, "MPC_XY_VEL_MAX"]
     corner_gain: Annotated[float, "MPC_XY_TRAJ_P"]
-    most_lag: Annotated[float, "MPC_XY_ERR_MAX"]
+    max_lag: Annotated[float, "MPC_XY_ERR_MAX"]
     accel: Annotated[float, "MPC_ACC_HOR"]
     jerk: Annotated[float, "MPC_JERK_AUTO"]
     climb: float
     descent: float
-    most_climb: Annotated[float, "MPC_Z_VEL_MAX_UP"]
-    most_descent: float
+    max_climb: Annotated[float, "MPC_Z_VEL_MAX_UP"]
+    max_descent: float
     accel_up: Annotated[float, "MPC_ACC_UP_MAX"]
     accel_down: Annotated[float, "MPC_ACC_DOWN_MAX"]
     radius: Annotated[float, "NAV_ACC_RAD"]
@@ -204,11 +204,11 @@ class Px4Limits(NamedTuple):
     land_delay_height: Annotated[float, "RTL_DESCEND_ALT"]
     disarm_delay: float
     land_detector_s: Annotated[float, "LNDMC_TRIG_TIME"]  # of all STAGES; of each if the range finder lost the ground
-    most_touchdown: float
+    max_touchdown: float
     low_thrust: float  # over hover thrust
     has_range_finder: bool
-    splits_axes: bool  # the vertical setpoint waits separately, and no passed item is flown back to
-    most_height_error: Annotated[float, "MPC_Z_ERR_MAX"]
+    decoupled_axes: bool  # the vertical setpoint waits separately, and no passed item is flown back to
+    max_height_error: Annotated[float, "MPC_Z_ERR_MAX"]
 
     def stopping_time(self, speed: Speed) -> Speed:
         """Return how long `speed` [m/s] takes to the stopping point of LAND and hold [s] (preproject_stop_point)."""
@@ -227,8 +227,8 @@ def px4_limits(parameters: Parameters, version: Version | None = None) -> Px4Lim
     Raises:
         BadInput: a parameter that must be positive is not.
     """
-    splits = (version or MEASURED[-1]).series >= SPLITS_AXES
-    p = {**PARAMETER_TABLE.moving, **(SINCE_SPLIT if splits else {}), **parameters}
+    decoupled = (version or MEASURED[-1]).series >= DECOUPLED_SINCE
+    p = {**PARAMETER_TABLE.moving, **(DECOUPLED_DEFAULTS if decoupled else {}), **parameters}
     PARAMETER_TABLE.expect_positive(p)
     climb = min(p["MPC_Z_V_AUTO_UP"], p["MPC_Z_VEL_MAX_UP"])
     descent = min(p["MPC_Z_V_AUTO_DN"], p["MPC_Z_VEL_MAX_DN"])
@@ -238,7 +238,7 @@ def px4_limits(parameters: Parameters, version: Version | None = None) -> Px4Lim
         **{field: p[name] for field, name in FIELDS.items()},
         climb=climb,
         descent=descent,
-        most_descent=max(p["MPC_Z_VEL_MAX_DN"], 1.2 * descent),
+        max_descent=max(p["MPC_Z_VEL_MAX_DN"], 1.2 * descent),
         hover_learning=p["MPC_THR_HOVER"] / (p["HTE_HT_NOISE"] * GRAVITY) if learns else math.inf,
         lean=math.radians(min(p["MPC_TILTMAX_AIR"], 80.0)),
         lean_lag=1 / p["MC_ROLL_P"],
@@ -252,8 +252,8 @@ def px4_limits(parameters: Parameters, version: Version | None = None) -> Px4Lim
         turns_first=p["MPC_YAW_MODE"] == TURN_FIRST,
         returning=Px4Return.of(p),
         disarm_delay=max(p["COM_DISARM_LAND"], 0.0),
-        most_touchdown=min(p["LNDMC_Z_VEL_MAX"], min(p["MPC_LAND_SPEED"], p["MPC_LAND_CRWL"]) / 1.2),
+        max_touchdown=min(p["LNDMC_Z_VEL_MAX"], min(p["MPC_LAND_SPEED"], p["MPC_LAND_CRWL"]) / 1.2),
         low_thrust=least_thrust + RELAXED_THRUST * (1.0 - least_thrust),
         has_range_finder=abs(p["SIH_DISTSNSR_OVR"]) < NO_RANGE_FINDER,
-        splits_axes=splits,
+        decoupled_axes=decoupled,
     )

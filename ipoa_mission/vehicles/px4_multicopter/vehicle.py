@@ -9,7 +9,6 @@ from typing import ClassVar
 
 import numpy as np
 
-import ipoa_mission.vehicles.px4_multicopter.limits as px4
 from ipoa_mission.autopilot import guidance_profile as profile
 from ipoa_mission.autopilot import returning
 from ipoa_mission.autopilot.autopilot import Autopilot
@@ -23,6 +22,15 @@ from ipoa_mission.autopilot.vehicle_kind import MULTICOPTERS
 from ipoa_mission.autopilot.version import Version
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.vehicles.px4_multicopter.failsafes import FAILSAFES
+from ipoa_mission.vehicles.px4_multicopter.limits import (
+    DECOUPLED_DEFAULTS,
+    DECOUPLED_SINCE,
+    LEAST_HOLD,
+    MEASURED,
+    PARAMETER_TABLE,
+    Px4Return,
+    px4_limits,
+)
 
 
 def refused(firmware: Firmware, command: int, frame: int, values: Sequence[float], _count: int) -> Refused | None:
@@ -95,7 +103,7 @@ class Px4Multicopter(Autopilot):
     model = "PX4"
     mav_autopilot = 12
     mav_types = MULTICOPTERS
-    measured = px4.MEASURED
+    measured = MEASURED
     modes = profile.Modes(
         mission=mode_number(4, 4),
         arming=mode_number(4, 4),  # takes off once armed
@@ -111,7 +119,7 @@ class Px4Multicopter(Autopilot):
         },
         has_sub_modes=True,
     )  # fmt: skip
-    parameter_table = px4.PARAMETER_TABLE
+    parameter_table = PARAMETER_TABLE
     tables = FirmwareTables(
         Firmware(
             autopilot="px4",
@@ -190,7 +198,7 @@ class Px4Multicopter(Autopilot):
     failsafe_profile = FAILSAFES
 
     def braking_distance(self, parameters: Parameters, speed: Vector, accel: Vector) -> Vector:
-        limits = px4.px4_limits(parameters)
+        limits = px4_limits(parameters)
         brakes = limits.accel
         gains = np.clip(accel, 0.0, limits.accel)
         turns = (gains + brakes) / limits.jerk  # [s]
@@ -209,7 +217,7 @@ class Px4Multicopter(Autopilot):
         """
         if contingency not in returning.IN_PLACE:
             return super().stopping_offset(parameters, velocity, accel, contingency)
-        return np.asarray(velocity * px4.px4_limits(parameters).stopping_time(np.hypot(*velocity.T))[:, None])
+        return np.asarray(velocity * px4_limits(parameters).stopping_time(np.hypot(*velocity.T))[:, None])
 
     def slow_stretch(self, parameters: Parameters) -> returning.SlowStretch | None:
         """Return MPC_LAND_ALT1 to MPC_LAND_ALT2.
@@ -217,7 +225,7 @@ class Px4Multicopter(Autopilot):
         >>> Px4Multicopter().slowed({}, 12.0)
         {'MPC_LAND_ALT1': 22.0, 'MPC_LAND_ALT2': 17.0}
         """
-        p = px4.PARAMETER_TABLE.complete(parameters)
+        p = PARAMETER_TABLE.complete(parameters)
         descent = min(p["MPC_Z_V_AUTO_DN"], p["MPC_Z_VEL_MAX_DN"])
         low = p["MPC_LAND_ALT2"]
         return returning.SlowStretch(
@@ -225,8 +233,8 @@ class Px4Multicopter(Autopilot):
         )
 
     def own_fence(self, parameters: Parameters) -> OwnFence | None:
-        """Return the limits other than 0, unless GF_ACTION does nothing (0) or warns (1)."""
-        p = {**px4.PARAMETER_TABLE.others, **parameters}
+        """Return the limits above 0, unless GF_ACTION is 0 or warns (1)."""
+        p = {**PARAMETER_TABLE.others, **parameters}
         if p["GF_ACTION"] <= 1.0:
             return None
         across, up = (
@@ -245,7 +253,7 @@ class Px4Multicopter(Autopilot):
         """
         here = order.here
         landing = order.landing
-        kind = px4.PARAMETER_TABLE.complete(parameters)["RTL_TYPE"]
+        kind = PARAMETER_TABLE.complete(parameters)["RTL_TYPE"]
         if kind in {ReturnType.LANDING_OR_BACK, ReturnType.SHORTER_WAY}:
             ahead = landing is not None and (kind == ReturnType.LANDING_OR_BACK or landing.ahead < landing.behind)
             return ReturnRoute(ReturnBy.MISSION_FORWARD if ahead else ReturnBy.MISSION_REVERSED)
@@ -265,7 +273,7 @@ class Px4Multicopter(Autopilot):
 
     def defaults_of(self, version: Version | None = None) -> Parameters:
         """Return NAV_ACC_RAD: 10 m from 1.18 on."""
-        return px4.SINCE_SPLIT if (version or self.newest).series >= px4.SPLITS_AXES else {}
+        return DECOUPLED_DEFAULTS if (version or self.newest).series >= DECOUPLED_SINCE else {}
 
     def waypoint_defaults(self, version: Version | None = None) -> profile.WaypointDefaults:
         """Return a hold and 2 m from 1.18 on, whose own radius is 10 m.
@@ -273,12 +281,12 @@ class Px4Multicopter(Autopilot):
         >>> Px4Multicopter().waypoint_defaults(Version(1, 18))
         WaypointDefaults(hold=0.1, radius=2.0)
         """
-        if (version or self.newest).series < px4.SPLITS_AXES:
+        if (version or self.newest).series < DECOUPLED_SINCE:
             return profile.WaypointDefaults()
-        return profile.WaypointDefaults(px4.LEAST_HOLD, px4.PARAMETER_TABLE.moving["NAV_ACC_RAD"])
+        return profile.WaypointDefaults(LEAST_HOLD, PARAMETER_TABLE.moving["NAV_ACC_RAD"])
 
     def return_height(self, parameters: Parameters, height: float, distance: float, goal_up: float = 0.0) -> float:
-        return goal_up + px4.Px4Return.of(parameters).height(height - goal_up, distance)
+        return goal_up + Px4Return.of(parameters).height(height - goal_up, distance)
 
     def fence_margin(self, parameters: Parameters, version: Version | None = None) -> float | None:
         """Return the distance, from 1.19 on (40e61d2429), except on the smallest boards; not modeled.

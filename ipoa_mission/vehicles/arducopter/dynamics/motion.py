@@ -120,7 +120,7 @@ class Tuning(NamedTuple):
     limits: CopterLimits
     airframe: Airframe
     wind: WindTable
-    most_lean: float
+    max_lean: float
     smoothing: float  # share of the velocity error
     leaning: float  # share of the lean setpoint
     turning: float
@@ -139,7 +139,7 @@ def tuning(limits: CopterLimits, airframe: Airframe, wind: Wind) -> Tuning:
         limits,
         airframe,
         blows._replace(levels=tuple(blows.levels)),
-        most_lean=GRAVITY * math.tan(limits.lean),
+        max_lean=GRAVITY * math.tan(limits.lean),
         smoothing=share(1 / (2 * math.pi * limits.velocity_filter)),
         leaning=share(limits.lean_lag),
         turning=share(airframe.lag),

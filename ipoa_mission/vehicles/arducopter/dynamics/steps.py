@@ -211,8 +211,8 @@ def control(state: State, tuning: Tuning) -> None:
     error = state.error + gain
     setpoint = state.push + limits.p_velocity * error + state.integral + limits.d_velocity * gain / STEP
     integral = state.integral + limits.i_velocity * error * STEP
-    if dot(setpoint, setpoint) > tuning.most_lean**2:
-        setpoint = within_lean(setpoint, state.aim, tuning.most_lean)
+    if dot(setpoint, setpoint) > tuning.max_lean**2:
+        setpoint = within_lean(setpoint, state.aim, tuning.max_lean)
         grown = math.sqrt(square(integral))
         integrated = math.sqrt(square(state.integral))
         if dot(error, setpoint) > 0.0 and grown > integrated:  # anti-windup

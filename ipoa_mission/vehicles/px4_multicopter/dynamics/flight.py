@@ -11,7 +11,6 @@ from typing import NamedTuple
 import numpy as np
 
 from ipoa_mission.geometry import GRAVITY, ZERO, Enu, Points, Vector, horizontal_norm
-from ipoa_mission.vehicles.px4_multicopter.dynamics import state as px4
 from ipoa_mission.vehicles.px4_multicopter.dynamics.guidance import (
     climb_limits,
     detect_contact,
@@ -22,7 +21,34 @@ from ipoa_mission.vehicles.px4_multicopter.dynamics.guidance import (
     turn_nose,
     velocity_setpoint,
 )
-from ipoa_mission.vehicles.px4_multicopter.dynamics.state import Order, State, add_sensor_errors, as_tuple, integrate
+from ipoa_mission.vehicles.px4_multicopter.dynamics.state import (
+    CORRECTED_FOR,
+    GO,
+    LAND,
+    NOT_BEGUN,
+    NOT_YET,
+    NOTICED_S,
+    ON_LINE,
+    TAKE_OFF,
+    UNKNOWN,
+    Axis,
+    Body,
+    Contact,
+    Control,
+    Errors,
+    FlightProgress,
+    Guidance,
+    Level,
+    Order,
+    SimulationConstants,
+    State,
+    Trajectory,
+    Yaw,
+    add_sensor_errors,
+    as_tuple,
+    integrate,
+    no_errors,
+)
 from ipoa_mission.vehicles.px4_multicopter.limits import STAGES, Px4Limits
 
 SETTLED_S = 30.0  # of steady flight before a part of a leg is skipped [s]
@@ -30,8 +56,8 @@ HOVER_SURE, HOVER_SURE_UP = 10.0, 2.0  # of good hover thrust estimates: HTE_VXY
 
 
 def control_velocity(
-    state: State, trajectory: px4.Trajectory, order: Order, constants: px4.SimulationConstants
-) -> tuple[Enu, px4.Control]:
+    state: State, trajectory: Trajectory, order: Order, constants: SimulationConstants
+) -> tuple[Enu, Control]:
     """Return the acceleration setpoint (level by lean, upwards by thrust over weight), and the controller's next state.
 
     A take-off ramps up the climb limit, without acceleration feed-forward.
@@ -47,18 +73,18 @@ def control_velocity(
     ask_north = trajectory.north.acceleration + limits.p_velocity * north + before.integral.north
     ask_east -= limits.d_velocity * body.acceleration.east
     ask_north -= limits.d_velocity * body.acceleration.north
-    most_climb = limits.most_climb
+    max_climb = limits.max_climb
     foreseen = trajectory.up.acceleration
     ramp = state.time - state.begun
-    if order.kind == px4.TAKE_OFF and ramp < limits.takeoff_ramp:
+    if order.kind == TAKE_OFF and ramp < limits.takeoff_ramp:
         none = -GRAVITY / limits.p_climb
-        most_climb = none + ramp / limits.takeoff_ramp * (most_climb - none)
+        max_climb = none + ramp / limits.takeoff_ramp * (max_climb - none)
         foreseen = 0.0
     climb = trajectory.up.speed + limits.p_height * (trajectory.up.place - body.place.up)
-    up = min(max(climb, -limits.most_descent), most_climb) - body.speed.up
+    up = min(max(climb, -limits.max_descent), max_climb) - body.speed.up
     thrust = max(foreseen + limits.p_climb * up + before.integral.up, -GRAVITY)
     size = math.sqrt(ask_east * ask_east + ask_north * ask_north)
-    share = 1.0 if size <= constants.most_lean else constants.most_lean / size
+    share = 1.0 if size <= constants.max_lean else constants.max_lean / size
     # anti-windup: with too little lean or thrust
     back = 2.0 / limits.p_velocity * max(1.0 - share * (1.0 + thrust / GRAVITY) / before.hover, 0.0)
     integral = Enu(
@@ -66,26 +92,26 @@ def control_velocity(
         before.integral.north + limits.i_velocity * (north - back * ask_north) * dt,
         before.integral.up + (limits.i_climb * up * dt if up > 0.0 or thrust > -GRAVITY else 0.0),
     )
-    return Enu(ask_east * share, ask_north * share, thrust), px4.Control(integral, before.hover, thrust)
+    return Enu(ask_east * share, ask_north * share, thrust), Control(integral, before.hover, thrust)
 
 
-def level_velocity(trajectory: px4.Trajectory, body: px4.Body, limits: Px4Limits, dt: float) -> px4.Level:
-    x: px4.Axis = trajectory.east
-    y: px4.Axis = trajectory.north
+def level_velocity(trajectory: Trajectory, body: Body, limits: Px4Limits, dt: float) -> Level:
+    x: Axis = trajectory.east
+    y: Axis = trajectory.north
     east = x.speed + limits.p_position * (x.place - body.place.east - body.speed.east * dt)
     north = y.speed + limits.p_position * (y.place - body.place.north - body.speed.north * dt)
     size = math.sqrt(east * east + north * north)
-    share = 1.0 if size <= limits.most_speed else limits.most_speed / size
-    return px4.Level(east * share, north * share)
+    share = 1.0 if size <= limits.max_speed else limits.max_speed / size
+    return Level(east * share, north * share)
 
 
-def learn_hover(control: px4.Control, body: px4.Body, constants: px4.SimulationConstants, time: float) -> px4.Control:
+def learn_hover(control: Control, body: Body, constants: SimulationConstants, time: float) -> Control:
     """Update the learned hover thrust, which counts drag in a climb as weight."""
     fast = horizontal_norm(body.speed)
     doubt = 1.0 + 10.0 * max(abs(body.speed.up) - HOVER_SURE_UP, fast - HOVER_SURE, 0.0)
     share = (1.0 / constants.limits.hover_learning + 1.0 / max(time - body.airborne_since, 1.0)) * constants.dt / doubt
     takes = 1.0 + constants.airframe.drag * body.speed.up / GRAVITY
-    return px4.Control(control.integral, control.hover + (takes - control.hover) * min(share, 1.0), control.thrust)
+    return Control(control.integral, control.hover + (takes - control.hover) * min(share, 1.0), control.thrust)
 
 
 class Profile(NamedTuple):
@@ -95,7 +121,7 @@ class Profile(NamedTuple):
     fall: float  # of the opposite jerk
 
 
-def quickest_change(axis: px4.Axis, goal: float, accel: float, jerk: float) -> Profile:
+def quickest_change(axis: Axis, goal: float, accel: float, jerk: float) -> Profile:
     """Return the fastest change to speed `goal`: peak acceleration p^2 = j (goal - v) + a^2/2."""
     v, a = axis.speed, axis.acceleration
     miss = goal - v - a * abs(a) / (2.0 * jerk)
@@ -113,7 +139,7 @@ def quickest_change(axis: px4.Axis, goal: float, accel: float, jerk: float) -> P
     return Profile(j, rise, coast, p / j)
 
 
-def stretch(axis: px4.Axis, goal: float, accel: float, profile: Profile, lasts: float) -> Profile:
+def stretch(axis: Axis, goal: float, accel: float, profile: Profile, lasts: float) -> Profile:
     """Return the change stretched to `lasts` s.
 
     Peak p: the smaller root in the direction of j of `p^2 - (j T + a) p + j (goal - v) + a^2/2 = 0`.
@@ -129,21 +155,21 @@ def stretch(axis: px4.Axis, goal: float, accel: float, profile: Profile, lasts: 
     return Profile(j, rise, max(lasts - rise - fall, 0.0), fall)
 
 
-def move(axis: px4.Axis, profile: Profile, t: float) -> px4.Axis:
+def move(axis: Axis, profile: Profile, t: float) -> Axis:
     """Return the axis `t` s later; after the profile its speed is constant."""
     for lasts, jerk in ((profile.rise, profile.jerk), (profile.coast, 0.0), (profile.fall, -profile.jerk)):
         d = min(t, lasts)
         if d > 0.0:
             a = axis.acceleration
             place = axis.place + d * (axis.speed + d * (a / 2.0 + d * jerk / 6.0))
-            axis = px4.Axis(place, axis.speed + d * (a + d * jerk / 2.0), a + d * jerk)
+            axis = Axis(place, axis.speed + d * (a + d * jerk / 2.0), a + d * jerk)
             t -= d
-    return px4.Axis(axis.place + t * axis.speed, axis.speed, 0.0) if t > 0.0 else axis
+    return Axis(axis.place + t * axis.speed, axis.speed, 0.0) if t > 0.0 else axis
 
 
 def smooth(
-    trajectory: px4.Trajectory, velocity: Enu, limits: Px4Limits, accel_up: float, times: tuple[float, float]
-) -> px4.Trajectory:
+    trajectory: Trajectory, velocity: Enu, limits: Px4Limits, accel_up: float, times: tuple[float, float]
+) -> Trajectory:
     """Return the trajectory later by `times` [s], level and upwards."""
     x, y, z = trajectory
     t, t_up = times
@@ -152,7 +178,7 @@ def smooth(
     up = quickest_change(z, velocity.up, accel_up, jerk)
     longest = max(east.rise + east.coast + east.fall, north.rise + north.coast + north.fall)
     longest = max(longest, up.rise + up.coast + up.fall)
-    return px4.Trajectory(
+    return Trajectory(
         move(x, stretch(x, velocity.east, accel, east, longest), t),
         move(y, stretch(y, velocity.north, accel, north, longest), t),
         move(z, stretch(z, velocity.up, accel_up, up, longest), t_up),
@@ -164,7 +190,7 @@ SPLIT = 2.0**29 + 1.0  # Veltkamp's, to single precision
 GROUND_SINK = 0.7  # [m/s]
 
 
-def step(state: State, order: Order, constants: px4.SimulationConstants) -> State:
+def step(state: State, order: Order, constants: SimulationConstants) -> State:
     limits = constants.limits
     standing = touches_down(state, order)
     velocity, guidance = velocity_setpoint(state, order, constants, guide(state, order, limits))
@@ -175,8 +201,8 @@ def step(state: State, order: Order, constants: px4.SimulationConstants) -> Stat
     body = integrate(state, setpoint, constants, standing)
     errors = add_sensor_errors(state, constants)
     if errors.reported != state.errors.reported:
-        guidance = px4.Guidance(px4.UNKNOWN, guidance.anchor, guidance.held, guidance.rising)
-    contact = detect_contact(state, body, setpoint.up, constants) if order.kind == px4.LAND else state.contact
+        guidance = Guidance(UNKNOWN, guidance.anchor, guidance.held, guidance.rising)
+    contact = detect_contact(state, body, setpoint.up, constants) if order.kind == LAND else state.contact
     time = state.time + constants.dt
     there = state.been_there or is_there(body, errors, contact, order)
     reached = state.reached
@@ -189,7 +215,7 @@ def step(state: State, order: Order, constants: px4.SimulationConstants) -> Stat
     )  # fmt: skip
 
 
-def track_setpoint(state: State, order: Order, constants: px4.SimulationConstants, velocity: Enu) -> px4.Trajectory:
+def track_setpoint(state: State, order: Order, constants: SimulationConstants, velocity: Enu) -> Trajectory:
     """Return the trajectory a step later, stretched while the vehicle lags."""
     limits = constants.limits
     place = state.body.place
@@ -197,8 +223,8 @@ def track_setpoint(state: State, order: Order, constants: px4.SimulationConstant
     low = is_low_take_off(state, order, limits)
     climb = climb_limits(state.guidance.rising, low, limits)
     if low:
-        before = px4.Trajectory(before.east, before.north, px4.Axis(place.up, before.up.speed, before.up.acceleration))
-    most = limits.most_speed
+        before = Trajectory(before.east, before.north, Axis(place.up, before.up.speed, before.up.acceleration))
+    most = limits.max_speed
     within = Enu(
         min(max(velocity.east, -most), most),
         min(max(velocity.north, -most), most),
@@ -210,30 +236,30 @@ def track_setpoint(state: State, order: Order, constants: px4.SimulationConstant
     standing = math.sqrt(before.east.speed * before.east.speed + before.north.speed * before.north.speed) < STANDING
     if standing or east * before.east.speed + north * before.north.speed >= 0.0:
         behind = math.sqrt(east * east + north * north)
-    pace = pace_up = 1.0 - min(behind / limits.most_lag, 1.0)
-    if limits.splits_axes:
+    pace = pace_up = 1.0 - min(behind / limits.max_lag, 1.0)
+    if limits.decoupled_axes:
         pace_up = 1.0
         lead = before.up.place - place.up
-        if limits.most_height_error > 0.0 and lead * before.up.speed >= 0.0:
-            pace_up = 1.0 - min(abs(lead) / limits.most_height_error, 1.0)
+        if limits.max_height_error > 0.0 and lead * before.up.speed >= 0.0:
+            pace_up = 1.0 - min(abs(lead) / limits.max_height_error, 1.0)
     now = smooth(before, within, limits, climb.accel, (constants.dt * pace, constants.dt * pace_up))
-    if order.kind != px4.LAND:
+    if order.kind != LAND:
         return now
-    return px4.Trajectory(in_single(now.east), in_single(now.north), now.up)
+    return Trajectory(in_single(now.east), in_single(now.north), now.up)
 
 
-def in_single(axis: px4.Axis) -> px4.Axis:
+def in_single(axis: Axis) -> Axis:
     """Round places as PX4 does: lost steps leave a speed that delays a landing."""
     wide = SPLIT * axis.place
-    return px4.Axis(wide - (wide - axis.place), axis.speed, axis.acceleration)
+    return Axis(wide - (wide - axis.place), axis.speed, axis.acceleration)
 
 
-def is_there(body: px4.Body, errors: px4.Errors, contact: px4.Contact, order: Order) -> bool:
+def is_there(body: Body, errors: Errors, contact: Contact, order: Order) -> bool:
     """The navigator knows home's corrections at once."""
-    if order.kind == px4.LAND:
+    if order.kind == LAND:
         return contact.stages >= STAGES
     home = errors.home if order.follows_home else 0.0
-    if order.kind == px4.TAKE_OFF:
+    if order.kind == TAKE_OFF:
         return body.place.up > order.goal.up + home - order.height_radius
     east, north = body.place.east - order.goal.east, body.place.north - order.goal.north
     near = east * east + north * north <= order.radius * order.radius
@@ -241,66 +267,66 @@ def is_there(body: px4.Body, errors: px4.Errors, contact: px4.Contact, order: Or
 
 
 def is_over(state: State, order: Order) -> bool:
-    return state.reached >= 0.0 and state.time - state.reached >= max(order.hold_s, px4.NOTICED_S)
+    return state.reached >= 0.0 and state.time - state.reached >= max(order.hold_s, NOTICED_S)
 
 
-def at_rest(place: Enu, time: float, yaw: float, errors: px4.Errors, on_ground: bool) -> State:
-    body = px4.Body(
-        place=place, speed=ZERO, acceleration=px4.Level(0.0, 0.0), setpoint=px4.Level(0.0, 0.0),
+def at_rest(place: Enu, time: float, yaw: float, errors: Errors, on_ground: bool) -> State:
+    body = Body(
+        place=place, speed=ZERO, acceleration=Level(0.0, 0.0), setpoint=Level(0.0, 0.0),
         thrust=ZERO, on_ground=on_ground, airborne_since=time,
     )  # fmt: skip
-    east = px4.Axis(place.east, 0.0, 0.0)
-    trajectory = px4.Trajectory(east, px4.Axis(place.north, 0.0, 0.0), px4.Axis(place.up, 0.0, 0.0))
-    guidance = px4.Guidance(px4.ON_LINE, place, 0.0, True)
-    control = px4.Control(ZERO, 1.0, 0.0)
-    contact = px4.Contact(on_ground=False, lost=False, stages=0, since=time)
-    nose = px4.Yaw(yaw, 0.0)
+    east = Axis(place.east, 0.0, 0.0)
+    trajectory = Trajectory(east, Axis(place.north, 0.0, 0.0), Axis(place.up, 0.0, 0.0))
+    guidance = Guidance(ON_LINE, place, 0.0, True)
+    control = Control(ZERO, 1.0, 0.0)
+    contact = Contact(on_ground=False, lost=False, stages=0, since=time)
+    nose = Yaw(yaw, 0.0)
     return State(
         time=time, body=body, nose=nose, trajectory=trajectory, guidance=guidance, control=control,
-        errors=errors, contact=contact, begun=time, reached=px4.NOT_YET, been_there=False,
+        errors=errors, contact=contact, begun=time, reached=NOT_YET, been_there=False,
     )  # fmt: skip
 
 
 def begin(state: State, order: Order) -> State:
     trajectory = state.trajectory
     body = state.body
-    on_ground = body.on_ground and order.kind == px4.TAKE_OFF
+    on_ground = body.on_ground and order.kind == TAKE_OFF
     if on_ground:
-        trajectory = px4.Trajectory(trajectory.east, trajectory.north, px4.Axis(trajectory.up.place, -GROUND_SINK, 0.0))
-    body = px4.Body(
+        trajectory = Trajectory(trajectory.east, trajectory.north, Axis(trajectory.up.place, -GROUND_SINK, 0.0))
+    body = Body(
         place=body.place, speed=body.speed, acceleration=body.acceleration, setpoint=body.setpoint,
         thrust=body.thrust, on_ground=on_ground, airborne_since=body.airborne_since,
     )  # fmt: skip
-    guidance = px4.Guidance(px4.ON_LINE, as_tuple(order.start), state.guidance.held, state.guidance.rising)
+    guidance = Guidance(ON_LINE, as_tuple(order.start), state.guidance.held, state.guidance.rising)
     return State(
         time=state.time, body=body, nose=state.nose, trajectory=trajectory, guidance=guidance,
         control=state.control, errors=state.errors,
-        contact=px4.Contact(on_ground=False, lost=False, stages=0, since=state.time),
-        begun=state.time, reached=px4.NOT_YET, been_there=False,
+        contact=Contact(on_ground=False, lost=False, stages=0, since=state.time),
+        begun=state.time, reached=NOT_YET, been_there=False,
     )  # fmt: skip
 
 
-def past_cruise(state: State, order: Order, constants: px4.SimulationConstants) -> State:
+def past_cruise(state: State, order: Order, constants: SimulationConstants) -> State:
     """Skip the steady middle of a long level leg; sensor errors stay."""
     x, y, body = state.trajectory.east, state.trajectory.north, state.body
     speed = math.sqrt(x.speed * x.speed + y.speed * y.speed)
     since = body.airborne_since
-    is_on_line = order.kind == px4.GO and state.guidance.side == px4.ON_LINE
+    is_on_line = order.kind == GO and state.guidance.side == ON_LINE
     if not is_on_line or state.time - state.begun < SETTLED_S or speed < 0.1:
         return state
     east, north = order.goal.east - x.place, order.goal.north - y.place
     far = math.sqrt(east * east + north * north)
     coast = far - speed * SETTLED_S - speed * speed / constants.limits.accel
-    if coast < speed * SETTLED_S or state.time - since < px4.CORRECTED_FOR + SETTLED_S:
+    if coast < speed * SETTLED_S or state.time - since < CORRECTED_FOR + SETTLED_S:
         return state
     if order.goal.up != order.start.up or x.acceleration * x.acceleration + y.acceleration * y.acceleration > 0.0:
         return state
     east, north, time = east * coast / far, north * coast / far, state.time + coast / speed
-    x = px4.Axis(x.place + east, x.speed, x.acceleration)
-    y = px4.Axis(y.place + north, y.speed, y.acceleration)
-    trajectory = px4.Trajectory(x, y, state.trajectory.up)
+    x = Axis(x.place + east, x.speed, x.acceleration)
+    y = Axis(y.place + north, y.speed, y.acceleration)
+    trajectory = Trajectory(x, y, state.trajectory.up)
     place = Enu(body.place.east + east, body.place.north + north, body.place.up)
-    moved = px4.Body(
+    moved = Body(
         place=place, speed=body.speed, acceleration=body.acceleration, setpoint=body.setpoint,
         thrust=body.thrust, on_ground=body.on_ground, airborne_since=since,
     )  # fmt: skip
@@ -311,19 +337,15 @@ def past_cruise(state: State, order: Order, constants: px4.SimulationConstants) 
     )  # fmt: skip
 
 
-def at_start(height: float, seed: int) -> px4.FlightProgress:
+def at_start(height: float, seed: int) -> FlightProgress:
     first, second = (float(1 + x % 2_000_000_000) for x in np.random.SeedSequence(seed).generate_state(2))
-    state = at_rest(Enu(0.0, 0.0, height), 0.0, math.nan, px4.no_errors(first, second), height <= 0.0)
-    return px4.FlightProgress(state, px4.NOT_BEGUN, px4.NOT_YET)
+    state = at_rest(Enu(0.0, 0.0, height), 0.0, math.nan, no_errors(first, second), height <= 0.0)
+    return FlightProgress(state, NOT_BEGUN, NOT_YET)
 
 
 def fly(
-    orders: Sequence[Order],
-    laws: Sequence[px4.SimulationConstants],
-    flight: px4.FlightProgress,
-    until: float,
-    every: int,
-) -> tuple[Vector, Points, px4.FlightProgress]:
+    orders: Sequence[Order], laws: Sequence[SimulationConstants], flight: FlightProgress, until: float, every: int
+) -> tuple[Vector, Points, FlightProgress]:
     """Fly on; return times [s] after each order that ended, samples, and the progress.
 
     Samples (m, 7): time, place, estimated speed, each `every` steps (0: none). The flight starts at rest over home, or
@@ -338,8 +360,8 @@ def fly(
     taken = 0
     for n in range(len(orders)):
         order = orders[n]
-        if steps == px4.NOT_BEGUN:
-            if order.kind == px4.TAKE_OFF and (state.body.on_ground or state.contact.on_ground):
+        if steps == NOT_BEGUN:
+            if order.kind == TAKE_OFF and (state.body.on_ground or state.contact.on_ground):
                 lifts = state.time + constants.limits.spool_up
                 state = at_rest(state.body.place, lifts, state.nose.yaw, state.errors, True)
             state = begin(state, order)
@@ -351,7 +373,7 @@ def fly(
             steps = steps + 1
             if until == math.inf:
                 state = past_cruise(state, order, constants)
-            if order.kind == px4.LAND and not state.contact.on_ground:
+            if order.kind == LAND and not state.contact.on_ground:
                 touched = state.time
             if every > 0 and steps % every == 0:
                 if taken == len(samples):
@@ -363,7 +385,7 @@ def fly(
                 row[4], row[5], row[6] = speed.east, speed.north, speed.up
                 taken += 1
         if state.time >= until or not is_over(state, order):
-            return done[:n].copy(), samples[:taken].copy(), px4.FlightProgress(state, steps, touched)
+            return done[:n].copy(), samples[:taken].copy(), FlightProgress(state, steps, touched)
         done[n] = state.reached + order.hold_s if until == math.inf else state.time
-        steps = px4.NOT_BEGUN
-    return done, samples[:taken].copy(), px4.FlightProgress(state, steps, touched)
+        steps = NOT_BEGUN
+    return done, samples[:taken].copy(), FlightProgress(state, steps, touched)

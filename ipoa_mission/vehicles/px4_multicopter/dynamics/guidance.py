@@ -4,8 +4,22 @@ import math
 from typing import NamedTuple
 
 from ipoa_mission.geometry import GRAVITY, ZERO, Enu, dot, horizontal_norm, minus, norm, plus, scaled
-from ipoa_mission.vehicles.px4_multicopter.dynamics import state as px4
-from ipoa_mission.vehicles.px4_multicopter.dynamics.state import Order, State, as_tuple
+from ipoa_mission.vehicles.px4_multicopter.dynamics.state import (
+    BEFORE,
+    BEYOND,
+    LAND,
+    OFF_LINE,
+    ON_LINE,
+    TAKE_OFF,
+    Body,
+    Contact,
+    Guidance,
+    Order,
+    SimulationConstants,
+    State,
+    Yaw,
+    as_tuple,
+)
 from ipoa_mission.vehicles.px4_multicopter.limits import RANGE_LAG_S, STAGES, Px4Limits
 
 
@@ -71,7 +85,7 @@ def vertical_speed(place: Enu, to: Triplet, climb: Climb, limits: Px4Limits) -> 
     return min(climb.rate, speed_to(abs(goal.up - place.up), leave, climb.accel, limits.jerk))
 
 
-def sink_rate(state: State, order: Order, constants: px4.SimulationConstants) -> float:
+def sink_rate(state: State, order: Order, constants: SimulationConstants) -> float:
     """Return MPC_Z_V_AUTO_DN above MPC_LAND_ALT1, MPC_LAND_SPEED at MPC_LAND_ALT2, then a crawl.
 
     Between them it interpolates from MPC_Z_VEL_MAX_DN. Only a range finder measures over the ground, with a lag, and
@@ -86,22 +100,22 @@ def sink_rate(state: State, order: Order, constants: px4.SimulationConstants) ->
 
 
 def touches_down(state: State, order: Order) -> bool:
-    return order.kind == px4.LAND and (state.contact.on_ground or state.body.place.up <= order.goal.up)
+    return order.kind == LAND and (state.contact.on_ground or state.body.place.up <= order.goal.up)
 
 
-def detect_contact(state: State, body: px4.Body, thrust: float, constants: px4.SimulationConstants) -> px4.Contact:
+def detect_contact(state: State, body: Body, thrust: float, constants: SimulationConstants) -> Contact:
     """Return the land detector's state. The range finder loses the ground below an estimated height of 0."""
     before = state.contact
     limits, sees = constants.limits, constants.senses.sees_ground
     on_ground = body.on_ground
     lost = before.lost or (before.on_ground and (state.errors.drift.up > 0.0 or not sees))
     low = before.stages > 0 or thrust <= GRAVITY * (limits.low_thrust - 1.0)
-    if not on_ground or abs(body.speed.up) >= limits.most_touchdown or not low:
-        return px4.Contact(on_ground, lost, 0, state.time + constants.dt)
+    if not on_ground or abs(body.speed.up) >= limits.max_touchdown or not low:
+        return Contact(on_ground, lost, 0, state.time + constants.dt)
     stage = limits.land_detector_s * (STAGES if lost and sees else 1) / STAGES
     if state.time + constants.dt - before.since >= stage:
-        return px4.Contact(on_ground, lost, before.stages + 1, state.time + constants.dt)
-    return px4.Contact(on_ground, lost, before.stages, before.since)
+        return Contact(on_ground, lost, before.stages + 1, state.time + constants.dt)
+    return Contact(on_ground, lost, before.stages, before.since)
 
 
 def heading_wanted(state: State, order: Order) -> float:
@@ -118,15 +132,15 @@ def heading_error(state: State, order: Order) -> float:
     return 0.0 if math.isnan(error) else error - 2.0 * math.pi * math.floor(error / (2.0 * math.pi) + 0.5)
 
 
-def turn_nose(state: State, order: Order, limits: Px4Limits, dt: float) -> px4.Yaw:
+def turn_nose(state: State, order: Order, limits: Px4Limits, dt: float) -> Yaw:
     nose = state.nose
     if math.isnan(nose.yaw):
-        return px4.Yaw(heading_wanted(state, order), 0.0)
+        return Yaw(heading_wanted(state, order), 0.0)
     error = heading_error(state, order)
     accel = limits.yaw_accel
     most = min(limits.yaw_rate, math.sqrt(2.0 * accel * abs(error)), abs(error) / dt)
     rate = nose.rate + min(max(math.copysign(most, error) - nose.rate, -accel * dt), accel * dt)
-    return px4.Yaw(nose.yaw + rate * dt, rate)
+    return Yaw(nose.yaw + rate * dt, rate)
 
 
 AT_GOAL = 1e-5  # no velocity setpoint nearer [m]
@@ -136,9 +150,9 @@ MOVING = 0.2  # least speed of a turn [m/s]
 SEPARATE_AXES_SPEED = 0.5  # below, level and vertical parts are cut separately [m/s]
 
 
-def guide(state: State, order: Order, limits: Px4Limits) -> px4.Guidance:
+def guide(state: State, order: Order, limits: Px4Limits) -> Guidance:
     """Return the guidance, restarted from the present place after a change."""
-    if limits.splits_axes:
+    if limits.decoupled_axes:
         return state.guidance
     place = state.body.place
     before = state.guidance
@@ -146,17 +160,17 @@ def guide(state: State, order: Order, limits: Px4Limits) -> px4.Guidance:
     reported_place = Enu(place.east, place.north, place.up - home)
     ahead, along, across = beside_leg(reported_place, as_tuple(order.start), as_tuple(order.goal))
     if ahead <= 1e-6:
-        return px4.Guidance(px4.ON_LINE, as_tuple(order.start), before.held, before.rising)
-    side = px4.ON_LINE
+        return Guidance(ON_LINE, as_tuple(order.start), before.held, before.rising)
+    side = ON_LINE
     if along > ahead:
-        side = px4.BEYOND
+        side = BEYOND
     elif along < 0.0 and along * along + across * across > order.radius * order.radius:
-        side = px4.BEFORE
-    elif order.kind != px4.LAND and across > order.radius:
-        side = px4.OFF_LINE
-    if side == before.side and side != px4.OFF_LINE:
+        side = BEFORE
+    elif order.kind != LAND and across > order.radius:
+        side = OFF_LINE
+    if side == before.side and side != OFF_LINE:
         return before
-    return px4.Guidance(side, reported_place, before.held, before.rising)
+    return Guidance(side, reported_place, before.held, before.rising)
 
 
 def beside_leg(place: Enu, start: Enu, goal: Enu) -> tuple[float, float, float]:
@@ -170,17 +184,17 @@ def beside_leg(place: Enu, start: Enu, goal: Enu) -> tuple[float, float, float]:
     return length, along, math.sqrt(max(dot(flown, flown) - along * along, 0.0))
 
 
-def triplet(guidance: px4.Guidance, order: Order) -> Triplet:
+def triplet(guidance: Guidance, order: Order) -> Triplet:
     """Return the leg's waypoints, or the way back to its end, start or nearest point."""
     anchor = guidance.anchor
     start = as_tuple(order.start)
     goal = as_tuple(order.goal)
     beyond = as_tuple(order.beyond)
-    if guidance.side == px4.BEYOND:
+    if guidance.side == BEYOND:
         return Triplet(anchor, goal, beyond)
-    if guidance.side == px4.BEFORE:
+    if guidance.side == BEFORE:
         return Triplet(anchor, start, goal)
-    if guidance.side == px4.OFF_LINE:
+    if guidance.side == OFF_LINE:
         length, along, _ = beside_leg(anchor, start, goal)
         return Triplet(anchor, plus(start, scaled(minus(goal, start), along / length)), goal)
     return Triplet(start, goal, beyond)
@@ -192,7 +206,7 @@ def reported_home_error(state: State, order: Order) -> float:
 
 
 def is_low_take_off(state: State, order: Order, limits: Px4Limits) -> bool:
-    return order.kind == px4.TAKE_OFF and state.body.place.up < limits.land_high
+    return order.kind == TAKE_OFF and state.body.place.up < limits.land_high
 
 
 def climb_limits(rising: bool, low: bool, limits: Px4Limits) -> Climb:
@@ -204,8 +218,8 @@ def climb_limits(rising: bool, low: bool, limits: Px4Limits) -> Climb:
 
 
 def velocity_setpoint(
-    state: State, order: Order, constants: px4.SimulationConstants, guidance: px4.Guidance
-) -> tuple[Enu, px4.Guidance]:
+    state: State, order: Order, constants: SimulationConstants, guidance: Guidance
+) -> tuple[Enu, Guidance]:
     """Return velocity setpoint before jerk limits, and guidance; in a turn it aims ahead at constant speed."""
     limits = constants.limits
     x, y = state.trajectory.east, state.trajectory.north
@@ -221,16 +235,16 @@ def velocity_setpoint(
         held = guidance.held
         fast = min(held, fast)
         aim = ahead_on_leg(place, to, aim, order.radius)
-    if order.kind == px4.LAND:
+    if order.kind == LAND:
         share = fast / distance if distance > AT_GOAL else 0.0
         velocity = Enu(aim.east * share, aim.north * share, -sink_rate(state, order, constants))
     else:
         climb = climb_limits(guidance.rising, is_low_take_off(state, order, limits), limits)
         rise = vertical_speed(place, to, climb, limits)
-        velocity = split_velocity(aim, fast, rise) if limits.splits_axes else within(aim, fast, rise)
+        velocity = decoupled_velocity(aim, fast, rise) if limits.decoupled_axes else within(aim, fast, rise)
     if limits.turns_first and order.may_turn_first and abs(heading_error(state, order)) > limits.yaw_error:
         velocity = ZERO
-    return velocity, px4.Guidance(guidance.side, guidance.anchor, held, velocity.up > 0.0)
+    return velocity, Guidance(guidance.side, guidance.anchor, held, velocity.up > 0.0)
 
 
 def ahead_on_leg(place: Enu, to: Triplet, aim: Enu, radius: float) -> Enu:
@@ -247,7 +261,7 @@ def ahead_on_leg(place: Enu, to: Triplet, aim: Enu, radius: float) -> Enu:
     return plus(aside, scaled(direction, math.sqrt(max(squared, 0.0))))
 
 
-def split_velocity(aim: Enu, fast: float, rise: float) -> Enu:
+def decoupled_velocity(aim: Enu, fast: float, rise: float) -> Enu:
     """Return a velocity along `aim`, of a level and a vertical speed [m/s]."""
     far = horizontal_norm(aim)
     share = fast / far if far > 0.0 else 0.0

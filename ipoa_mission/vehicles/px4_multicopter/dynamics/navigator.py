@@ -11,51 +11,60 @@ from ipoa_mission.errors import EndlessFlight
 from ipoa_mission.forecast.itinerary.itinerary import UNTIMED, Itinerary
 from ipoa_mission.geometry import GRAVITY, Enu, Vector
 from ipoa_mission.mission.items import Item
-from ipoa_mission.vehicles.px4_multicopter.dynamics import state as px4
-from ipoa_mission.vehicles.px4_multicopter.dynamics.state import Level, Order
+from ipoa_mission.vehicles.px4_multicopter.dynamics.state import (
+    GO,
+    LAND,
+    SIH,
+    TAKE_OFF,
+    Airframe,
+    Level,
+    Order,
+    SensorModel,
+    SimulationConstants,
+)
 from ipoa_mission.vehicles.px4_multicopter.limits import Px4Limits
 from ipoa_mission.wind import Wind, wind_table
 
-FLOWN_TO = HOLDING | {Command.NAV_LOITER_TO_ALT}
+HELD_OR_REACHED = HOLDING | {Command.NAV_LOITER_TO_ALT}
 ANY_RADIUS = 1e9  # without effect [m]
 
 
-def airframe_of(vehicle: LearnedVehicle | None) -> px4.Airframe:
+def airframe_of(vehicle: LearnedVehicle | None) -> Airframe:
     """Return the learned airframe, or SIH's.
 
-    >>> airframe_of(None) is px4.SIH
+    >>> airframe_of(None) is SIH
     True
     """
     if vehicle is None:
-        return px4.SIH
-    return px4.Airframe(
-        px4.SIH.drag * vehicle.value("drag", 1.0),
-        vehicle.value("lag", px4.SIH.lag),
+        return SIH
+    return Airframe(
+        SIH.drag * vehicle.value("drag", 1.0),
+        vehicle.value("lag", SIH.lag),
         vehicle.value("lift_delay", 0.0),
         vehicle.value("landing_delay", 0.0),
     )
 
 
 def simulation_constants(
-    limits: Px4Limits, airframe: px4.Airframe, senses: px4.SensorModel, wind: Wind, dt: float
-) -> px4.SimulationConstants:
+    limits: Px4Limits, airframe: Airframe, senses: SensorModel, wind: Wind, dt: float
+) -> SimulationConstants:
     leaning, turning = (-math.expm1(-dt / lag) for lag in (limits.lean_lag, airframe.lag))
     senses = senses._replace(sees_ground=senses.sees_ground and limits.has_range_finder)
     steps = (dt, GRAVITY * math.tan(limits.lean), leaning, turning)
-    return px4.SimulationConstants(limits, airframe, senses, wind_table(wind), *steps, turns=True, noisy=True)
+    return SimulationConstants(limits, airframe, senses, wind_table(wind), *steps, turns=True, noisy=True)
 
 
 def leg(limits: Px4Limits, start: Enu, goal: Enu, *, beyond: Enu | None = None, cruise: float | None = None) -> Order:
     """Return a leg on to `beyond`, or with a stop; `cruise` [m/s] is by default MPC_XY_CRUISE."""
-    fastest = min(limits.cruise if cruise is None else cruise, limits.most_speed)
+    fastest = min(limits.cruise if cruise is None else cruise, limits.max_speed)
     return Order(
-        px4.GO, start, goal, beyond or goal, radius=limits.radius, height_radius=limits.height_radius, cruise=fastest
+        GO, start, goal, beyond or goal, radius=limits.radius, height_radius=limits.height_radius, cruise=fastest
     )
 
 
 def take_off(top: Enu, limits: Px4Limits) -> Order:
     """Return a climb above home at that time."""
-    return leg(limits, top, top)._replace(kind=px4.TAKE_OFF, follows_home=False)
+    return leg(limits, top, top)._replace(kind=TAKE_OFF, follows_home=False)
 
 
 def waypoint(item: Item, order: Order, limits: Px4Limits) -> Order:
@@ -82,7 +91,7 @@ def landing_orders(start: Enu, ground: Enu, limits: Px4Limits, cruise: float, ho
     over = ground._replace(up=start.up)
     legs = [leg(limits, start, over, cruise=cruise)] if math.dist(start, over) > limits.radius else []
     ground = ground if legs else start._replace(up=ground.up)
-    return [*legs, leg(limits, ground, ground, cruise=cruise)._replace(kind=px4.LAND, hold_s=hold_s)]
+    return [*legs, leg(limits, ground, ground, cruise=cruise)._replace(kind=LAND, hold_s=hold_s)]
 
 
 def stopping_place(place: Enu, speed: Level, limits: Px4Limits) -> Enu:
@@ -91,21 +100,21 @@ def stopping_place(place: Enu, speed: Level, limits: Px4Limits) -> Enu:
     return place._replace(east=place.east + speed.east * time, north=place.north + speed.north * time)
 
 
-def return_orders(here: Enu, limits: Px4Limits, home: Enu, up: float = 0.0) -> list[Order]:
+def return_orders(here: Enu, limits: Px4Limits, goal_ground: Enu, goal_height: float = 0.0) -> list[Order]:
     """Return the orders of RTL: climb by `Px4Return`, fly at MPC_XY_CRUISE, wait, land.
 
-    `home`: ground at home or a rally point; heights count from `up`. While it climbs it flies back to `here`, until
+    The goal is home or a rally point; heights count from `goal_height`. While it climbs it flies back to `here`, until
     within NAV_LOITER_RAD.
     """
-    far = math.hypot(here.east - home.east, here.north - home.north)
-    height = up + limits.returning.height(here.up - up, far)
+    far = math.hypot(here.east - goal_ground.east, here.north - goal_ground.north)
+    height = goal_height + limits.returning.height(here.up - goal_height, far)
     top = here._replace(up=height) if height > here.up + limits.height_radius else here
     climb = [leg(limits, top, top)._replace(radius=ANY_RADIUS)] if top != here else []
-    *legs, down = landing_orders(top, home, limits, limits.cruise, limits.disarm_delay)
+    *legs, down = landing_orders(top, goal_ground, limits, limits.cruise, limits.disarm_delay)
     # PX4's return has no previous waypoint: from wherever it turns home it flies straight, and keeps to no line.
     legs = [order._replace(start=order.goal) for order in legs]
     over = down.goal._replace(up=top.up)
-    low = over._replace(up=max(min(top.up, up + limits.land_delay_height), home.up))
+    low = over._replace(up=max(min(top.up, goal_height + limits.land_delay_height), goal_ground.up))
     waits = [leg(limits, over, low), *stay(low, limits, limits.land_delay)] if limits.land_delay else []
     return [*climb, *legs, *waits, down]
 
@@ -130,7 +139,7 @@ def orders_along(start: Enu, places: Sequence[Enu], limits: Px4Limits, ground: E
         if math.dist(leg_start, place) > limits.radius:
             legs.append(leg(limits, leg_start, place, beyond=beyond))
             leg_start = place
-    return [*legs, leg(limits, ground, ground)._replace(kind=px4.LAND, hold_s=limits.disarm_delay)]
+    return [*legs, leg(limits, ground, ground)._replace(kind=LAND, hold_s=limits.disarm_delay)]
 
 
 class Planned(NamedTuple):
@@ -163,8 +172,8 @@ def with_patience(orders: Sequence[Order], start: Enu, limits: Px4Limits, landin
     for order in orders:
         level = math.dist(start[:2], order.goal[:2])
         rise = abs(order.goal.up - start.up)
-        lasts = (300 if order.kind == px4.LAND else 120) + 6 * level * max(1.0, 1 / order.cruise) + 4 * rise / slowest
-        late = landing_delay if order.kind == px4.LAND else 0.0
+        lasts = (300 if order.kind == LAND else 120) + 6 * level * max(1.0, 1 / order.cruise) + 4 * rise / slowest
+        late = landing_delay if order.kind == LAND else 0.0
         yield order._replace(hold_s=order.hold_s + late, patience=lasts * max(1.0, 1 / order.radius))
         start = order.goal
 
@@ -183,7 +192,7 @@ class _Navigator:
         visit = self.itinerary.visits[n]
         command = visit.item.command
         params = visit.item.params
-        if command in FLOWN_TO:
+        if command in HELD_OR_REACHED:
             start = self.here
             self.here = self.target(n)
             if command == Command.NAV_SPLINE_WAYPOINT:

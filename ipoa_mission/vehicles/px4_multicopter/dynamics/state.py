@@ -52,8 +52,8 @@ class SensorModel(NamedTuple):
 
 #: SIH's quadrotor (1 kg, drag 1 N s/m): 9.8 m/s at a lean of 45 degrees.
 SIH = Airframe(drag=1.0, lag=0.06)
-SIH_SENSES = SensorModel(every=0.125, height_noise=0.5, drift=0.2, drift_up=0.13, drift_lasts=4.5, sees_ground=True)
-KNOWS = SensorModel(every=math.inf, height_noise=0.0, drift=0.0, drift_up=0.0, drift_lasts=1.0, sees_ground=False)
+SIH_SENSORS = SensorModel(every=0.125, height_noise=0.5, drift=0.2, drift_up=0.13, drift_lasts=4.5, sees_ground=True)
+NOISE_FREE = SensorModel(every=math.inf, height_noise=0.0, drift=0.0, drift_up=0.0, drift_lasts=1.0, sees_ground=False)
 
 
 class Order(NamedTuple):
@@ -79,7 +79,7 @@ class SimulationConstants(NamedTuple):
     senses: SensorModel
     wind: WindTable
     dt: float  # of a step [s]
-    most_lean: float  # g tan(lean)
+    max_lean: float  # g tan(lean)
     leaning: float  # shares per step
     turning: float
     turns: bool  # the yaw matters
