@@ -274,7 +274,7 @@ class ArduCopter(Autopilot):
         if contingency not in returning.IN_PLACE:
             run_on_s = 0.95  # as flown; it then comes back
             return run_on_s * climb
-        p = copter.PARAMETER_TABLE.complete(parameters)
+        p = PARAMETER_TABLE.complete(parameters)
         braking = 7.5 if contingency is Contingency.HOLD else p["WPNAV_ACCEL_Z"] / 100  # BRAKE_MODE_DECEL_RATE
         upright = np.column_stack([climb, 0.0 * climb])
         lag_s = 0.08  # as flown
