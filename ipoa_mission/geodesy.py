@@ -10,7 +10,7 @@ from functools import lru_cache
 import numpy as np
 from pyproj import Geod, Transformer
 
-from ipoa_mission.geometry import Points, Vector
+from ipoa_mission.geometry import Plane, Points, Vector
 
 EARTH_RADIUS = 6_371_000.0  # spherical, as vehicles count heights [m]
 
@@ -22,8 +22,8 @@ class SphericalPlane:
     latitude_deg: Vector | float
     longitude_deg: Vector | float
 
-    def to_plane(self, latitude_deg: Vector, longitude_deg: Vector) -> Points:
-        """Return east and north, (n, 2) [m]."""
+    def to_plane(self, latitude_deg: Vector, longitude_deg: Vector) -> Plane:
+        """Return east and north [m]."""
         latitude = np.radians(latitude_deg)
         middle = np.radians(self.latitude_deg)
         turn = np.radians(np.asarray(longitude_deg) - self.longitude_deg)
@@ -91,7 +91,7 @@ class LocalFrame:
     home: Geodetic
 
     def to_local(self, latitude_deg: Vector, longitude_deg: Vector, altitude: Vector | float) -> Points:
-        """Return east, north, up (n, 3) [m]."""
+        """Return east, north, up [m]."""
         arrays = (np.atleast_1d(np.asarray(a, float)) for a in (latitude_deg, longitude_deg, altitude))
         lat, lon, alt = np.broadcast_arrays(*arrays)
         return np.column_stack(self._transform(lon, lat, alt, "FORWARD"))

@@ -7,6 +7,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 Points: TypeAlias = NDArray[np.float64]  # (n, 3) east, north, up [m]
+Plane: TypeAlias = NDArray[np.float64]  # (n, 2) east, north [m]
+Samples: TypeAlias = NDArray[np.float64]  # (n, 7) time [s], place [m], velocity [m/s]
+Matrix: TypeAlias = NDArray[np.float64]  # (n, m)
 Vector: TypeAlias = NDArray[np.float64]  # (n,)
 Place: TypeAlias = tuple[float, float, float]  # east, north, up [m]
 

@@ -17,7 +17,7 @@ from ipoa_mission.autopilot.commands import MULTICOPTER_LANDINGS
 from ipoa_mission.autopilot.learned import Learned, LearnedVehicle
 from ipoa_mission.errors import LogUseless, MissionError
 from ipoa_mission.forecast.timing.flight_model import FlightModel
-from ipoa_mission.geometry import Points, Vector
+from ipoa_mission.geometry import Matrix, Vector
 from ipoa_mission.learn.flight_measurements import (
     DEVIATIONS_OF_90_PERCENT,
     FlightMeasurements,
@@ -169,7 +169,7 @@ def _solve(flights: Sequence[Evidence], blank: LearnedVehicle, names: Sequence[s
         by_lean = (changes[names.index("drag")] - drags[:, 0]) / drags[:, 1] if log_drag else np.empty(0)
         return np.concatenate([errors(flights, vehicle) / deviations, by_lean, changes / prior])
 
-    def slopes(changes: Vector) -> Points:
+    def slopes(changes: Vector) -> Matrix:
         columns = []
         for n, name in enumerate(names):
             step = np.zeros(len(names))

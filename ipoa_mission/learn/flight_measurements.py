@@ -18,7 +18,7 @@ from ipoa_mission.autopilot.energy import PowerCurve
 from ipoa_mission.autopilot.learned import Learned
 from ipoa_mission.errors import LogUseless, MissionError
 from ipoa_mission.forecast.timing.flight_model import FlightModel
-from ipoa_mission.geometry import GRAVITY, Points, Vector
+from ipoa_mission.geometry import GRAVITY, Matrix, Points, Vector
 from ipoa_mission.logs.flight_log import LoggedFlight
 
 AIRBORNE_HEIGHT = 2.0  # beyond the ground effect [m]
@@ -150,7 +150,7 @@ def _ratio(flights: Sequence[PowerSeconds], flew_slowly: bool) -> Learned:
 
 
 def drag_by_lean(
-    attitude: Points, track: LoggedTrack, autopilot: Autopilot
+    attitude: Matrix, track: LoggedTrack, autopilot: Autopilot
 ) -> tuple[tuple[float, float], tuple[float, float]]:
     """Estimate from `Measured` attitudes (n, 4); refuse too little fast level flight.
 
@@ -202,7 +202,7 @@ def drag_by_lean(
     return (drag, deviation), (north, east) if is_wind_sure else (0.0, 0.0)
 
 
-def _smoothed(values: Points) -> Points:
+def _smoothed(values: Matrix) -> Matrix:
     window = np.ones(SMOOTHED_SAMPLES) / SMOOTHED_SAMPLES
     return np.column_stack([np.convolve(column, window, "same") for column in values.T])
 

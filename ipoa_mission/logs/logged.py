@@ -11,7 +11,7 @@ from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.autopilot.vehicle_kind import QUADROTOR
 from ipoa_mission.autopilot.version import Version
 from ipoa_mission.errors import LogUseless
-from ipoa_mission.geometry import Points, Vector
+from ipoa_mission.geometry import Matrix, Points, Vector
 from ipoa_mission.link.messages import ARMED_FLAG, CUSTOM_MODE_FLAG, Current, Heartbeat, Message, Position, SystemTime
 from ipoa_mission.mission.items import Item
 
@@ -22,11 +22,11 @@ Battery = tuple[float, float, float]  # [s, V, A]; NaN or negative: not measured
 class Measured:
     """Batteries: s, V, A, each (n, 3); attitude: s, roll, pitch, yaw [rad] (m, 4). Times increase."""
 
-    batteries: tuple[Points, ...] = ()
-    attitude: Points = field(default_factory=lambda: np.empty((0, 4)))
+    batteries: tuple[Matrix, ...] = ()
+    attitude: Matrix = field(default_factory=lambda: np.empty((0, 4)))
 
     @classmethod
-    def of(cls, batteries: Iterable[Iterable[Battery]], attitude: Iterable[tuple[float, ...]] | Points) -> "Measured":
+    def of(cls, batteries: Iterable[Iterable[Battery]], attitude: Iterable[tuple[float, ...]] | Matrix) -> "Measured":
         """Make measurements of rows in any order; without voltage left out."""
         read = (_sorted(battery, 3) for battery in batteries)
         leaned = _sorted(attitude, 4)
@@ -37,7 +37,7 @@ class Measured:
         batteries = tuple(_cut(battery, begin, end) for battery in self.batteries)
         return Measured(batteries, _cut(self.attitude, begin, end))
 
-    def power(self) -> Points:
+    def power(self) -> Matrix:
         """Return all batteries' power (n, 2) [s, W], at the first one's times; refuse unmeasured current."""
         measured = []
         reasons = []
@@ -59,13 +59,13 @@ class Measured:
         return np.column_stack([times, sum(np.interp(times, at, watts) for at, watts in measured)])
 
 
-def _sorted(rows: Iterable[tuple[float, ...]] | Points, columns: int) -> Points:
+def _sorted(rows: Iterable[tuple[float, ...]] | Matrix, columns: int) -> Matrix:
     table = np.asarray(list(rows), float).reshape(-1, columns)
     table = table[np.isfinite(table[:, :2]).all(axis=1)]
     return np.asarray(table[np.unique(table[:, 0], return_index=True)[1]])
 
 
-def _cut(rows: Points, begin: float, end: float) -> Points:
+def _cut(rows: Matrix, begin: float, end: float) -> Matrix:
     cut = rows[(rows[:, 0] >= begin) & (rows[:, 0] <= end)].copy()
     cut[:, 0] -= begin
     return cut
@@ -86,7 +86,7 @@ class Fixes:
     velocity: Points
 
     @classmethod
-    def of(cls, rows: Points) -> "Fixes":
+    def of(cls, rows: Matrix) -> "Fixes":
         """Make fixes of rows (n, 8) in any order; of equal times the first counts."""
         rows = rows[np.unique(rows[:, 0], return_index=True)[1]]
         times, latitude, longitude, altitude, height = rows.T[:5]

@@ -13,7 +13,7 @@ from pyproj import CRS, Geod, Proj
 
 from ipoa_mission.errors import BadInput, imported
 from ipoa_mission.geodesy import Geodetic
-from ipoa_mission.geometry import Points
+from ipoa_mission.geometry import Plane
 from ipoa_mission.unread import Unread
 from ipoa_mission.wind import Wind
 
@@ -38,11 +38,11 @@ class Datum(StrEnum):
 
 @dataclass(frozen=True)
 class WindSamples:
-    """`winds`: east and north [m/s], (n, 2), NaN if missing; `times` (UTC), (n,), NaT if unknown."""
+    """`winds`: east and north [m/s], NaN if missing; `times` (UTC), (n,), NaT if unknown."""
 
     height: float
     datum: Datum
-    winds: Points
+    winds: Plane
     times: Times
 
 
@@ -73,8 +73,8 @@ def grid_north(grid: str | CRS | tuple[float, float], latitude_deg: float, longi
     return float(Proj(grid).get_factors(longitude_deg, latitude_deg).meridian_convergence)
 
 
-def to_east_north(along: Points, axis_deg: float) -> Points:
-    """Return winds (n, 2) along the x and y axes, with y towards `axis_deg`, as east and north."""
+def to_east_north(along: Plane, axis_deg: float) -> Plane:
+    """Return winds along the x and y axes, with y towards `axis_deg`, as east and north."""
     sin = np.sin(np.radians(axis_deg))
     cos = np.cos(np.radians(axis_deg))
     return np.asarray(along @ np.array([[cos, -sin], [sin, cos]]))

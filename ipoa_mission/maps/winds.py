@@ -9,7 +9,7 @@ import numpy as np
 from ipoa_mission.errors import BadInput, NotCovered, NothingThere
 from ipoa_mission.files import read_bytes
 from ipoa_mission.geodesy import Geodetic
-from ipoa_mission.geometry import Points
+from ipoa_mission.geometry import Plane
 from ipoa_mission.maps.geoid import undulation
 from ipoa_mission.maps.grib_winds import grib_winds
 from ipoa_mission.maps.netcdf_winds import netcdf_winds
@@ -99,7 +99,7 @@ def _flown_levels(heights: list[float], notes: ForecastWinds) -> list[float]:
 
 def _winds_at_time(
     height: float, samples: Sequence[WindSamples], time: np.datetime64 | None, notes: ForecastWinds
-) -> Points:
+) -> Plane:
     winds = np.concatenate([s.winds for s in samples])
     times = np.concatenate([s.times for s in samples])
     undated = np.isnat(times)

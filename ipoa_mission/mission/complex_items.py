@@ -15,7 +15,7 @@ import numpy as np
 from ipoa_mission.autopilot.commands import Command, Frame
 from ipoa_mission.errors import BadInput
 from ipoa_mission.geodesy import Geodetic, SphericalPlane
-from ipoa_mission.geometry import Points
+from ipoa_mission.geometry import Plane, Vector
 from ipoa_mission.mission.items import ComplexItem, Item, camera_trigger, waypoint
 from ipoa_mission.mission.json_node import Node
 
@@ -142,13 +142,13 @@ def _round(polygon: Node, distance: float) -> list[Geodetic]:
     return [Geodetic(float(lat), float(lon)) for lat, lon in zip(latitude, longitude, strict=True)]
 
 
-def _area(plane: Points) -> float:
+def _area(plane: Plane) -> float:
     """Return twice the area [m^2], positive counter-clockwise."""
     x, y = plane.T
     return float(x @ np.roll(y, -1) - y @ np.roll(x, -1))
 
 
-def _corner(corner: Points, into: Points, out: Points, distance: float) -> Points:
+def _corner(corner: Vector, into: Vector, out: Vector, distance: float) -> Vector:
     """Return the corner of a clockwise polygon, its sides moved outwards by `distance` [m]."""
     left = np.array([-into[1], into[0]])
     next_left = np.array([-out[1], out[0]])

@@ -12,12 +12,11 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from ipoa_mission.geometry import Points, Vector, arc_lengths
+from ipoa_mission.geometry import Plane, Points, Vector, arc_lengths
 from ipoa_mission.planning.loops import lift, with_loops
 from ipoa_mission.planning.obstacle_grid import UNLIMITED, Nodes
 from ipoa_mission.planning.problem import Candidate, PreparedProblem, follow
 from ipoa_mission.world.airspace import Airspace
-from ipoa_mission.world.polygon import Plane
 
 REACH_BEYOND = 1.5  # behind a gap, in cells
 LONGEST_GAP = 20.0  # extent of a gap, in cells

@@ -10,9 +10,9 @@ from functools import lru_cache
 
 import numpy as np
 
-from ipoa_mission.geometry import leg_lengths
+from ipoa_mission.geometry import Matrix, leg_lengths
 from ipoa_mission.planning.obstacle_grid import Bench, Moves, Soft, Spans
-from ipoa_mission.planning.problem import ALL, Candidate, Matrix, PreparedProblem, null_space
+from ipoa_mission.planning.problem import ALL, Candidate, PreparedProblem, null_space
 from ipoa_mission.planning.proof import Check, Proof, prove_curve
 from ipoa_mission.planning.spline import Spline, even_basis
 

@@ -6,19 +6,17 @@ of eqs. (4)-(10). The threat is integrated over arc length; with `form = "nodes"
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ipoa_mission.geometry import Points, Vector, climb_angles, leg_lengths, polyline_length, turning_angles
+from ipoa_mission.geometry import Matrix, Points, Vector, climb_angles, leg_lengths, polyline_length, turning_angles
 from ipoa_mission.optimize.search import Box, Candidates, Costs
 from ipoa_mission.planning.obstacle_grid import LEAST, UNLIMITED, ObstacleGrid, Rules, obstacle_grid_of
 from ipoa_mission.planning.path_problem import PathTask
 from ipoa_mission.planning.spline import DEGREE, Spline, basis, even_basis, knots_of
 from ipoa_mission.scenario.path_limits import Limits
 
-Matrix: TypeAlias = NDArray[np.float64]
 COST_STEP = 0.05  # integration step [m]
 FULL_TURN_DEG = 360.0
 STEPS_PER_SPAN = 16  # of the curve
@@ -149,8 +147,8 @@ class Candidate:
 class Encoding:
     """Candidates x (m, D) in `box` map to control points origin + x @ matrix, (m, n, 3)."""
 
-    origin: Points  # (n, 3)
-    matrix: Matrix  # (D, n, 3)
+    origin: Points
+    matrix: NDArray[np.float64]  # (D, n, 3)
     box: Box
 
     def curve(self, x: Vector) -> Spline:
@@ -302,7 +300,7 @@ def _pins(candidate: Candidate, task: PathTask) -> tuple[Points, Matrix, NDArray
     return lift @ via, np.eye(n) - lift @ rows, np.array(moved)
 
 
-def _by_axis(points: Matrix) -> Matrix:
+def _by_axis(points: NDArray[np.float64]) -> Matrix:
     """Reorder (m, n, 3) to (m, 3 n): all east, then north, then up."""
     return np.ascontiguousarray(points.transpose(0, 2, 1)).reshape(len(points), -1)
 
@@ -313,7 +311,7 @@ def _greville(n: int) -> Vector:
     return np.array([knots[i + 1 : i + 1 + DEGREE].mean() for i in range(n)])
 
 
-def _axes(control: Points) -> Matrix:
+def _axes(control: Points) -> NDArray[np.float64]:
     """Return lateral and upward unit vectors, (n - 2, 2, 3)."""
     ahead = control[2:] - control[:-2]
     level = np.hypot(ahead[:, 0], ahead[:, 1])

@@ -14,7 +14,7 @@ from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.itinerary.flown_legs import item_places, join
 from ipoa_mission.forecast.timing.estimate import ItemTime
 from ipoa_mission.forecast.timing.track import Track
-from ipoa_mission.geometry import Points, Vector, arc_lengths
+from ipoa_mission.geometry import Matrix, Plane, Points, Vector, arc_lengths
 from ipoa_mission.mission.item_words import item_words
 from ipoa_mission.mission.items import Item
 from ipoa_mission.mission.program import as_flown
@@ -23,7 +23,6 @@ from ipoa_mission.report.table import Row, rows_of
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.world.airspace import Airspace
 from ipoa_mission.world.obstacles import Obstacle
-from ipoa_mission.world.polygon import Plane
 
 LANDING_RADIUS = 1.0  # [m]
 
@@ -96,7 +95,7 @@ def shown_deviation_bound(forecast: Forecast) -> DeviationBound:
     return deviation_bound_of(law_of(forecast.mission.autopilot, scenario.wind.strongest), scenario.safety.chance)
 
 
-def outline_around(points: Points, distance: float) -> list[Points]:
+def outline_around(points: Points, distance: float) -> list[Plane]:
     """Return closed rings, the outer one first, (n, 2) [m]."""
     if distance <= 0.0:
         return []
@@ -193,7 +192,7 @@ def extent_of(*paths: Points) -> Extent:
     return Extent((west, south), (east, north))
 
 
-def ground_mesh(airspace: Airspace, across: int, extent: Extent | None = None) -> tuple[Plane, Plane, Plane]:
+def ground_mesh(airspace: Airspace, across: int, extent: Extent | None = None) -> tuple[Matrix, Matrix, Matrix]:
     """Return east, north, height of square cells, `across` on the longer side, over an extent or the bounds [m]."""
     box = Extent(airspace.bounds.lower[:2], airspace.bounds.upper[:2]) if extent is None else extent
     sides = np.subtract(box.upper, box.lower)

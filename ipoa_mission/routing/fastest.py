@@ -14,7 +14,7 @@ from ipoa_mission.forecast.deviation.kept_limits import clearance_task, with_mar
 from ipoa_mission.forecast.deviation.proximity import proximity_risks
 from ipoa_mission.forecast.timing.estimate import kinematics
 from ipoa_mission.forecast.timing.track import pieces_of
-from ipoa_mission.geometry import Points, Vector, arc_lengths, leg_lengths
+from ipoa_mission.geometry import Matrix, Points, Vector, arc_lengths, leg_lengths
 from ipoa_mission.planning.planner import Plan
 from ipoa_mission.planning.proof import prove
 from ipoa_mission.planning.spline import Spline
@@ -173,7 +173,7 @@ def relaxed(curve: Spline, room: float, via: Points) -> Points:
     return samples
 
 
-def _least_squares(system: Points, wanted: Vector, room: float) -> Vector:
+def _least_squares(system: Matrix, wanted: Vector, room: float) -> Vector:
     """Solve for x (n,), |x| <= `room`, that minimizes |`system` x - `wanted`|, by projected Newton.
 
     Normal equations couple each x with two neighbors on either side only (Bertsekas 1982).

@@ -30,7 +30,7 @@ from ipoa_mission.forecast.contingency.shortfalls import (
 )
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.geodesy import Geodetic
-from ipoa_mission.geometry import Points, Vector
+from ipoa_mission.geometry import Matrix, Points, Vector
 from ipoa_mission.routing.repairs import slow_landings
 from ipoa_mission.routing.resample import lefts
 from ipoa_mission.scenario import Scenario
@@ -225,7 +225,7 @@ class _RallySearch:
         return None
 
 
-def _least_margins(margins: NDArray[np.float64], away: NDArray[np.float64], chosen: tuple[int, ...]) -> Points:
+def _least_margins(margins: NDArray[np.float64], away: NDArray[np.float64], chosen: tuple[int, ...]) -> Matrix:
     """Return the least margin of possible returns at instants (n,) to `chosen` goals and one of all goals (m,)."""
     farthest = np.minimum(away, away[:, chosen].min(axis=1, keepdims=True)) + 2 * SAMPLING.position_error
     least = np.where(away <= farthest, margins, np.inf)
@@ -234,7 +234,7 @@ def _least_margins(margins: NDArray[np.float64], away: NDArray[np.float64], chos
     return least
 
 
-def _margins(paths: ContingencyPaths, stopped: Points, height: NDArray[np.float64], goals: Points) -> Points:
+def _margins(paths: ContingencyPaths, stopped: Points, height: NDArray[np.float64], goals: Points) -> Matrix:
     """Return the margins [m] of level legs from places (n, 3) to goals (m, 3), (n, m)."""
     starts = np.repeat(np.column_stack([stopped[:, :2], height]), len(goals), axis=0)
     ends = np.column_stack([np.tile(goals[:, :2], (len(stopped), 1)), starts[:, 2]])

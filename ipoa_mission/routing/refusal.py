@@ -13,7 +13,7 @@ import numpy as np
 from ipoa_mission.centimeters import ceil_cm, floor_cm
 from ipoa_mission.errors import MissionError, Remedy
 from ipoa_mission.forecast.deviation.clearance_guarantee import KeptLimit
-from ipoa_mission.geometry import Points, Vector, place_words
+from ipoa_mission.geometry import Vector, place_words
 from ipoa_mission.planning.obstruction import NoPath
 from ipoa_mission.planning.path_problem import place_names
 from ipoa_mission.routing.attempt import Attempt
@@ -110,7 +110,7 @@ def _gap(tightest: KeptLimit, airspace: Airspace) -> str:
     return f"{floor_cm(tightest.nominal):.2f} m from {tightest.to}, where it needs {ceil_cm(needed):.2f} m"
 
 
-def _opposite(place: Points, name: str, needed: float, airspace: Airspace) -> tuple[float, str | None]:
+def _opposite(place: Vector, name: str, needed: float, airspace: Airspace) -> tuple[float, str | None]:
     """Return the width [m] of the gap at `place` from obstacle `name` on, and the opposite obstacle's name or None."""
     import shapely
 

@@ -163,7 +163,7 @@ def corridor(
 
 
 def _spots(curve: Spline, tolerance: float, most: int) -> Points:
-    """Return places that resolve all bends, (n, 3)."""
+    """Return places that resolve all bends."""
     if curve.length > GREATEST_SPACING * most:
         return curve.points(curve.chords(CHORD_SHARE * tolerance))
     return curve.sample(int(np.clip(math.ceil(curve.length / min(1.0, tolerance)) + 1, 20, most)))
@@ -199,7 +199,7 @@ def curve_samples(curve: Spline) -> tuple[Points, Points]:
 
 
 def lefts(samples: Points) -> Points:
-    """Return level unit vectors to the left of the path, (n, 3); zero if vertical."""
+    """Return level unit vectors to the left of the path; zero if vertical."""
     ahead = np.gradient(samples[:, :2], axis=0)
     length = np.linalg.norm(ahead, axis=1, keepdims=True)
     level = np.divide(ahead, length, out=np.zeros_like(ahead), where=length > 1e-9)

@@ -339,7 +339,7 @@ class AddedSection(Section):
 
     @abstractmethod
     def reach(self, scenario: Scenario) -> Reach:
-        """Return its corners (n, 2), and its greatest height above ground [m]."""
+        """Return its corners, and its greatest height above ground [m]."""
 
     @abstractmethod
     def seen_from(self, scenario: Scenario, home: Geodetic) -> Scenario:

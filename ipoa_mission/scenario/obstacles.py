@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 from pydantic import Field, field_validator, model_validator
 
 from ipoa_mission.geodesy import LocalFrame
-from ipoa_mission.geometry import Points
+from ipoa_mission.geometry import Plane
 from ipoa_mission.ground import Ground
 from ipoa_mission.maps.areas import MapArea
 from ipoa_mission.maps.map_window import Box
@@ -130,14 +130,14 @@ ObstacleSection: TypeAlias = Annotated[
 ]
 
 
-def _vertical_extent(base: float | None, height: float, ground: Ground, footprint: Points) -> tuple[float, float]:
+def _vertical_extent(base: float | None, height: float, ground: Ground, footprint: Plane) -> tuple[float, float]:
     if base is not None:
         return base, base + height
     heights = ground(np.vstack([footprint, footprint.mean(axis=0)]))
     return float(heights.min()), float(heights.max()) + height
 
 
-def _ring(corners: Points) -> tuple[tuple[float, float], ...]:
+def _ring(corners: Plane) -> tuple[tuple[float, float], ...]:
     return tuple((float(east), float(north)) for east, north in corners)
 
 

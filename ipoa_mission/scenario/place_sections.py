@@ -6,7 +6,7 @@ import numpy as np
 from pydantic import Field, field_validator, model_validator
 
 from ipoa_mission.geodesy import Geodetic, LocalFrame
-from ipoa_mission.geometry import Points, Vector
+from ipoa_mission.geometry import Plane, Vector
 from ipoa_mission.ground import Ground
 from ipoa_mission.scenario.map_sections import ElevationTerrain
 from ipoa_mission.scenario.section import Latitude, Longitude, NotNegative, Positive, Section, existing_file
@@ -15,7 +15,7 @@ from ipoa_mission.world.terrain import Analytic, Flat, Grid, Peak, SeaLevel, Ter
 Ring: TypeAlias = Annotated[tuple[tuple[float, float], ...], Field(min_length=3)]
 
 
-def east_north_of(ring: Ring, frame: LocalFrame) -> Points:
+def east_north_of(ring: Ring, frame: LocalFrame) -> Plane:
     latitude, longitude = np.asarray(ring, float).T
     return frame.to_local(latitude, longitude, np.full(len(latitude), frame.home.altitude))[:, :2]
 

@@ -15,7 +15,7 @@ import ipoa_mission.scenario.obstacles as obstacle_sections
 import ipoa_mission.scenario.place_sections as place_sections
 from ipoa_mission.errors import BadInput, InvalidRing, NotCovered
 from ipoa_mission.geodesy import LocalFrame
-from ipoa_mission.geometry import Points, Vector
+from ipoa_mission.geometry import Plane, Vector
 from ipoa_mission.ground import LEVEL, Ground
 from ipoa_mission.maps.areas import MapArea, Zones, join_zones
 from ipoa_mission.maps.buildings import Buildings
@@ -37,7 +37,7 @@ WINDOW_MARGIN = 500.0  # growth of the bounds without a second reading [m]
 BEYOND = f"more than {MARGIN:g} m outside the bounds"
 
 
-Reach: TypeAlias = tuple[Points, float]  # corners (n, 2), greatest height above ground [m]
+Reach: TypeAlias = tuple[Plane, float]  # corners, greatest height above ground [m]
 
 
 class Site(Protocol):

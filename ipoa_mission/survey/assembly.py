@@ -12,7 +12,7 @@ import shapely
 from ipoa_mission import Airspace, Command, Forecast, Frame, MissionError, Scenario, plan_path
 from ipoa_mission.forecast.contingency.shortfalls import clear_in
 from ipoa_mission.forecast.deviation.kept_limits import clearance_task, with_margins
-from ipoa_mission.geometry import Points, Vector, arc_lengths, union_of
+from ipoa_mission.geometry import Matrix, Plane, Points, Vector, arc_lengths, union_of
 from ipoa_mission.mission.complex_items import ITEMS, TRANSECTS, complex_item
 from ipoa_mission.mission.items import ComplexItem, Item, Mission, camera_trigger
 from ipoa_mission.planning.path_problem import PathProblem, problem_of
@@ -62,13 +62,13 @@ def assemble_survey(tour: Tour, sight: Sight, scenario: Scenario, growth: Mappin
     return replace(flown, complex_items=(_qgroundcontrol_item(flown.items[first : last + 1], tour, sight, scenario),))
 
 
-def _path(tour: Tour) -> tuple[Points, list[int], list[int]]:
-    """Return the corners (n, 2), and the indices of line begins and ends."""
-    path = list[Points]()
+def _path(tour: Tour) -> tuple[Plane, list[int], list[int]]:
+    """Return the corners, and the indices of line begins and ends."""
+    path = list[Vector]()
     begins = list[int]()
     ends = list[int]()
 
-    def reach(place: Points) -> int:
+    def reach(place: Vector) -> int:
         if not path or (path[-1] != place).any():
             path.append(place)
         return len(path) - 1
@@ -163,7 +163,7 @@ def _round_obstacles(straight: Points, task: PathProblem, distance: float, corne
     return np.column_stack([path, straight[0, 2] + along / along[-1] * (straight[1, 2] - straight[0, 2])])
 
 
-def _shortest(legs: Points) -> list[int] | None:
+def _shortest(legs: Matrix) -> list[int] | None:
     """Return the places between the last but one and the last on the shortest way, by legs (n, n)."""
     from scipy.sparse.csgraph import dijkstra
 
@@ -254,6 +254,6 @@ def _qgroundcontrol_camera(sight: Sight, camera: CameraSection | None) -> dict[s
     }
 
 
-def _degrees(places: Points, scenario: Scenario) -> list[list[float]]:
+def _degrees(places: Plane, scenario: Scenario) -> list[list[float]]:
     latitude, longitude, _ = scenario.frame.to_geodetic(np.column_stack([places, np.zeros(len(places))]))
     return [[round(float(a), 7), round(float(b), 7)] for a, b in zip(latitude, longitude, strict=True)]

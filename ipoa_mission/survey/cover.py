@@ -10,7 +10,7 @@ import numpy as np
 import shapely
 
 from ipoa_mission import MissionError
-from ipoa_mission.geometry import Points, Vector, union_of
+from ipoa_mission.geometry import Plane, Points, Vector, union_of
 from ipoa_mission.survey._kernels import NO_WAY, search_order
 from ipoa_mission.survey.free import FreeSpace, Transits, narrow, widen
 from ipoa_mission.survey.survey_area import ARC, Area
@@ -84,7 +84,7 @@ class _Pass:
     lines: Points
     path: SensedPath
     seconds: float
-    goals: list[Points]
+    goals: list[Plane]
     unseen: float
     once: bool = False
 
@@ -164,8 +164,8 @@ class CoverProblem:
             best = closed
         return best
 
-    def transit(self, start: Vector, end: Vector) -> Points:
-        """Return the corners (k, 2) from one place (2,) to another."""
+    def transit(self, start: Vector, end: Vector) -> Plane:
+        """Return the corners from one place (2,) to another."""
         first = self._out(start)
         last = self._out(end)
         transits = Transits(np.array([first[-1], first[-1], last[-1], last[-1]]), self.turns, self.around, self.cost)
@@ -237,7 +237,7 @@ class CoverProblem:
         before, after = ([] if place is None else [np.asarray(place, float)] for place in (begin, end))
         return self.cost.seconds(np.array([*before, *path.places, *after]))
 
-    def _out(self, place: Vector) -> Points:
+    def _out(self, place: Vector) -> Plane:
         """Return a place, then the nearest free one if the outline covers it, (1 or 2, 2)."""
         spot = shapely.Point(place)
         if self.around.shape.covers(spot) or self.turns.inner.is_empty:
@@ -254,7 +254,7 @@ class CoverProblem:
         corners = np.array([[0.0, 0.0], [leg, 0.0], [leg, self.spacing], [0.0, self.spacing]])
         return self.cost.seconds(corners) - 2 * leg / self.cost.speed
 
-    def _seconds_to(self, place: Vector | None, ends: Points) -> Vector:
+    def _seconds_to(self, place: Vector | None, ends: Plane) -> Vector:
         """Return the time from each line end (2n, 2) to a place [s]."""
         if place is None:
             return np.zeros(len(ends))
@@ -290,10 +290,10 @@ def _where_lines_go(area: Any, keep_out: Any, visible: Any, spacing: float, past
     return permitted
 
 
-def _tour_of(places: Points, is_on: list[bool]) -> Tour:
+def _tour_of(places: Plane, is_on: list[bool]) -> Tour:
     swaths = list[Swath]()
-    transits = list[Points]()
-    transit = list[Points]()
+    transits = list[Plane]()
+    transit = list[Vector]()
     for n, on in enumerate(is_on):
         if on:
             if swaths:

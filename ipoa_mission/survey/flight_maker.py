@@ -12,7 +12,7 @@ from ipoa_mission import Forecast, NoPath, NoRoute, NotEnoughBattery, Scenario
 from ipoa_mission.checks.firmware_check import is_too_long
 from ipoa_mission.errors import BadInput, Remedy
 from ipoa_mission.forecast.contingency.energy_budget import budget_of, refusal_of
-from ipoa_mission.geometry import Points
+from ipoa_mission.geometry import Plane
 from ipoa_mission.planning.proof import prove
 from ipoa_mission.routing.planned_returns import choose_returns, other_options_hint, why_not_planned
 from ipoa_mission.survey.assembly import assemble_survey
@@ -122,9 +122,9 @@ def _sets_of_starts(count: int) -> Iterator[tuple[int, ...]]:
     return chain.from_iterable(combinations(range(count), size) for size in sizes)
 
 
-def _joined_by_start(task: SurveyTask, starts: Points) -> Tour:
+def _joined_by_start(task: SurveyTask, starts: Plane) -> Tour:
     swaths = list[Swath]()
-    transits = list[Points]()
+    transits = list[Plane]()
     for start, area in zip(starts, nearest_areas(task.area, starts, task.sight.spacing), strict=True):
         if area is None or area.without(task.keep_out).is_empty:
             continue
@@ -138,7 +138,7 @@ def _joined_by_start(task: SurveyTask, starts: Points) -> Tour:
     return Tour(tuple(swaths), tuple(transits))
 
 
-def nearest_areas(area: Area, starts: Points, spacing: float) -> list[Area | None]:
+def nearest_areas(area: Area, starts: Plane, spacing: float) -> list[Area | None]:
     cells = shapely.get_parts(shapely.voronoi_polygons(shapely.MultiPoint(starts), extend_to=area.shape))
     min_area = 1e-3 * spacing**2  # [m^2]
     areas = list[Area | None]()
@@ -199,7 +199,7 @@ def _lines_of_one_flight(tour: Tour, make: FlightMaker) -> float:
     return min(1.0 + (1.0 / first.share - 1.0) * first.seconds / seconds_per_line, make.max_lines)
 
 
-def _from_starts(tours: Sequence[Tour], make: FlightMaker, starts: Points) -> tuple[Tour, tuple[Sortie, ...]]:
+def _from_starts(tours: Sequence[Tour], make: FlightMaker, starts: Plane) -> tuple[Tour, tuple[Sortie, ...]]:
     """Return the best tour and its flights; without a battery each place gets the nearest lines."""
 
     def cost(part: Sortie) -> RouteCost:

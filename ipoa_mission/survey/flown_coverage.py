@@ -12,7 +12,7 @@ import shapely
 from ipoa_mission import Command, Forecast
 from ipoa_mission.forecast.timing.track import THINNING_TOLERANCE, Track
 from ipoa_mission.geodesy import Geodetic, LocalFrame
-from ipoa_mission.geometry import Points, Vector
+from ipoa_mission.geometry import Matrix, Points, Vector
 from ipoa_mission.ground import Ground
 from ipoa_mission.survey.sight import Sight, lift_path
 from ipoa_mission.survey.survey_area import ARC, Area
@@ -29,7 +29,7 @@ class AsFlown:
     outside_m: float
 
 
-def as_flown(flights: Iterable[tuple[Track, Points]], area: Any, visible: Any, width: float) -> AsFlown:
+def as_flown(flights: Iterable[tuple[Track, Matrix]], area: Any, visible: Any, width: float) -> AsFlown:
     """Return the coverage of flights: tracks, and the times (n, 2) at which lines begin and end [s]."""
     lines = list[Any]()
     outside = 0.0
@@ -43,7 +43,7 @@ def as_flown(flights: Iterable[tuple[Track, Points]], area: Any, visible: Any, w
     return AsFlown(1.0 - unseen / visible.area, outside)
 
 
-def predict_lines(forecast: Forecast, tour: Tour, frame: LocalFrame) -> tuple[Track, Points]:
+def predict_lines(forecast: Forecast, tour: Tour, frame: LocalFrame) -> tuple[Track, Matrix]:
     """Return the track, and when lines begin and end (n, 2) [s]."""
     tolerance = 0.05  # between an item and its line's end [m]
     prediction = forecast.guarantee.flight.prediction
@@ -134,7 +134,7 @@ class Overlaps:
 
 @dataclass(frozen=True, eq=False)
 class PhotoLine:
-    """A straight line's ends (2, 3), and its photos' places (n, 3)."""
+    """A straight line's ends (2, 3), and its photos' places."""
 
     ends: Points
     photos: Points

@@ -10,7 +10,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from ipoa_mission.geometry import Points, Vector, union_of
+from ipoa_mission.geometry import Matrix, Plane, Vector, union_of
 from ipoa_mission.survey._kernels import DIRECT, NO_WAY, NONE, straight_ways, ways_between
 from ipoa_mission.survey.survey_area import INSET
 from ipoa_mission.survey.times import LegTimes
@@ -20,13 +20,13 @@ MAX_TURN = math.radians(60.0)
 
 @dataclass(frozen=True, eq=False)
 class FreeSpace:
-    """Polygons to fly in, their part `INSET` from the edge, edges (m, 4), corners (n, 2), and their `arms` (n, 4)."""
+    """Polygons to fly in, their part `INSET` from the edge, edges (m, 4), corners, and their `arms` (n, 4)."""
 
     shape: Any
     inner: Any
-    edges: Points
-    corners: Points
-    arms: Points
+    edges: Matrix
+    corners: Plane
+    arms: Matrix
 
     @classmethod
     def of(cls, shape: Any) -> "FreeSpace":
@@ -36,19 +36,19 @@ class FreeSpace:
         return cls(shape, inner, edges, *map(np.ascontiguousarray, (bends[:, :2], bends[:, 2:])))
 
     @cached_property
-    def between(self) -> Points:
+    def between(self) -> Matrix:
         ways = straight_ways(self.corners, self.arms, self.corners, self.arms, self.edges)
         ways = np.where(np.tri(len(ways), k=-1, dtype=bool), ways, ways.T)
         np.fill_diagonal(ways, NO_WAY)
         return np.ascontiguousarray(ways)
 
-    def ways(self, places: Points, others: Points, arms: Points | None = None) -> Points:
+    def ways(self, places: Plane, others: Plane, arms: Matrix | None = None) -> Matrix:
         """Return straight distances from places (n, 2) to others (m, 2), or NO_WAY, (n, m) [m]."""
         none = np.zeros((len(places), 4))
         there = np.zeros((len(others), 4)) if arms is None else arms
         return np.asarray(straight_ways(*map(np.ascontiguousarray, (places, none, others)), there, self.edges))
 
-    def transits(self, ends: Points, cost: LegTimes) -> Any:
+    def transits(self, ends: Plane, cost: LegTimes) -> Any:
         near = listed(self.ways(ends, self.corners, self.arms))
         bend_m = 1.0 * cost.speed
         return ways_between(cost.clock, ends, self.corners, near, listed(self.between), self.edges, bend_m)
@@ -57,7 +57,7 @@ class FreeSpace:
 class Transits:
     """The transits between line ends (2n, 2); `times` (2n, 2n) [s] with corners at both ends."""
 
-    def __init__(self, ends: Points, inside: FreeSpace, outside: FreeSpace, cost: LegTimes) -> None:
+    def __init__(self, ends: Plane, inside: FreeSpace, outside: FreeSpace, cost: LegTimes) -> None:
         self.ends = ends
         self._spaces = (inside, outside)
         self._searches = [inside.transits(ends, cost)]
@@ -71,8 +71,8 @@ class Transits:
             times = np.minimum(self._searches[1][0] + outside_s, NO_WAY)
             self.times = np.where(self._is_outside, times, self.times)
 
-    def corners(self, i: int, j: int) -> Points:
-        """Return the corners (k, 2) from end i to end j, both included."""
+    def corners(self, i: int, j: int) -> Plane:
+        """Return the corners from end i to end j, both included."""
         number = int(self._is_outside[i, j])
         _, last, previous = self._searches[number]
         corners = self._spaces[number].corners
@@ -85,19 +85,19 @@ class Transits:
         return np.array([self.ends[i], *passed[::-1]])
 
 
-def listed(ways: Points) -> tuple[Points, NDArray[np.int64], NDArray[np.int64]]:
+def listed(ways: Matrix) -> tuple[Matrix, NDArray[np.int64], NDArray[np.int64]]:
     """Return the ways (n, m), each row's begin in the concatenated columns that have one, and these."""
     rows, columns = np.nonzero(ways < NO_WAY)
     return ways, np.searchsorted(rows, np.arange(len(ways) + 1)), np.ascontiguousarray(columns)
 
 
-def _rings(shape: Any) -> list[Points]:
+def _rings(shape: Any) -> list[Plane]:
     """Return all rings, closed, interior on the left."""
     oriented = shapely.orient_polygons(shape)
     return [shapely.get_coordinates(ring) for ring in shapely.get_rings(shapely.get_parts(oriented))]
 
 
-def _bends(ring: Points) -> Points:
+def _bends(ring: Plane) -> Matrix:
     """Return the right turns of a ring, with the directions to their neighbors (0 at sharp corners), (k, 6)."""
     corners = ring[:-1]
     arms_to_neighbors = (np.roll(corners, step, axis=0) - corners for step in (1, -1))
@@ -118,8 +118,8 @@ def narrow(shape: Any, most: float) -> Any:
     return _redraw(shape, lambda ring: _sharpen_bulges(_fill_dents(ring[::-1], most), most)[::-1])
 
 
-def _redraw(shape: Any, redraw: Callable[[Points], Points]) -> Any:
-    """Redraw rings (n, 2), interior on the left; keep a part whose new rings would cross."""
+def _redraw(shape: Any, redraw: Callable[[Plane], Plane]) -> Any:
+    """Redraw rings, interior on the left; keep a part whose new rings would cross."""
     parts = []
     for part in shapely.get_parts(shapely.orient_polygons(shape)):
         outer, *inner = (redraw(shapely.get_coordinates(ring)[:-1]) for ring in shapely.get_rings(part))
@@ -128,14 +128,14 @@ def _redraw(shape: Any, redraw: Callable[[Points], Points]) -> Any:
     return union_of(parts)
 
 
-def _turns(ring: Points) -> Vector:
-    """Return the turns of an open ring (n, 2), left positive [rad]."""
+def _turns(ring: Plane) -> Vector:
+    """Return the turns of an open ring, left positive [rad]."""
     into = ring - np.roll(ring, 1, axis=0)
     out = np.roll(ring, -1, axis=0) - ring
     return np.asarray(np.arctan2(into[:, 0] * out[:, 1] - into[:, 1] * out[:, 0], (into * out).sum(axis=1)))
 
 
-def _fill_dents(ring: Points, most: float) -> Points:
+def _fill_dents(ring: Plane, most: float) -> Plane:
     """Replace runs of small right turns by a straight edge."""
     turns = _turns(ring)
     if (turns >= 0.0).all():
@@ -162,7 +162,7 @@ def _fill_dents(ring: Points, most: float) -> Points:
     return np.asarray(ring[corners[:-1]])
 
 
-def _sharpen_bulges(ring: Points, most: float) -> Points:
+def _sharpen_bulges(ring: Plane, most: float) -> Plane:
     """Replace runs of small left turns by one corner."""
     turns = _turns(ring)
     first = int(turns.argmax()) if turns.max() > MAX_TURN else int(turns.argmin())

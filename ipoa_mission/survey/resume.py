@@ -6,7 +6,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from ipoa_mission.geometry import Points
+from ipoa_mission.geometry import Plane, Points
 from ipoa_mission.ground import Ground
 from ipoa_mission.survey.sight import Sight
 from ipoa_mission.survey.tour import Swath, Tour
@@ -23,7 +23,7 @@ def rest_of_tour(
         for run in runs_in_order(tour, path, sight, ground):
             pieces[run.line].append((run.begin, run.end))
     swaths = list[Swath]()
-    transits = list[Points]()
+    transits = list[Plane]()
     before = -1
     for n, swath in enumerate(tour.swaths):
         for begin, end in _unflown_pieces(pieces[n], swath.length, sight):

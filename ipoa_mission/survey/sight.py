@@ -9,7 +9,7 @@ import shapely
 
 from ipoa_mission import Scenario
 from ipoa_mission.errors import BadInput, Remedy
-from ipoa_mission.geometry import Points, Vector
+from ipoa_mission.geometry import Plane, Points, Vector
 from ipoa_mission.ground import Ground
 from ipoa_mission.survey.survey_area import Area
 from ipoa_mission.survey.survey_section import BAND, SurveySection
@@ -99,8 +99,8 @@ def _is_level(area: Area, scenario: Scenario) -> bool:
     return bool(np.ptp(scenario.airspace.ground(np.stack(grid, axis=-1).reshape(-1, 2))) < 0.05)  # [m]
 
 
-def lift_path(path: Points, sight: Sight, ground: Ground) -> tuple[Points, list[int]]:
-    """Return a path (n, 2) with heights and added places, (m, 3), and the indices of its corners."""
+def lift_path(path: Plane, sight: Sight, ground: Ground) -> tuple[Points, list[int]]:
+    """Return a path with heights and added places, and the indices of its corners."""
     if sight.band == 0.0:
         return np.column_stack([path, ground(path) + sight.least]), [*range(len(path))]
     sampled = [_sample_leg(a, b, sight, ground) for a, b in pairwise(path)]
@@ -118,7 +118,7 @@ def lift_path(path: Points, sight: Sight, ground: Ground) -> tuple[Points, list[
     return np.array(points), corners
 
 
-def _sample_leg(a: Points, b: Points, sight: Sight, ground: Ground) -> tuple[Vector, Vector]:
+def _sample_leg(a: Vector, b: Vector, sight: Sight, ground: Ground) -> tuple[Vector, Vector]:
     """Return shares of a straight leg, and the minimum flight height at each."""
     ahead = b - a
     samples = 9  # across the path, and along the photo

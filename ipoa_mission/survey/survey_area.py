@@ -8,7 +8,7 @@ import shapely
 
 from ipoa_mission.errors import BadInput, InvalidRing, NothingThere, Remedy, TooFar
 from ipoa_mission.geodesy import REACH, LocalFrame
-from ipoa_mission.geometry import Points, union_of
+from ipoa_mission.geometry import Plane, union_of
 from ipoa_mission.maps.map_reader import read_features
 from ipoa_mission.maps.map_window import MapWindow
 from ipoa_mission.maps.planar import close_as_polygon, remove_repeats, simple_parts, to_plane
@@ -33,7 +33,7 @@ class Area:
 
     @classmethod
     def of(
-        cls, parts: Sequence[Sequence[Sequence[Sequence[float]] | Points]], where: str = "area", levels: int = 4
+        cls, parts: Sequence[Sequence[Sequence[Sequence[float]] | Plane]], where: str = "area", levels: int = 4
     ) -> "Area":
         """Return the area of parts, each a list of rings (n, 2): outer, then holes. Errors name the last `levels`."""
         if not len(parts):
@@ -76,7 +76,7 @@ class _Spelling:
         return indices[4 - self.levels :]
 
 
-def _polygon(rings: Sequence[Sequence[Sequence[float]] | Points], spelling: _Spelling, part: int) -> shapely.Polygon:
+def _polygon(rings: Sequence[Sequence[Sequence[float]] | Plane], spelling: _Spelling, part: int) -> shapely.Polygon:
     where = spelling.place(part)
     if not len(rings):
         raise InvalidRing("expected a ring of corners", place=where)
@@ -103,7 +103,7 @@ def _polygon(rings: Sequence[Sequence[Sequence[float]] | Points], spelling: _Spe
     return left
 
 
-def _ring(ring: Sequence[Sequence[float]] | Points, where: str) -> Points:
+def _ring(ring: Sequence[Sequence[float]] | Plane, where: str) -> Plane:
     try:
         corners = np.asarray(ring, float)
     except (TypeError, ValueError):
@@ -187,7 +187,7 @@ def read_map(path: Path, width: float | None, frame: LocalFrame) -> Area:
     return Area.of([_rings_of(polygon) for polygon in polygons], str(path))
 
 
-def _rings_of(polygon: shapely.Polygon) -> list[Points]:
+def _rings_of(polygon: shapely.Polygon) -> list[Plane]:
     return [shapely.get_coordinates(ring) for ring in shapely.get_rings(polygon)]
 
 
@@ -206,7 +206,7 @@ def shapes_in(path: Path, frame: LocalFrame) -> Iterator[tuple[str, Any]]:
                 yield f"{feature.place}.geometry", close_as_polygon(part)
 
 
-def corridor(line: Points, width: float, place: str) -> Any:
+def corridor(line: Plane, width: float, place: str) -> Any:
     if not np.isfinite(line).all() or (np.diff(line, axis=0) == 0.0).all(axis=1).any():
         raise InvalidRing("expected a line without repeated corners", place=place)
     shape = shapely.LineString(line).buffer(width / 2, cap_style="flat", join_style="mitre", mitre_limit=2.0)

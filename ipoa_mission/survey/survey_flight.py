@@ -16,7 +16,7 @@ from ipoa_mission import Forecast, Geodetic, Scenario, Wind
 from ipoa_mission.checks.unsafe import expect_plannable
 from ipoa_mission.errors import BadInput, NothingThere
 from ipoa_mission.files import make_folder, write_together
-from ipoa_mission.geometry import Points
+from ipoa_mission.geometry import Plane, Points
 from ipoa_mission.maps.map_reader import read_features
 from ipoa_mission.mission.mission_io import write_files, write_several
 from ipoa_mission.mission.waypoints_file import left_out
@@ -171,7 +171,7 @@ def describe(survey: Survey) -> list[str]:
 
 
 def plan_survey(
-    area: "Points | list[Any] | str | Path | None" = None,
+    area: "Plane | list[Any] | str | Path | None" = None,
     camera: str | Mapping[str, Any] | None = None,
     *,
     scenario: Scenario,
@@ -245,7 +245,7 @@ def _replan(first: SurveyPlan, scenario: Scenario, flown: Sequence[Flown], seed:
 
 
 def _paths(flights: Iterable[Sequence[tuple[float, float, float]]], scenario: Scenario) -> Iterator[Points]:
-    """Yield paths (n, 3) from heights above home."""
+    """Yield paths from heights above home."""
     for positions in filter(None, flights):
         latitude, longitude, height = np.array(positions).T
         home = nearest_start(scenario, Geodetic(*positions[0][:2])).frame.home

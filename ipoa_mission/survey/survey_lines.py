@@ -8,7 +8,7 @@ import numpy as np
 import shapely
 from shapely.ops import substring
 
-from ipoa_mission.geometry import Points, Vector, polyline_length, union_of
+from ipoa_mission.geometry import Plane, Points, Vector, polyline_length, union_of
 from ipoa_mission.survey._kernels import NO_WAY
 from ipoa_mission.survey.free import FreeSpace, Transits
 from ipoa_mission.survey.times import LegTimes
@@ -31,10 +31,10 @@ class LineAxes:
         north = math.cos(math.radians(degrees))
         return cls(np.array([east, north]), np.array([-north, east]))
 
-    def turned(self, places: Points) -> Points:
+    def turned(self, places: Plane) -> Plane:
         return np.column_stack([places @ self.along, places @ self.across])
 
-    def back(self, places: Points) -> Points:
+    def back(self, places: Plane) -> Plane:
         return np.asarray(places[:, :1] * self.along + places[:, 1:] * self.across)
 
 
@@ -78,7 +78,7 @@ def polygons_of(shape: Any) -> list[Any]:
     return [part for part in shapely.get_parts(shape) if part.geom_type == "Polygon" and part.area > 0.0]
 
 
-def line_over(gap: Any, inner: Any, width: float) -> Points | None:
+def line_over(gap: Any, inner: Any, width: float) -> Plane | None:
     """Return the line (2, 2) that sees most of a gap, or None if a place sees as much."""
     box = shapely.get_coordinates(shapely.oriented_envelope(gap))
     if len(box) < 4:
@@ -114,26 +114,26 @@ def line_over(gap: Any, inner: Any, width: float) -> Points | None:
 
 @dataclass(frozen=True, eq=False)
 class Detour:
-    """A detour from a leg (-1: before the path, last: after it) by `via` (k, 2), with `goal` (m, 2), to its end."""
+    """A detour from a leg (-1: before the path, last: after it) by `via`, with `goal`, to its end."""
 
     leg: int
-    via: Points
-    goal: Points
+    via: Plane
+    goal: Plane
 
 
 @dataclass
 class SensedPath:
     """Places (n, 2), and whether the sensor is on after each."""
 
-    places: list[Points]
+    places: list[Vector]
     is_on: list[bool] = field(default_factory=list)
 
     def legs(self, on: bool) -> Points:
         chosen = [n for n, each in enumerate(self.is_on) if each is on]
         return np.array([[self.places[n], self.places[n + 1]] for n in chosen]).reshape(-1, 2, 2)
 
-    def insert(self, detour: Detour) -> Points:
-        """Insert a detour; return its places (k, 2) with both ends on the path."""
+    def insert(self, detour: Detour) -> Plane:
+        """Insert a detour; return its places with both ends on the path."""
         n = detour.leg
         via = list(detour.via)
         begin = self.places[max(n, 0) : n + 1]
@@ -168,14 +168,14 @@ class GapCloser:
             route.is_on[off[n]] = True
         return gaps.difference(union_of(around[chosen])) if len(chosen) else gaps
 
-    def close(self, route: SensedPath, once: bool) -> tuple[list[Points], float]:
+    def close(self, route: SensedPath, once: bool) -> tuple[list[Plane], float]:
         """Insert detours into `route` past its largest gaps.
 
         With `once`, one detour round a hole sees all gaps along its edge. Return the lines (k, 2) and places (1, 2) of
         detours, and the unseen share beyond the limit.
         """
         hopeless = list[Any]()
-        goals = list[Points]()
+        goals = list[Plane]()
         left = self._gaps(route)
         max_passes = 8
         for n in range(max_passes + 1):
@@ -219,7 +219,7 @@ class GapCloser:
         return straight or self._quickest(route, legs, around, lines, round_corners=True)
 
     def _quickest(
-        self, route: SensedPath, legs: list[int], around: Any | None, lines: list[Points], round_corners: bool
+        self, route: SensedPath, legs: list[int], around: Any | None, lines: list[Plane], round_corners: bool
     ) -> Detour | None:
         best = None
         least = np.inf
@@ -243,12 +243,12 @@ class GapCloser:
                     least = seconds
         return best
 
-    def _at_least(self, before: list[Vector], via: Points, after: list[Vector]) -> float:
+    def _at_least(self, before: list[Vector], via: Plane, after: list[Vector]) -> float:
         """Return a lower bound [s]."""
         legs = np.diff(np.array([*before, via[0]]), axis=0), np.diff(np.array([via[-1], *after]), axis=0)
         return self.cost.seconds(via) + float(np.linalg.norm(np.concatenate(legs), axis=1).sum()) / self.cost.speed
 
-    def _round_corners(self, before: list[Vector], via: Points, after: list[Vector]) -> Points | None:
+    def _round_corners(self, before: list[Vector], via: Plane, after: list[Vector]) -> Plane | None:
         stops = [*before, via[0], via[-1], *after]
         transits = Transits(np.repeat(np.array(stops), 2, axis=0), self.space, self.space, self.cost)
         last = len(before) + 1
@@ -280,8 +280,8 @@ class GapCloser:
         order = np.argsort(away, kind="stable")[:max_legs]
         return [*(int(n) for n in order if np.isfinite(away[n])), -1, len(places) - 1]
 
-    def _lines(self, gap: Any) -> list[Points]:
-        """Return the line (k, 2) that sees most of a gap, and the edge of a hole if it takes most of the line."""
+    def _lines(self, gap: Any) -> list[Plane]:
+        """Return the line that sees most of a gap, and the edge of a hole if it takes most of the line."""
         places = shapely.points(shapely.get_coordinates(shapely.segmentize(gap.boundary, self.width / 8)))
         rings = shapely.get_rings(shapely.get_parts(self.space.inner))
         ring = rings[int(shapely.distance(rings, gap).argmin())]
@@ -301,9 +301,7 @@ class GapCloser:
         quick = [n for n, area in enumerate(left) if area <= min(left) + MIN_SHARE_SEEN * gap.area]
         return [lines[quick[0]]] if quick and left[quick[0]] < (1 - MIN_SHARE_SEEN) * gap.area else []
 
-    def _goals(
-        self, around: Any | None, lines: list[Points], before: list[Vector], after: list[Vector]
-    ) -> list[Points]:
+    def _goals(self, around: Any | None, lines: list[Plane], before: list[Vector], after: list[Vector]) -> list[Plane]:
         ends = np.array([*before, *after])
         if lines:
             begun = [_begun_near(line, ends) for line in lines]
@@ -312,8 +310,8 @@ class GapCloser:
         return [shapely.get_coordinates(shapely.shortest_line(around, leg))[:1]]
 
 
-def _begun_near(line: Points, places: Points) -> Points:
-    """Return a line (n, 2); a closed one begins nearest to `places`."""
+def _begun_near(line: Plane, places: Plane) -> Plane:
+    """Return a line; a closed one begins nearest to `places`."""
     if (line[0] != line[-1]).any():
         return line
     away = np.linalg.norm(line[:-1, None] - places, axis=2).sum(axis=1)

@@ -153,7 +153,7 @@ def _missing_clearance(kept: KeptLimit, guarantee: ClearanceGuarantee, bodies: S
 
 
 def rest_of(plan: SurveyPlan, flown: Sequence[Points], seed: int = 0) -> SurveyPlan:
-    """Return the plan of what paths (n, 3) left, east, north, up [m]."""
+    """Return the plan of what paths left."""
     scenario = plan.scenario
     tour = rest_of_tour(plan.tour, flown, plan.sight, scenario.airspace.ground, plan.cover.transit)
     if tour is None:

@@ -9,7 +9,7 @@ from pydantic import AfterValidator, Field, PositiveInt, WithJsonSchema, model_v
 
 from ipoa_mission import BadInput, MissionError, Scenario
 from ipoa_mission.geodesy import REACH, Geodetic, LocalFrame, apart
-from ipoa_mission.geometry import Points
+from ipoa_mission.geometry import Plane
 from ipoa_mission.scenario.map_sections import NoFlyMap
 from ipoa_mission.scenario.model import WORLD, AddedSection
 from ipoa_mission.scenario.place_sections import (
@@ -68,7 +68,7 @@ Rings: TypeAlias = Annotated[
 ]
 Moved = TypeVar("Moved", bound=Section)
 Ring: TypeAlias = tuple[tuple[float, float], ...]
-Move: TypeAlias = Callable[[Points], Points]  # of places (n, 2) [m]
+Move: TypeAlias = Callable[[Plane], Plane]  # of places
 
 
 class SurveySection(AddedSection):
@@ -194,8 +194,8 @@ class SurveySection(AddedSection):
         shape = corridor(np.array(self.line), self.width or 0.0, "survey.line")
         return expect_here(Area(shapely.MultiPolygon([shape])), "survey.line")
 
-    def middles(self, frame: LocalFrame) -> tuple[Points, ...]:
-        """Return center lines, (n, 2) each."""
+    def middles(self, frame: LocalFrame) -> tuple[Plane, ...]:
+        """Return center lines."""
         if self.line is not None:
             return (np.array(self.line),)
         if self.width is None or self.area is None:
@@ -246,7 +246,7 @@ def at_start(scenario: Scenario, n: int) -> Scenario:
 
 
 def move_between(old: LocalFrame, new: LocalFrame) -> Move:
-    def moved(places: Points) -> Points:
+    def moved(places: Plane) -> Plane:
         if old.home == new.home:
             return places
         latitude, longitude, _ = old.to_geodetic(np.column_stack([places, np.zeros(len(places))]))

@@ -15,7 +15,7 @@ from ipoa_mission import Mission, NoPath, Scenario
 from ipoa_mission.errors import BadInput, Remedy
 from ipoa_mission.forecast.deviation.kept_limits import NO_DEVIATION, DeviationBound, deviation_bound_of
 from ipoa_mission.forecast.deviation.law import law_of
-from ipoa_mission.geometry import Points, Vector, union_of
+from ipoa_mission.geometry import Plane, Vector, union_of
 from ipoa_mission.survey.cover import CoverProblem, quickest_tour
 from ipoa_mission.survey.flown_coverage import Coverage, coverage
 from ipoa_mission.survey.free import widen
@@ -199,7 +199,7 @@ def _expect_manageable(task: SurveyTask) -> None:
     raise BadInput(words, hint=hint, code="survey-too-long", place="survey")
 
 
-def _corridor_tour(task: SurveyTask, middle: Points, width: float, begin: Vector) -> Tour | None:
+def _corridor_tour(task: SurveyTask, middle: Plane, width: float, begin: Vector) -> Tour | None:
     """Return lines along a corridor, from its end nearer to `begin` (2,); they end earlier by the overshoot.
 
     Return None if a line bends back on itself or leaves the free area.
@@ -210,7 +210,7 @@ def _corridor_tour(task: SurveyTask, middle: Points, width: float, begin: Vector
     if np.linalg.norm(middle[-1] - begin) < np.linalg.norm(middle[0] - begin):
         middle = middle[::-1]
     middle = _trim_ends(middle, min(task.times.past_corners, 1 / 8 * spacing))
-    lines = list[Points]()
+    lines = list[Plane]()
     for n in range(count):
         line = shapely.LineString(middle).offset_curve(width * ((n + 0.5) / count - 0.5), join_style="mitre")
         corners = shapely.get_coordinates(line)
@@ -221,7 +221,7 @@ def _corridor_tour(task: SurveyTask, middle: Points, width: float, begin: Vector
     return Tour(swaths, tuple(np.array([before.end, after.begin]) for before, after in pairwise(swaths)))
 
 
-def _trim_ends(middle: Points, by: float) -> Points:
+def _trim_ends(middle: Plane, by: float) -> Plane:
     legs = middle[[1, -2]] - middle[[0, -1]]
     lengths = np.linalg.norm(legs, axis=1, keepdims=True)
     if (lengths <= 2 * by).any():

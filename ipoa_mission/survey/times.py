@@ -12,7 +12,7 @@ from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.timing.flight_model import FlightModel
 from ipoa_mission.forecast.timing.track import Track
 from ipoa_mission.geodesy import Geodetic, LocalFrame
-from ipoa_mission.geometry import Points, Vector
+from ipoa_mission.geometry import Matrix, Plane, Vector
 from ipoa_mission.mission.items import Mission, change_speed, takeoff, waypoint
 from ipoa_mission.survey._kernels import path_seconds
 from ipoa_mission.wind import CALM, Wind
@@ -24,7 +24,7 @@ SHORT_LEGS_S = np.array([0.3, 1.0, 10 / 3])  # times at speed, of one ratio
 
 class LegTimeTable(NamedTuple):
     pace: Vector  # by direction counterclockwise from east (d,) [s/m]; size 1: any
-    corner: Points  # by angle from 0 to 180 degrees and shorter leg (angles, lengths) [s]
+    corner: Matrix  # by angle from 0 to 180 degrees and shorter leg (angles, lengths) [s]
     shortest: float  # the first length [m]
     ratio: float  # natural logarithm of the ratio of successive lengths
 
@@ -52,7 +52,7 @@ class LegTimes:
         clock = LegTimeTable(pace, np.ascontiguousarray(corner), float(SHORT_LEGS_S[0]) * speed, math.log(10 / 3))
         return cls(speed, clock, float(past[-len(SHORT_LEGS_S) :].max()))
 
-    def seconds(self, path: Points) -> float:
+    def seconds(self, path: Plane) -> float:
         """Return the time of a polyline (n, 2), at speed at both ends [s]."""
         return float(path_seconds(self.clock, np.ascontiguousarray(path, float)))
 
@@ -69,7 +69,7 @@ class _TrialFlight:
     height: float
     wind: Wind
 
-    def fly(self, path: Points) -> tuple[Vector, Track]:
+    def fly(self, path: Plane) -> tuple[Vector, Track]:
         """Return when the places (n, 2) are done [s], and the track."""
         frame = LocalFrame(self.mission.home)
         latitude, longitude, altitude = frame.to_geodetic(np.column_stack([path, np.full(len(path), self.height)]))
@@ -124,7 +124,7 @@ def _passing(track: Track, place: Vector, start: Vector, between: Vector) -> flo
     return float(np.interp((place - start) @ (place - start), np.maximum.accumulate(along), track.times[first:last]))
 
 
-def _polyline(bearings: Vector, legs: Vector) -> Points:
+def _polyline(bearings: Vector, legs: Vector) -> Plane:
     steps = legs[:, None] * np.column_stack([np.cos(bearings), np.sin(bearings)])
     return np.concatenate([[[0.0, 0.0]], np.cumsum(steps, axis=0)])
 

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ipoa_mission.forecast.contingency.energy_budget import greatest_fitting
-from ipoa_mission.geometry import Points, Vector, polyline_length
+from ipoa_mission.geometry import Plane, Vector, polyline_length
 from ipoa_mission.survey.times import LegTimes
 
 MAX_PIECES = 64  # of a line
@@ -20,11 +20,11 @@ MAX_ESTIMATED_SHARE = 1.1  # of battery and best time
 class Swath:
     """A straight line with the sensor on, east and north (2,) [m]."""
 
-    begin: Points
-    end: Points
+    begin: Vector
+    end: Vector
 
     @property
-    def ends(self) -> Points:
+    def ends(self) -> Plane:
         return np.array([self.begin, self.end])
 
     @property
@@ -35,20 +35,20 @@ class Swath:
     def ahead(self) -> Vector:
         return np.asarray((self.end - self.begin) / max(self.length, 1e-9))
 
-    def at(self, distance: float) -> Points:
+    def at(self, distance: float) -> Vector:
         return np.asarray(self.begin + distance * self.ahead)
 
 
 @dataclass(frozen=True, eq=False)
 class Tour:
-    """Lines in flight order; `transits[n]` (k, 2), k >= 2, leads from line n to the next."""
+    """Lines in flight order; `transits[n]` leads from line n to the next."""
 
     swaths: tuple[Swath, ...]
-    transits: tuple[Points, ...]
+    transits: tuple[Plane, ...]
 
     @property
-    def path(self) -> Points:
-        """Return all corners (n, 2), without repeats."""
+    def path(self) -> Plane:
+        """Return all corners, without repeats."""
         if not self.swaths:
             return np.empty((0, 2))
         pieces = [self.swaths[0].ends]
@@ -59,7 +59,7 @@ class Tour:
     def part(self, first: int, last: int) -> "Tour":
         return Tour(self.swaths[first:last], self.transits[first : last - 1])
 
-    def moved(self, move: Callable[[Points], Points]) -> "Tour":
+    def moved(self, move: Callable[[Plane], Plane]) -> "Tour":
         return Tour(tuple(Swath(*move(s.ends)) for s in self.swaths), tuple(map(move, self.transits)))
 
 
@@ -71,7 +71,7 @@ class Sortie:
     start: int | None = None
 
 
-def without_repeats(path: Points) -> Points:
+def without_repeats(path: Plane) -> Plane:
     return np.asarray(path[np.concatenate([[True], (np.diff(path, axis=0) != 0.0).any(axis=1)])])
 
 
@@ -88,9 +88,9 @@ class RouteCost(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class StartSites:
-    """Start places (k, 2); `forecast_cost` tries a flight; cut lines have an `overlap` [m]."""
+    """Start places; `forecast_cost` tries a flight; cut lines have an `overlap` [m]."""
 
-    places: Points
+    places: Plane
     times: LegTimes
     forecast_cost: Callable[[Sortie], RouteCost]
     overlap: float

@@ -4,13 +4,11 @@ from typing import TypeAlias
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 
 from ipoa_mission.errors import InvalidRing
-from ipoa_mission.geometry import Vector
+from ipoa_mission.geometry import Plane, Vector
 
 Ring: TypeAlias = tuple[tuple[float, float], ...]  # corners (east, north) [m], not closed
-Plane: TypeAlias = NDArray[np.float64]  # (n, 2) east, north [m]
 QUARTER_SEGMENTS = 4
 
 

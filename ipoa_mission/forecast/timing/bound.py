@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ipoa_mission.errors import BadInput
-from ipoa_mission.geometry import Points, Vector, arc_lengths, leg_lengths
+from ipoa_mission.geometry import Matrix, Points, Vector, arc_lengths, leg_lengths
 
 
 class Kinematics(NamedTuple):
@@ -37,7 +37,7 @@ class Bound:
 
 
 def least_time(points: Points, kinematics: Kinematics) -> Bound:
-    """Return the least time along the cubic spline through points (n, 3), from rest to rest.
+    """Return the least time along the cubic spline through points, from rest to rest.
 
     Raises:
         BadInput: fewer than two different points, or a limit that is not positive.
@@ -110,18 +110,18 @@ def _from_rest(lengths: Vector, kinematics: Kinematics) -> Vector:
     return np.where(lengths < ramp_way, short, np.sqrt(ramp_speed**2 + 2 * accel * beyond))
 
 
-def derivatives(knots: Vector, points: Points, at: Vector) -> tuple[Points, Points]:
+def derivatives(knots: Vector, points: Matrix, at: Vector) -> tuple[Matrix, Matrix]:
     """Return both derivatives (m, d) at `at` (m,) of the spline of `points` (n, d), n > 2; `knots` (n,) increase."""
     h, _, slope, square, cube = _pieces(knots, points, at)
     return slope + (2 * square + 3 * cube * h) * h, 2 * square + 6 * cube * h
 
 
-def values(knots: Vector, points: Points, at: Vector) -> Points:
+def values(knots: Vector, points: Matrix, at: Vector) -> Matrix:
     h, point, slope, square, cube = _pieces(knots, points, at)
     return point + (slope + (square + cube * h) * h) * h
 
 
-def _pieces(knots: Vector, points: Points, at: Vector) -> tuple[Points, Points, Points, Points, Points]:
+def _pieces(knots: Vector, points: Matrix, at: Vector) -> tuple[Matrix, Matrix, Matrix, Matrix, Matrix]:
     """Return h (m, 1), and the coefficients of 1, h, h^2, h^3 (m, d)."""
     steps = np.diff(knots)
     chords = np.diff(points, axis=0) / steps[:, None]
@@ -133,7 +133,7 @@ def _pieces(knots: Vector, points: Points, at: Vector) -> tuple[Points, Points, 
     return (at - knots[piece])[:, None], points[piece], slopes[piece], square, bend / step
 
 
-def _slopes(knots: Vector, steps: Vector, chords: Points) -> Points:
+def _slopes(knots: Vector, steps: Vector, chords: Matrix) -> Matrix:
     n = len(knots)
     below = np.zeros(n)
     middle = np.ones(n)

@@ -7,12 +7,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ipoa_mission.geodesy import EARTH_RADIUS
-from ipoa_mission.geometry import Points, Vector, arc_lengths
+from ipoa_mission.geometry import Matrix, Points, Samples, Vector, arc_lengths
 
 THINNING_TOLERANCE = 0.02  # [m]
 
 
-def interpolate(at: Vector, positions: Vector, points: Points) -> Points:
+def interpolate(at: Vector, positions: Vector, points: Matrix) -> Matrix:
     """Return the points (k, d) at `at` (k,), linear between points (n, d) at increasing `positions` (n,)."""
     return np.column_stack([np.interp(at, positions, axis) for axis in points.T])
 
@@ -26,13 +26,13 @@ class Track:
     speeds: Vector
 
     @classmethod
-    def of(cls, samples: Points, times: Vector | None = None) -> "Track":
-        """Make a track of samples (n, 7) of time, place and velocity; copy all, so that they can be freed."""
+    def of(cls, samples: Samples, times: Vector | None = None) -> "Track":
+        """Copy samples, so that they can be freed."""
         times = samples[:, 0] if times is None else times
         return cls(times.copy(), samples[:, 1:4].copy(), np.linalg.norm(samples[:, 4:7], axis=1))
 
     @classmethod
-    def joined(cls, parts: Sequence[Points]) -> "Track":
+    def joined(cls, parts: Sequence[Samples]) -> "Track":
         samples = np.concatenate(parts)
         return cls.of(samples[np.concatenate([[True], np.diff(samples[:, 0]) > 1e-9])])
 
@@ -58,7 +58,7 @@ class Track:
 
 
 def thinned(path: Points, stray: float = THINNING_TOLERANCE) -> Points:
-    """Thin the path (n, 3) to within about `stray` [m]."""
+    """Thin the path to within about `stray` [m]."""
     if len(path) < 3:
         return path
     import shapely  # imported only where a world is used

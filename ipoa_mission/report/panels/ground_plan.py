@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from contourpy import FillType, LineType, contour_generator
 
-from ipoa_mission.geometry import Points
+from ipoa_mission.geometry import Matrix
 from ipoa_mission.report.chart import round_step
 from ipoa_mission.report.drawn_flight import DrawnFlight, Extent, ground_mesh, outline_around
 from ipoa_mission.scenario import Scenario
@@ -73,7 +73,7 @@ def legend(scenario: Scenario, extent: Extent, flown: bool, home: bool) -> str:
     return f'<p class="legend">{keys}</p>'
 
 
-def _relief(east: Points, north: Points, up: Points) -> str:
+def _relief(east: Matrix, north: Matrix, up: Matrix) -> str:
     """Draw the ground in 8 tints with contour lines; nothing if it is level within 1 m."""
     low, high = float(up.min()), float(up.max())
     if high - low < 1.0:
@@ -102,13 +102,13 @@ def _footprint(body: Obstacle, highest: float) -> str:
     return f'<path class="roof{shade}" d="{rings}"><title>{name}: {base:.0f} to {top:.0f} m above home</title></path>'
 
 
-def _line(points: Points, look: str) -> str:
+def _line(points: Matrix, look: str) -> str:
     return f'<path class="{look}" d="{line_path(points)}"/>' if len(points) else ""
 
 
-def ring_path(points: Points) -> str:
+def ring_path(points: Matrix) -> str:
     return f"{line_path(points)}Z"
 
 
-def line_path(points: Points) -> str:
+def line_path(points: Matrix) -> str:
     return "M" + "L".join(f"{east:.1f} {north:.1f}" for east, north in points[:, :2])

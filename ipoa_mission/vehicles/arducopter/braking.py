@@ -10,21 +10,21 @@ import numpy as np
 
 from ipoa_mission.autopilot.guidance_profile import FlownCircle
 from ipoa_mission.errors import BadInput
-from ipoa_mission.geometry import Points, Vector
+from ipoa_mission.geometry import Matrix, Plane, Vector
 from ipoa_mission.vehicles.arducopter.limits import CENTIMETER, CopterLimits
 
 STEP = 0.02  # [s]
 BATCH_SIZE = 8000  # rows that fit into the CPU's cache
 
 
-def braking_displacement(velocity: Points, accel: Points, most_accel: float, jerk: float) -> Points:
+def braking_displacement(velocity: Plane, accel: Plane, most_accel: float, jerk: float) -> Plane:
     """Return the displacement to rest, (n, 2) [m], within an acceleration [m/s^2] and a jerk [m/s^3]."""
     parts = (slice(n, n + BATCH_SIZE) for n in range(0, len(velocity), BATCH_SIZE))
     displacements = [_integrate(velocity[part].T.copy(), accel[part].T.copy(), most_accel, jerk).T for part in parts]
     return np.concatenate([np.zeros((0, 2)), *displacements])
 
 
-def _integrate(velocity: Points, accel: Points, most_accel: float, jerk: float) -> Points:
+def _integrate(velocity: Matrix, accel: Matrix, most_accel: float, jerk: float) -> Matrix:
     """Return `braking_displacement` with axes first (2, n): faster."""
     displacement = np.zeros_like(velocity)
     max_change = jerk * STEP

@@ -15,7 +15,7 @@ from ipoa_mission.forecast.itinerary.itinerary import UNTIMED, Itinerary
 from ipoa_mission.forecast.timing.bound import Kinematics
 from ipoa_mission.forecast.timing.flight_model import FlightModel, LegSpeeds, Prediction, SlowedByAir, corner_deg
 from ipoa_mission.forecast.timing.track import Track
-from ipoa_mission.geometry import Place, Points
+from ipoa_mission.geometry import Place, Samples
 from ipoa_mission.mission.items import Item
 from ipoa_mission.vehicles.arducopter.dynamics import procedures
 from ipoa_mission.vehicles.arducopter.dynamics.copter import Copter, airframe_of
@@ -128,7 +128,7 @@ class _Flight:
         self.until = math.inf
         self.touched = math.nan
         self.remarks: list[str] = []
-        self.samples: list[Points] = []
+        self.samples: list[Samples] = []
         self.note()
 
     @property

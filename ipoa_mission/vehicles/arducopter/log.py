@@ -16,7 +16,7 @@ from ipoa_mission.autopilot.commands import Frame
 from ipoa_mission.autopilot.parameters import REAL32
 from ipoa_mission.errors import BadInput, Unreadable, WrongFormat
 from ipoa_mission.geodesy import Geodetic, LocalFrame
-from ipoa_mission.geometry import Points, Vector
+from ipoa_mission.geometry import Matrix, Points, Vector
 from ipoa_mission.link.messages import INFO, Current, HomePosition, Message, ParamValue, Text
 from ipoa_mission.logs.logged import Battery, Begun, Fixes, Held, Log, LogFormat, Measured, item_begun, presence
 from ipoa_mission.mission.items import Item
@@ -268,7 +268,7 @@ def _states(gathered: _Gathered) -> list[tuple[float, Message]]:
     return states
 
 
-def _fixes(rows: Points, velocities: Points) -> Fixes:
+def _fixes(rows: Matrix, velocities: Points) -> Fixes:
     rows = rows[np.unique(rows[:, 0], return_index=True)[1]]
     times, latitude, longitude, altitude, _ = rows.T
     if len(velocities) > 1:

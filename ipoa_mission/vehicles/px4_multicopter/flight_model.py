@@ -27,7 +27,7 @@ from ipoa_mission.forecast.timing.flight_model import (
     corner_deg,
 )
 from ipoa_mission.forecast.timing.track import Track
-from ipoa_mission.geometry import Points, Vector
+from ipoa_mission.geometry import Matrix, Points, Samples, Vector
 from ipoa_mission.vehicles.px4_multicopter.dynamics import navigator, state
 from ipoa_mission.vehicles.px4_multicopter.dynamics.flight import at_start, fly
 from ipoa_mission.vehicles.px4_multicopter.dynamics.guidance import speed_to
@@ -146,7 +146,7 @@ class Px4Model(FlightModel):
         ends = [0, *flights.mission_orders.done]
         fly_on = flights.simulation(orders, noisy=True, steps=math.inf, sampled=True)
         done = [0.0, *predicted.done]
-        runs = list[Points]()
+        runs = list[Matrix]()
         for seed in range(1, RUNS.of_median + 1):
             try:
                 run = fly_on(flights.at_start(seed))
@@ -175,7 +175,7 @@ class Px4Model(FlightModel):
         return np.asarray(np.median([fly_on(start).done[ends] for start in starts], axis=0))
 
 
-def _noisy_times(once: Callable[[int], Vector], share: float, remarks: list[str]) -> Points:
+def _noisy_times(once: Callable[[int], Vector], share: float, remarks: list[str]) -> Matrix:
     """Return times of runs by seed (m, n), until the last's mean is known to a `share`; remark runs without an end.
 
     Raises:
@@ -199,7 +199,7 @@ def _noisy_times(once: Callable[[int], Vector], share: float, remarks: list[str]
     return np.array(times)
 
 
-def _interval(itinerary: Itinerary, times: Points) -> tuple[Vector, Vector]:
+def _interval(itinerary: Itinerary, times: Matrix) -> tuple[Vector, Vector]:
     """Return when nine flights in ten end each visit: earliest and latest (n,), by the times of runs (m, n) [s]."""
     done = times.mean(axis=0)
     lands = np.array([visit.item.command in MULTICOPTER_LANDINGS for visit in itinerary.visits], dtype=bool)
@@ -218,7 +218,7 @@ def _in_mean_time(clock: Vector, exact_times: Vector, done: Vector) -> Vector:
     return np.asarray(warped + np.maximum(clock - exact_end, 0.0))
 
 
-def _missed(itinerary: Itinerary, runs: Points) -> tuple[Missed, ...]:
+def _missed(itinerary: Itinerary, runs: Matrix) -> tuple[Missed, ...]:
     """Return the share of runs (m, n) [s] that miss each waypoint, and their mean delay."""
     lasted = np.diff(runs, axis=1, prepend=0.0)
     longer = lasted - np.median(lasted, axis=0)
@@ -229,7 +229,7 @@ def _missed(itinerary: Itinerary, runs: Points) -> tuple[Missed, ...]:
     return tuple(Missed(*map(float, both)) for both in zip(share, cost, strict=True))
 
 
-def spread_of(path: Track, runs: list[Points]) -> Points:
+def spread_of(path: Track, runs: list[Matrix]) -> Points:
     """Return how far runs leave the path beyond the usual: to a side, below, above (n, 3) [m].
 
     Noise moves the places where they turn. A run is time on the path and place (m, 4).
@@ -253,7 +253,7 @@ def spread_of(path: Track, runs: list[Points]) -> Points:
 
 class FlownOnce(NamedTuple):
     done: Vector  # times at the start and after each order (n + 1,) [s]
-    samples: Points  # time, place and velocity (m, 7)
+    samples: Samples
     progress: state.FlightProgress
 
 
@@ -334,7 +334,7 @@ class Flights:
         height = self.itinerary.start_height or 0.0
         return FlownOnce(np.zeros(1), np.array([[0.0, 0.0, 0.0, height, 0.0, 0.0, 0.0]]), at_start(height, seed))
 
-    def why_slow(self, n: int, done: Vector, clock: Vector, samples: Points) -> str:
+    def why_slow(self, n: int, done: Vector, clock: Vector, samples: Samples) -> str:
         """Return why visit n was slow, by samples at these times (m,) [s]."""
         command = self.itinerary.visits[n].item.command
         params = self.itinerary.visits[n].item.params

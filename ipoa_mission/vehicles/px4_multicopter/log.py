@@ -20,7 +20,7 @@ from ipoa_mission.autopilot.parameters import REAL32
 from ipoa_mission.errors import BadInput, WrongFormat, imported
 from ipoa_mission.files import read_bytes
 from ipoa_mission.geodesy import SphericalPlane
-from ipoa_mission.geometry import Points, Vector
+from ipoa_mission.geometry import Matrix, Vector
 from ipoa_mission.link.logbook import COMPLETE
 from ipoa_mission.link.messages import INFO, Current, HomePosition, Message, ParamValue, Reached, Text
 from ipoa_mission.logs.logged import Battery, Begun, Fixes, Log, LogFormat, Measured, presence, version_name
@@ -183,7 +183,7 @@ def _battery(data: Any) -> Iterator[Battery]:
     return ((time / 1e6, volts, amperes) for time, volts, amperes in zip(*columns, strict=True))
 
 
-def _attitude(data: Any | None) -> Points:
+def _attitude(data: Any | None) -> Matrix:
     """Return time, roll, pitch, yaw (n, 4) of quaternions from body to north, east, down."""
     if data is None:
         return np.empty((0, 4))

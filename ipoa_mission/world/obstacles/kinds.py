@@ -9,7 +9,7 @@ import shapely
 from numpy.typing import NDArray
 
 from ipoa_mission.errors import BadInput
-from ipoa_mission.geometry import Points, Vector
+from ipoa_mission.geometry import Plane, Points, Vector
 from ipoa_mission.world.obstacles.obstacle import (
     CYLINDER,
     PRISM,
@@ -21,7 +21,7 @@ from ipoa_mission.world.obstacles.obstacle import (
     distance_of,
     expect_positive,
 )
-from ipoa_mission.world.polygon import Plane, Polygon, Ring, circle, rings_of
+from ipoa_mission.world.polygon import Polygon, Ring, circle, rings_of
 
 LEAST_STEP = 1e-12  # counts as zero [m]
 

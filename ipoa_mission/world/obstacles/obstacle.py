@@ -11,8 +11,7 @@ import shapely
 from numpy.typing import NDArray
 
 from ipoa_mission.errors import BadInput
-from ipoa_mission.geometry import Points, Vector
-from ipoa_mission.world.polygon import Plane
+from ipoa_mission.geometry import Plane, Points, Vector
 
 
 class Column(NamedTuple):

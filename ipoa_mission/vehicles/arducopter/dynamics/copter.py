@@ -11,7 +11,7 @@ from ipoa_mission.autopilot.learned import LearnedVehicle
 from ipoa_mission.compiled import jit_if_faster, records
 from ipoa_mission.errors import MissionError
 from ipoa_mission.forecast.itinerary.copter_curves import bearing_from, place_after, turn_of
-from ipoa_mission.geometry import Enu, Place, Points
+from ipoa_mission.geometry import Enu, Place, Samples
 from ipoa_mission.ground import LEVEL, Ground
 from ipoa_mission.mission.items import Item
 from ipoa_mission.mission.program import Program
@@ -136,8 +136,8 @@ class Copter:
         self.passed = self.passed or over
         return self.passed
 
-    def run(self, until: float = math.inf) -> Points:
-        """Fly the leg to its end, or to the time `until` [s]; return (n, 7): time, place, velocity.
+    def run(self, until: float = math.inf) -> Samples:
+        """Fly the leg to its end, or to the time `until` [s].
 
         Raises:
             MissionError: the copter does not reach the end.

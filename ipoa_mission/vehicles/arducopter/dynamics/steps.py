@@ -3,7 +3,7 @@
 import math
 from collections.abc import Sequence
 
-from ipoa_mission.geometry import GRAVITY, ZERO, Enu, Points, Vector, horizontal_norm, minus, norm, plus, scaled
+from ipoa_mission.geometry import GRAVITY, ZERO, Enu, Samples, Vector, horizontal_norm, minus, norm, plus, scaled
 from ipoa_mission.geometry import dot as enu_dot
 from ipoa_mission.vehicles.arducopter.dynamics.motion import (
     STEP,
@@ -327,9 +327,9 @@ def fly_leg(
     this: Sequence[CopterLeg],
     following: Sequence[CopterLeg],
     tuning: Tuning,
-    samples: Points,
+    samples: Samples,
 ) -> int:
-    """Fly until this leg is passed; return the number of samples (time, place, velocity; n, 7).
+    """Fly until this leg is passed; return the number of samples.
 
     -1: no room for more samples, -2: blown off. States and legs are sequences of one.
     """

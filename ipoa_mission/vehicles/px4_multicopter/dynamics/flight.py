@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ipoa_mission.geometry import GRAVITY, ZERO, Enu, Points, Vector, horizontal_norm
+from ipoa_mission.geometry import GRAVITY, ZERO, Enu, Samples, Vector, horizontal_norm
 from ipoa_mission.vehicles.px4_multicopter.dynamics.guidance import (
     climb_limits,
     detect_contact,
@@ -345,10 +345,10 @@ def at_start(height: float, seed: int) -> FlightProgress:
 
 def fly(
     orders: Sequence[Order], laws: Sequence[SimulationConstants], flight: FlightProgress, until: float, every: int
-) -> tuple[Vector, Points, FlightProgress]:
+) -> tuple[Vector, Samples, FlightProgress]:
     """Fly on; return times [s] after each order that ended, samples, and the progress.
 
-    Samples (m, 7): time, place, estimated speed, each `every` steps (0: none). The flight starts at rest over home, or
+    Samples have the estimated velocity, each `every` steps (0: none). The flight starts at rest over home, or
     takes off. It ends at the time `until` [s], or early if an order's patience ends.
     """
     constants = laws[0]
