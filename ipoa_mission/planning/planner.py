@@ -10,7 +10,7 @@ from threadpoolctl import threadpool_limits
 from ipoa_mission.geometry import Vector, polyline_length
 from ipoa_mission.optimize.registry import build_optimizer, optimizer_class
 from ipoa_mission.optimize.search import SHORT_EVALUATIONS, Optimizer, minimize
-from ipoa_mission.planning.lattice import USUAL_LATTICE, LatticeStrategy, guesses
+from ipoa_mission.planning.lattice import USUAL_LATTICE, Guess, LatticeStrategy, find_routes, guesses, lay_lattice
 from ipoa_mission.planning.obstruction import not_found, refuse_closed, refuse_places
 from ipoa_mission.planning.path_problem import PathTask
 from ipoa_mission.planning.polish import FINE_DESCENT, FIRM_DESCENT, ROUGH_DESCENT, polish, polish_until_proved
@@ -307,3 +307,54 @@ def _polish_and_prove(candidate: Candidate, searcher: Searcher, enough: float = 
     even = polished(follow(curve.sample(4 * count), count - 2, task))
     is_cheaper = even.cost.total < first.cost.total or not first.proof.is_proved
     return even if even.proof.is_proved and is_cheaper else first
+
+
+class SketchEffort(NamedTuple):
+    finenesses: tuple[float, ...] = (0.4, 0.7)  # as shares of the planner's first one
+    max_routes: int = 4  # with the straight one five
+    max_proved: int = 2  # before one is chosen
+    control_points: int = 24
+
+
+SKETCH = SketchEffort()
+
+
+class Sketch(NamedTuple):
+    """A quick, unsearched path for interactive editing."""
+
+    curve: Spline
+    proof: Proof
+    others: tuple[Spline, ...]
+
+
+def sketch_path(task: PathTask) -> Sketch:
+    """Return the best of a few routes, deterministic for a task, usually in some tens of milliseconds.
+
+    If its proof does not hold, this quick look found no route within limits; one may exist all the same.
+
+    Raises:
+        NoPath: a given place breaks a limit.
+        BadInput: start and goal are the same place.
+    """
+    problem = prepare(task)
+    refuse_places(problem)
+    with threadpool_limits(1, "blas"):
+        candidates = [polish(guess.candidate(problem), problem) for guess in _sketched(problem)]
+        best = sorted(candidates, key=problem.cost)
+        first = best[0]
+        for candidate in best[: SKETCH.max_proved]:
+            if (proof := prove_curve(candidate.curve, task)).is_proved:
+                first = candidate
+                break
+        else:
+            candidate, proof = polish_until_proved(first, problem)
+    return Sketch(candidate.curve, proof, tuple(other.curve for other in best if other is not first))
+
+
+def _sketched(problem: PreparedProblem) -> list[Guess]:
+    straight = problem.task.places
+    inner = max(SKETCH.control_points, 5 * (len(straight) - 1))
+    for fineness in SKETCH.finenesses:
+        if routes := find_routes(lay_lattice(problem, fineness), problem, SKETCH.max_routes):
+            return [Guess(straight, None, inner), *(Guess(route, None, inner) for route in routes)]
+    return [Guess(straight, None, inner)]

@@ -17,7 +17,7 @@ from ipoa_mission.forecast.timing.bound import least_time
 from ipoa_mission.forecast.timing.estimate import Estimate, kinematics
 from ipoa_mission.geometry import Points
 from ipoa_mission.mission.item_words import item_words
-from ipoa_mission.planning.sketch import Sketch
+from ipoa_mission.planning.planner import Sketch
 from ipoa_mission.planning.spline import Spline
 from ipoa_mission.report import drawn_flight
 from ipoa_mission.report.drawn_flight import SampledTrack

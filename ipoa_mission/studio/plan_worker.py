@@ -17,7 +17,7 @@ from ipoa_mission.checks.unsafe import refuse_errors
 from ipoa_mission.files import MISSIONS, read_text
 from ipoa_mission.mission.mission_io import parse_mission, read_by_items, write_mission
 from ipoa_mission.mission.positions import refuse_unsound
-from ipoa_mission.planning.sketch import sketch_path
+from ipoa_mission.planning.planner import sketch_path
 from ipoa_mission.progress import Progress as ShowProgress
 from ipoa_mission.report.compare import compare_flight, flown_track
 from ipoa_mission.scenario import Scenario, parse_scenario

@@ -3,7 +3,7 @@ from pathlib import Path
 
 from ipoa_mission import MissionError, Scenario, plan_flight
 from ipoa_mission.errors import Remedy
-from ipoa_mission.planning.sketch import sketch_path
+from ipoa_mission.planning.planner import sketch_path
 from ipoa_mission.routing.refusal import ChangeTrials
 from ipoa_mission.scenario.scenario_file import parse_scenario, parse_toml
 from ipoa_mission.studio.edits import changed
