@@ -1,7 +1,5 @@
 """Power of a multirotor by momentum theory or a measured curve, and the energy that its battery has.
 
-Electrical power of a multirotor by momentum theory:
-
     P = (kappa T v + P_profile + D V + m g w) / eta + P_avionics
 
 T balances weight and drag; `v = T / (2 rho A |V + v|)`; P_profile follows from the figure of merit in hover. J. G.

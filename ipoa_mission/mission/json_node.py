@@ -1,6 +1,7 @@
 """A JSON document whose values know their place."""
 
 import json
+import math
 import re
 import sys
 from dataclasses import dataclass, field
@@ -129,3 +130,18 @@ def _describe(value: Any) -> str:
         case _:
             words = json.dumps(value)
             return words if len(words) <= 40 else f"a number of {len(words)} digits"
+
+
+def tidy(value: float) -> float | int | None:
+    """As QGroundControl: whole numbers without a point, NaN as null."""
+    if math.isnan(value):
+        return None
+    return int(value) if abs(value) < 1e15 and value == int(value) else value
+
+
+def finite(place: str, *values: float) -> list[float | int | None]:
+    """Return tidy numbers, or raise BadInput."""
+    for value in values:
+        if not math.isfinite(value):
+            raise BadInput(f"expected a finite number, not {value}", place=place)
+    return list(map(tidy, values))

@@ -17,7 +17,7 @@ from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.mission.complex_items import as_document, complex_items_in, entries, lay_out
 from ipoa_mission.mission.items import FenceCircle, FencePolygon, Item, Mission, MissionFile
-from ipoa_mission.mission.json_node import Node, parse_document
+from ipoa_mission.mission.json_node import Node, finite, parse_document, tidy
 from ipoa_mission.mission.landing_ground import landing_ground_entry
 from ipoa_mission.mission.stored_mission import refuse_infinite, resolve_frames
 from ipoa_mission.unread import Unread, gathered
@@ -38,13 +38,6 @@ ALTITUDE_MODES = {
     Frame.GLOBAL: AltitudeMode.AMSL,
     Frame.GLOBAL_TERRAIN_ALT: AltitudeMode.TERRAIN,
 }
-
-
-def tidy(value: float) -> float | int | None:
-    """As QGroundControl: whole numbers without a point, NaN as null."""
-    if math.isnan(value):
-        return None
-    return int(value) if abs(value) < 1e15 and value == int(value) else value
 
 
 def plan_text(mission: Mission) -> str:
@@ -102,7 +95,7 @@ def _plan(mission: Mission) -> dict[str, Any]:
         "version": 2,
     }
     if mission.cruise_speed is not None:
-        (speed,) = _finite("cruise_speed", mission.cruise_speed)
+        (speed,) = finite("cruise_speed", mission.cruise_speed)
         header |= {"cruiseSpeed": speed, "hoverSpeed": speed}
     circles = list[dict[str, Any]]()
     polygons = list[dict[str, Any]]()
@@ -110,14 +103,14 @@ def _plan(mission: Mission) -> dict[str, Any]:
         place = f"fence[{n}]"
         entry = {"inclusion": part.inclusion, "version": 1}
         if isinstance(part, FencePolygon):
-            ring = [_finite(f"{place}: vertices[{k}]", *vertex) for k, vertex in enumerate(part.vertices)]
+            ring = [finite(f"{place}: vertices[{k}]", *vertex) for k, vertex in enumerate(part.vertices)]
             polygons.append(entry | {"polygon": ring})
         else:
-            (radius,) = _finite(f"{place}: radius", part.radius)
-            center = _finite(f"{place}: center", *part.center)
+            (radius,) = finite(f"{place}: radius", part.radius)
+            center = finite(f"{place}: center", *part.center)
             circles.append(entry | {"circle": {"center": center, "radius": radius}})
     ground = landing_ground_entry(mission)
-    _finite("landing_ground", *ground.values())
+    finite("landing_ground", *ground.values())
     return {
         **({"landingGround": ground} if ground else {}),
         "fileType": "Plan",
@@ -175,14 +168,6 @@ def _simple_item(number: int, item: Item) -> dict[str, Any]:
         "Altitude": tidy(item.altitude),
         "AltitudeMode": ALTITUDE_MODES[Frame(item.frame)],
     }
-
-
-def _finite(place: str, *values: float) -> list[float | int | None]:
-    """Return tidy numbers, or raise BadInput."""
-    for value in values:
-        if not math.isfinite(value):
-            raise BadInput(f"expected a finite number, not {value}", place=place)
-    return list(map(tidy, values))
 
 
 def _place(place: Geodetic, name: str) -> list[float | int | None]:

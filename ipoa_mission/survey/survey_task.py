@@ -200,10 +200,7 @@ def _expect_manageable(task: SurveyTask) -> None:
 
 
 def _corridor_tour(task: SurveyTask, middle: Plane, width: float, begin: Vector) -> Tour | None:
-    """Return lines along a corridor, from its end nearer to `begin` (2,); they end earlier by the overshoot.
-
-    Return None if a line bends back on itself or leaves the free area.
-    """
+    """Return lines along a corridor from its end nearer to `begin` (2,); None if one bends back or leaves the area."""
     spacing = task.sight.spacing
     inside = task.free.buffer(1e-6)  # [m]
     count = max(math.ceil(width / spacing - 1e-9), 1)

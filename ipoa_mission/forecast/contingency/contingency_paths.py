@@ -274,10 +274,7 @@ class ContingencyPaths:
         return slice(goal * self._variants, (goal + 1) * self._variants)
 
     def _returns(self, places: Points, stops: Points, seqs: NDArray[np.intp]) -> tuple[Paths, NDArray[np.bool_]]:
-        """Return paths (n, k, p, 3), k: goals times variants as `_paths_to`; and which are possible (n, k).
-
-        p: ends of `ReturnLeg`; RETURNS has several legs over terrain and along the mission.
-        """
+        """Return paths (n, k, p, 3), k as `_paths_to` goals, p: ends of `ReturnLeg`; which are possible (n, k)."""
         begins = stops.copy()
         if self.mission.autopilot.guidance.returns_from_order:
             begins[:, 2] = places[:, 2]

@@ -148,10 +148,7 @@ def _with_a_path(rule: FailsafeRule, action: FailsafeAction, parameters: Paramet
 
 
 def _unless_less_urgent(critical: Failsafe, parameters: Parameters, series: failsafe.Series) -> Failsafe:
-    """Skip the action for a critical battery if it is less urgent than for a low one.
-
-    Several batteries are not compared. ArduCopter 4.7 ranks actions 6 and 7 below 0.
-    """
+    """Skip a critical battery's action if less urgent than a low one's of it; ArduCopter 4.7 ranks 6 and 7 below 0."""
     if critical.cause != Cause.CRITICAL_BATTERY:
         return critical
     rules = [_of_battery(rule, critical.parameter.split("_")[0]) for rule in FAILSAFE_RULES[:2]]

@@ -176,11 +176,7 @@ class Px4Model(FlightModel):
 
 
 def _noisy_times(once: Callable[[int], Vector], share: float, remarks: list[str]) -> Matrix:
-    """Return times of runs by seed (m, n), until the last's mean is known to a `share`; remark runs without an end.
-
-    Raises:
-        MissionError: most runs have no end.
-    """
+    """Return times of runs (m, n) until the last's mean is known to a `share`; raise MissionError if most never end."""
     times = list[Vector]()
     lost = list[str]()
     for seed in range(1, RUNS.most + 1):

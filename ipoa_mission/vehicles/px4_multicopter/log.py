@@ -159,10 +159,7 @@ def _homes(home: Any | None) -> Iterator[Event]:
 
 
 def _states(status: Any, opened_by_arming: float | None) -> Iterator[Event]:
-    """Return a heartbeat for each change of arming or mode, at PX4's time if logged.
-
-    A log that starts armed was opened by arming, if the logger is configured so.
-    """
+    """Return a heartbeat for each change of arming or mode, at PX4's time if logged; arming may open a log."""
     status = {"armed_time": np.zeros(len(status["timestamp"])), **status}
     before: tuple[bool, int] | None = None
     for time, arming, nav_state, armed_time in _records(status, "arming_state", "nav_state", "armed_time"):
