@@ -4,6 +4,7 @@ import logging
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import TYPE_CHECKING, Protocol
 
 from ipoa_mission.autopilot.commands import Command, VehicleCommand
@@ -23,15 +24,15 @@ if TYPE_CHECKING:
 log = logging.getLogger(__name__)
 ORDER_REPEATS = 6  # one a second
 SHOWN_S = 5.0
-#: The mode may still change.
-PENDING_RESULTS = frozenset({CommandResult.ACCEPTED, CommandResult.IN_PROGRESS})
+PENDING_RESULTS = frozenset({CommandResult.ACCEPTED, CommandResult.IN_PROGRESS})  # the mode may still change
 
 
 def pause(state: VehicleState) -> Dialogue[None]:
     """Hold position; raise NotReady. ArduCopter pauses on its way to a waypoint, and brakes elsewhere; PX4 holds."""
     yield from _expect_flying(state)
     if state.autopilot.protocol_profile.pauses_in_mission:
-        result, _ = yield from send(Command.DO_PAUSE_CONTINUE, 0.0)
+        check = partial(state.expect_mode, "pause", state.custom_mode)
+        result, _ = yield from send(Command.DO_PAUSE_CONTINUE, 0.0, check=check)
         if result == CommandResult.ACCEPTED:
             yield from until(lambda: state.custom_mode is not None, SHOWN_S)
             return
@@ -42,7 +43,8 @@ def resume(state: VehicleState) -> Dialogue[None]:
     yield from _expect_flying(state)
     yield from _enter(state, state.autopilot.modes.mission)
     if state.autopilot.protocol_profile.pauses_in_mission:
-        yield from send(Command.DO_PAUSE_CONTINUE, 1.0)  # refused unless paused
+        check = partial(state.expect_mode, "go on", state.autopilot.modes.mission)
+        yield from send(Command.DO_PAUSE_CONTINUE, 1.0, check=check)  # refused unless paused
 
 
 def return_to_launch(state: VehicleState) -> Dialogue[None]:
@@ -66,16 +68,14 @@ class _Step:
 
 @dataclass
 class FlightOrder:
-    """Repeat an order until the vehicle obeys or refuses.
-
-    `words`: why it does not obey. Nothing is ordered while the link is lost: the state at the reconnect is unknown.
-    """
+    """Repeat an order until the vehicle obeys, refuses or changes to another mode; order nothing in a link loss."""
 
     state: VehicleState
     now: Callable[[], float]
-    words: str = ""
+    words: str = ""  # why it does not obey
     is_paused: bool = False
     _is_cut: bool = False
+    _mode: int | None = None  # before the order
     _steps: list[_Step] = field(default_factory=list)
 
     def give(self, mode: int) -> None:
@@ -85,11 +85,10 @@ class FlightOrder:
         if self.is_paused or any(step.pauses for step in self._steps):
             return  # a second pause would be refused
         autopilot = self.state.autopilot
-        brake = self._change(autopilot.modes.hold)
+        order = self._change(autopilot.modes.hold)
         if autopilot.protocol_profile.pauses_in_mission and self.state.custom_mode == autopilot.modes.mission:
-            self._take(_Step("pause", command_long(Command.DO_PAUSE_CONTINUE, 0.0), pauses=True, otherwise=brake))
-        else:
-            self._take(brake)
+            order = _Step("pause", command_long(Command.DO_PAUSE_CONTINUE, 0.0), pauses=True, otherwise=order)
+        self._take(order)
 
     def go_on(self) -> None:
         steps = [self._change(self.state.autopilot.modes.mission)]
@@ -123,8 +122,7 @@ class FlightOrder:
             state.expect_flown()
             if self.now() >= self._steps[0].due_s:
                 if self._steps[0].times_sent == ORDER_REPEATS:
-                    name = self._steps[0].name
-                    words = f"{name} was ordered {ORDER_REPEATS} times, and the vehicle does not show it"
+                    words = f"{self._steps[0].name} was ordered {ORDER_REPEATS} times, and the vehicle does not show it"
                     self._refused(NotReady(words, code="mode-not-shown"))
                 step = self._steps[0]
                 step.times_sent += 1
@@ -140,19 +138,18 @@ class FlightOrder:
         return _Step(autopilot.modes.name(mode), mode_order(mode, autopilot), mode)
 
     def _take(self, *steps: _Step) -> None:
-        self.words = ""
-        self._steps = [*steps]
-        if self._is_cut and steps:
-            self.words = f"{steps[0].name} was not ordered: the link is lost"
-            self._steps.clear()
+        self.words = f"{steps[0].name} was not ordered: the link is lost" if self._is_cut and steps else ""
+        self._mode = self.state.custom_mode
+        self._steps = [] if self._is_cut else [*steps]
 
     def _hear(self, heard: Message) -> None:
         while self._steps and self._steps[0].mode is not None and self._steps[0].mode == self.state.custom_mode:
             self._take(*self._steps[1:])
-        if not self._steps or not self._steps[0].times_sent:
-            return  # an answer to somebody else's order
+        if not self._steps:
+            return
         step = self._steps[0]
-        match heard:
+        self.state.expect_mode(step.name, self._mode)
+        match heard if step.times_sent else None:  # else an answer to somebody else's order
             case CommandAck(step.message.command, CommandResult.ACCEPTED) if step.mode is None:
                 self.is_paused = step.pauses
                 self._take(*self._steps[1:])
@@ -171,13 +168,14 @@ def change_mode(state: VehicleState, mode: int) -> Dialogue[str]:
     """Return why not, or an empty string."""
     if state.custom_mode == mode:
         return ""
-    result, words = yield from send_command(mode_order(mode, state.autopilot))
+    name = state.autopilot.modes.name(mode)
+    check = partial(state.expect_mode, name, state.custom_mode, mode)
+    result, words = yield from send_command(mode_order(mode, state.autopilot), check)
     texts = VehicleTexts(words=[words] if words else [])
     if result == CommandResult.ACCEPTED:
         result = yield from _taken_back(state, mode, texts)
     if state.custom_mode == mode:
         return ""
-    name = state.autopilot.modes.name(mode)
     if result == CommandResult.ACCEPTED:
         return f"it accepted {name} but does not show it"
     return str(texts) or str(CommandRefused(f"change to {name}", result))
@@ -253,7 +251,8 @@ class Conformance:
         if not self.is_held and (self._disobeyed or not self._is_ordered):
             return self._disobeyed
         reaction = "it holds" if self.is_held else f"{self.on_deviation} was ordered"
-        return f"{reaction}, because {self.deviations[-1]}"
+        failed = f"; {self.order.words}" if self.order.words and not self.is_held else ""
+        return f"{reaction}, because {self.deviations[-1]}{failed}"
 
     def observe(self, heard: Message, now_s: float) -> Dialogue[None]:
         yield from ()
@@ -270,7 +269,7 @@ class Conformance:
             return  # ignore deviations until the vehicle obeys
         if in_mission:
             if self._is_ordered and self.order.words and not self._disobeyed:
-                self._disobeyed = f"{self.why_not}; {self.order.words}"
+                self._disobeyed = self.why_not
             self._is_ordered = False  # refused, or the mission was resumed
         place = self._monitor.local(Geodetic(heard.latitude_deg, heard.longitude_deg, heard.altitude), heard.height)
         deviation = self._monitor.see(heard.time_s, place, self._item)
@@ -298,10 +297,8 @@ class Conformance:
         is_ordered = self.on_deviation is not OnDeviation.REPORT and not self._is_ordered
         log.warning("%s%s", deviation, f"; {self.on_deviation} is ordered" if is_ordered else "")
         self.report(deviation)
-        if not is_ordered:
-            return
-        self._is_ordered = True
-        if self.on_deviation is OnDeviation.HOLD:
+        self._is_ordered |= is_ordered
+        if is_ordered and self.on_deviation is OnDeviation.HOLD:
             self.order.hold()
-        else:
+        elif is_ordered:
             self.order.give(self.state.autopilot.modes.returning)

@@ -1,7 +1,7 @@
 """Dialogues for commands, messages on request, and parameters."""
 
 import struct
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import TypeVar
 
@@ -16,8 +16,7 @@ from ipoa_mission.link.dialogue import Ask, Dialogue, NoAnswer, Pause, SendOnce,
 
 M = TypeVar("M", bound=m.Message)
 
-#: MAV_PROTOCOL_CAPABILITY_FTP.
-FILE_TRANSFER = 32
+FILE_TRANSFER = 32  # MAV_PROTOCOL_CAPABILITY_FTP
 PARAMETER_ROUND_S = 0.7
 ABSENCE_CHANCE = 2e-4  # of an existing parameter, by an estimated loss
 
@@ -42,15 +41,16 @@ def mode_order(mode: int, autopilot: Autopilot) -> m.CommandLong:
     return command_long(VehicleCommand.DO_SET_MODE, m.CUSTOM_MODE_FLAG, *autopilot.modes.numbers(mode))
 
 
-def send(number: int, *params: float) -> Dialogue[tuple[int, str]]:
-    return send_command(command_long(number, *params))
+def send(number: int, *params: float, check: Callable[[], None] = lambda: None) -> Dialogue[tuple[int, str]]:
+    return send_command(command_long(number, *params), check)
 
 
-def send_command(message: m.CommandLong) -> Dialogue[tuple[int, str]]:
-    """Return the CommandResult, and the vehicle's words about a refusal."""
+def send_command(message: m.CommandLong, check: Callable[[], None] = lambda: None) -> Dialogue[tuple[int, str]]:
+    """Return the CommandResult, and the vehicle's words about a refusal; an error of `check` ends it."""
     texts = VehicleTexts()
 
     def answer_in(heard: m.Message) -> m.CommandAck | None:
+        check()
         texts.note(heard)
         return heard if isinstance(heard, m.CommandAck) and heard.command == message.command else None
 
@@ -127,18 +127,16 @@ def request_version() -> Dialogue[m.AutopilotVersion | None]:
 def request_parameters(wanted: Sequence[Sequence[str]], autopilot: Autopilot) -> Dialogue[Mapping[str, m.ParamValue]]:
     """Return values by any name of each entry; raise NoAnswer.
 
-    An unknown parameter is met with silence. Each round also asks for one that exists: its answers give the loss of the
-    link. Unanswered ones count as absent when hardly an existing one would not have answered by then.
+    An unknown parameter is met with silence. Each round also asks for one that exists, to estimate the link's loss.
     """
     table = autopilot.parameter_table
-    rounds_s = [PARAMETER_ROUND_S] * 6 + [2.0] * 14
     values: dict[str, m.ParamValue] = {}
     proofs = 0
 
     def missing() -> list[Sequence[str]]:
         return [names for names in wanted if not any(name in values for name in names)]
 
-    for n, seconds in enumerate(rounds_s):
+    for n, seconds in enumerate([PARAMETER_ROUND_S] * 6 + [2.0] * 14):
         lost = 1.0 - (proofs + 1) / (n + 2)
         if not missing() or lost**n < ABSENCE_CHANCE or (n == 11 and not (values or proofs)):
             break

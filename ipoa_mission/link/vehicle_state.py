@@ -106,6 +106,11 @@ class VehicleState:
             hint = "is its heartbeat heard?" if self.armed is None else "land and disarm it first"
             raise NotReady(words, hint=hint, code="not-on-ground")
 
+    def expect_mode(self, order: str, *modes: int | None) -> None:
+        if self.armed and self.custom_mode is not None and None not in modes and self.custom_mode not in modes:
+            mode = self.autopilot.modes.name(self.custom_mode)
+            raise NotReady(f"{order} was ordered, and the pilot or the autopilot took over, in {mode}")
+
     def owns(self, message: m.Message) -> bool:
         if not isinstance(message, m.Heartbeat):
             return True

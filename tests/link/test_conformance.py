@@ -135,6 +135,38 @@ def test_a_flight_that_disobeyed_its_order_is_incomplete(
     assert vehicle.conformance.why_not == ""
 
 
+@pytest.mark.parametrize("reaction", [OnDeviation.HOLD, OnDeviation.RTL])
+@pytest.mark.parametrize("family", registered())
+def test_no_order_is_repeated_after_the_pilot_took_over(family: Autopilot, reaction: OnDeviation) -> None:
+    vehicle, _ = begun(family, elsewhere(family))
+    vehicle.conformance.on_deviation = reaction
+    mock, modes = far_end(line_of(vehicle)).autopilot, family.modes
+    chosen = min(modes.lands)
+    main, sub, *_ = (*modes.numbers(chosen), 0.0)
+    heard, times_s = mock.receive, list[float]()
+
+    def receive(message: Message, source: Target, now: float) -> None:
+        if isinstance(message, CommandLong) and message.command in (Command.DO_PAUSE_CONTINUE, 176):
+            times_s.append(now)  # and is lost
+        else:
+            heard(message, source, now)
+
+    def overhear(message: Message) -> None:
+        now = vehicle.line.now()
+        if times_s and now > times_s[0] + 0.5 and not taken_s:
+            taken_s.append(now)
+            heard(CommandLong(176, (1.0, main, sub, 0.0, 0.0, 0.0, 0.0)), Target(254, 190), now)
+
+    taken_s = list[float]()
+    mock.receive = receive
+    vehicle.overhearing = overhear
+    record = vehicle.watch()
+    assert times_s[-1] < taken_s[0] + 1.5  # until the next heartbeat
+    assert not record.completed
+    assert record.why_not.startswith(f"{reaction} was ordered, because {record.deviations[0]}; ")
+    assert f"the pilot or the autopilot took over, in {modes.name(chosen)}" in record.why_not
+
+
 @pytest.mark.parametrize("family", registered())
 def test_watcher_may_order_the_mission_to_go_on(family: Autopilot) -> None:
     vehicle, _ = begun(family, elsewhere(family))

@@ -4,13 +4,15 @@ Within a take-off ArduCopter refuses command 193, and is put into BRAKE; on its 
 seconds and stays in AUTO. PX4 changes to AUTO.LOITER.
 """
 
+from collections.abc import Callable
+
 import pytest
 
-from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.autopilot.commands import Command, VehicleCommand
-from ipoa_mission.link.dialogue import SPECIFIED, Exchange
-from ipoa_mission.link.flight_order import SHOWN_S, return_to_launch
-from ipoa_mission.link.messages import CommandAck, CommandResult, Message, Position
+from ipoa_mission.link.dialogue import SPECIFIED, Dialogue, Exchange
+from ipoa_mission.link.flight_order import SHOWN_S, pause, resume, return_to_launch
+from ipoa_mission.link.messages import CommandAck, CommandResult, Message, Position, Text
 from ipoa_mission.link.vehicle import Vehicle
 from ipoa_mission.link.vehicle_state import NotReady, VehicleState
 from ipoa_mission.mission.items import Mission
@@ -148,3 +150,21 @@ def test_a_mode_that_is_accepted_and_not_shown_is_no_return() -> None:
     with refuses("not-ready", "", "AUTO.RTL") as unseen:
         exchange.tick(0.1 + SHOWN_S)
     assert "AUTO.MISSION" in str(unseen.value.hint)
+
+
+@pytest.mark.parametrize("order", [pause, resume, return_to_launch])
+@pytest.mark.parametrize("family", registered())
+def test_a_verb_does_not_repeat_its_order_after_the_pilot_took_over(
+    family: Autopilot, order: Callable[[VehicleState], Dialogue[None]]
+) -> None:
+    modes = family.modes
+    state = VehicleState(family, armed=True, custom_mode=modes.mission)
+    if order is resume and not family.protocol_profile.pauses_in_mission:
+        state.custom_mode = modes.hold
+    exchange = Exchange(order(state), 0.0, SPECIFIED)
+    assert exchange.outgoing()
+    exchange.tick(exchange.deadline)
+    assert exchange.outgoing()  # the first is lost
+    state.custom_mode = min(modes.lands)
+    with refuses("not-ready", "", "took over", modes.name(state.custom_mode)):
+        exchange.receive(Text(6, ""), exchange.deadline - 0.1)
