@@ -225,6 +225,16 @@ def test_a_flight_does_not_begin_inside_a_loop() -> None:
     assert begun_at(mission(*LOOP), 6).items[6:] == LOOP[6:]
 
 
+@pytest.mark.parametrize("autopilot", [ARDUPILOT, PX4])
+def test_items_before_the_first_one_flown_leave_the_flight_known(autopilot: Autopilot) -> None:
+    for version in (None, *map(Version, *zip(*autopilot.tables.series, strict=True))):
+        whole = replace(mission(UP, A, B, C, D, BACK, autopilot=autopilot), firmware_version=version)
+        begun = Forecast(begun_at(whole, 4))
+        assert (begun.unknown, begun.estimate.remarks) == ((), Forecast(whole).estimate.remarks)
+        waits = replace(whole, items=(UP, order(Command.CONDITION_DELAY), D, BACK))
+        assert [unknown.seq for unknown in Forecast(waits).unknown] == ([2] if autopilot is PX4 else [])
+
+
 def test_the_tag_of_a_jump_is_not_taken_out() -> None:
     with refuses("bad-input", "item 2", "item 6"):
         without_item(mission(*LOOP), 2)

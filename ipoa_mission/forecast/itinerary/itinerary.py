@@ -15,7 +15,7 @@ from ipoa_mission.forecast.itinerary.flown_legs import LEVEL_SPEEDS
 from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.geometry import Place, Vector
 from ipoa_mission.ground import LEVEL, Ground
-from ipoa_mission.mission.items import Mission, Numbered
+from ipoa_mission.mission.items import LEFT_OUT, Mission, Numbered
 from ipoa_mission.mission.program import Program, as_flown, is_passed, jump_target, next_navigated, program_of, repeats
 
 # Above LAST_NAV, but not instant.
@@ -149,7 +149,7 @@ def find_unknown(mission: Mission) -> Iterator[Unknown]:
     here: Place | None = None
     braking = _braking_lengths(mission) if splines else []
     for n, item in enumerate(items):
-        if (why := autopilot.command_effects.why_unknown(item.command, item.params)) is not None:
+        if item is not LEFT_OUT and (why := autopilot.command_effects.why_unknown(item.command, item.params)):
             yield Unknown(n + 1, why, "leave it out, or fly it without a forecast (--anyway)")
         place = program.place(n, here or NO_PLACE)
         before = here

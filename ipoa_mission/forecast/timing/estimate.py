@@ -16,7 +16,7 @@ from ipoa_mission.forecast.timing.flight_model import NEVER_MISSED, FlightModel,
 from ipoa_mission.forecast.timing.track import Track, interpolate
 from ipoa_mission.geometry import Points, Vector, arc_lengths, leg_lengths
 from ipoa_mission.mission.item_words import name_items
-from ipoa_mission.mission.items import Mission
+from ipoa_mission.mission.items import LEFT_OUT, Mission
 
 COUNTED_TERMS = (
     "distance over speed, climb of the take-off, holds, RTL's descent; no take-off delay, no landing, no corner"
@@ -172,7 +172,7 @@ def times_of(itinerary: Itinerary, prediction: Prediction) -> Estimate:
     remarks = prediction.remarks
     if itinerary.over_terrain:
         remarks = (*remarks, f"{name_items(itinerary.over_terrain)}: height over terrain taken as height over home")
-    conditions = [visit.seq for visit in itinerary.visits if visit.item.command in CONDITIONS]
+    conditions = [seq for seq, item in itinerary.visits if item.command in CONDITIONS and item is not LEFT_OUT]
     if conditions:
         remarks = (*remarks, f"{name_items(conditions)}: the delayed action counts as done at once")
     knows_clock = itinerary.mission.autopilot.guidance.waits_until_clock
