@@ -1,7 +1,7 @@
 import logging
 import sys
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from dataclasses import replace
 from functools import partial
 from itertools import compress
@@ -131,11 +131,10 @@ def _fly_on_link(changes: ChangesMade, source: Path, asked: FlyOptions, job: "Jo
     from ipoa_mission.flight.post_flight import landed_elsewhere
 
     on_vehicle = asked.on_vehicle
-    on_link = asked.on_link
     first = on_vehicle.begin - 1
     _begun(job, first)  # an unknown item is an error before connecting
     try:
-        options = replace(on_link, system=on_link.system if job.system is None else job.system)
+        options = replace(asked.on_link, system=asked.on_link.system if job.system is None else job.system)
         with connect_to(on_vehicle.link or "", options, frames_log) as vehicle:
             if not states_firmware(source, asked.flown_by.autopilot):
                 before = job.remarks
@@ -186,8 +185,10 @@ def _fly_stages(
     def stages(stage: "Stage") -> "Iterator[Progress]":
         with changes.stage(stage, f"{asked.on_vehicle.link} --system {vehicle.system}") as show:
             if stage is Stage.READY and flown.scenario is not None:
-                with suppress(MissionError):
+                try:
                     contingencies.append(ContingenciesNow(flown))
+                except MissionError as why:
+                    remark(f"contingencies are not shown in flight: {why}")
             if stage is Stage.FLIGHT and contingencies:
                 display = ContingencyDisplay(flown, vehicle, show, job.reserves, contingencies[0])
                 vehicle.overhearing = display.hear
@@ -203,9 +204,8 @@ def _fly_stages(
             record = begin_mission(vehicle, loaded, options)
     except MissionError as error:
         state = vehicle.state
-        flown_so_far = flight_as_json(job.estimate, vehicle.record(), job.reserves)
         ended = {"completed": False, "armed": state.armed, "in_air": state.in_air, "remarks": remarks}
-        error.known = flown_so_far | ended | error.known
+        error.known = flight_as_json(job.estimate, vehicle.record(), job.reserves) | ended | error.known
         raise
     return remarks, record
 

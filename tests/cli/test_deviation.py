@@ -6,8 +6,10 @@ import pytest
 
 from ipoa_mission import Forecast, read_mission
 from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.errors import NotModeled
 from ipoa_mission.flight import procedure
 from ipoa_mission.forecast.conformance import ConformanceMonitor
+from ipoa_mission.forecast.contingency.contingencies_now import ContingenciesNow
 from ipoa_mission.geodesy import Geodetic
 from tests.cli.conftest import Run, Serve
 from tests.cli.test_surveying import SCENARIO
@@ -61,6 +63,20 @@ def test_a_deviation_that_is_only_reported_still_ends_with_1(run: Run, autopilot
     assert ended.code == 1
     assert "not as forecast: item " in ended.out
     assert "is ordered" not in ended.err
+
+
+def test_a_flight_without_contingencies_says_why(
+    run: Run, autopilot: Serve, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def unknown(*_: object) -> None:
+        raise NotModeled("the way is unknown")
+
+    monkeypatch.setattr(ContingenciesNow, "__init__", unknown)
+    with autopilot(MISSION.home) as link:
+        printed = run(f"fly {SITL.with_suffix('.toml')} --link {link} --out {tmp_path}/a")
+        ended = run(f"fly {SITL.with_suffix('.toml')} --link {link} --out {tmp_path}/b --json")
+    assert printed.out.count("contingencies are not shown in flight: the way is unknown") == 1
+    assert "contingencies are not shown in flight: the way is unknown" in json.loads(ended.out)["remarks"]
 
 
 def test_a_flight_that_outlasts_the_users_time_is_left_in_the_air(run: Run, autopilot: Serve) -> None:
