@@ -1,4 +1,4 @@
-"""Refuse a mission with errors, a scenario with unread content, or a start that the way from is not clear."""
+"""Refuse a mission with errors, a scenario with unread content, or an unclear start."""
 
 import math
 from collections.abc import Sequence
@@ -111,28 +111,28 @@ def check_start(mission: Mission, scenario: "Scenario | None", first: int, there
     where = f"the vehicle is {distance:.1f} m from the mission's home"
     if scenario is None:
         if distance > 10.0:  # [m]
-            raise NotAtStart(
-                f"{where}; without a scenario the way from there cannot be checked",
-                hint="bring it there, or plan from its place: `fly SCENARIO` checks the way",
-            )
+            words = f"{where}; without a scenario the way from there cannot be checked"
+            raise NotAtStart(words, hint="bring it there, or plan from its place: `fly SCENARIO` checks the way")
         return (f"{where}: without a scenario the way from there was not checked",)
-    from ipoa_mission.checks.world_check import check_airspace
+    from ipoa_mission.checks.world_check import check_airspace, check_clearance
 
     place = scenario.frame.local(Geodetic(there.latitude_deg, there.longitude_deg, mission.home.altitude))
     starts = ((name, start) for name, section in scenario.added.items() for start in section.start_places)
     for name, start in starts:
-        if math.hypot(*start) <= HOME_RADIUS or math.dist(place[:2], start) >= np.hypot(*place[:2]):
-            continue
-        raise NotAtStart(
-            f"{where}, and nearer to another of the {name}'s start places",
-            hint=f"bring it to {mission.home.latitude_deg:.6f}, {mission.home.longitude_deg:.6f}, or fly the flight "
-            "that begins there",
-        )
+        if math.hypot(*start) > HOME_RADIUS and math.dist(place[:2], start) < np.hypot(*place[:2]):
+            at = f"{mission.home.latitude_deg:.6f}, {mission.home.longitude_deg:.6f}"
+            words = f"{where}, and nearer to another of the {name}'s start places"
+            raise NotAtStart(words, hint=f"bring it to {at}, or fly the flight that begins there")
     ground = float(scenario.airspace.ground(place[None, :])[0])
     home = Geodetic(there.latitude_deg, there.longitude_deg, mission.home.altitude + ground)
     begun = Forecast(begun_at(mission, first, home), scenario)
-    errors = [finding for finding in check_airspace(begun) if finding.severity is Severity.ERROR]
+    at_home = Forecast(begun_at(mission, first), scenario)  # a guarantee counts from home
+    guarantee = at_home.guarantee_if_known if distance <= HOME_RADIUS else None
+    known = () if guarantee is None else check_clearance(at_home.mission, scenario, guarantee)
+    errors = [finding for finding in (*check_airspace(begun), *known) if finding.severity is Severity.ERROR]
     if errors:
         words = f"{where}; from there: {errors[0].message}"
         raise NotAtStart(words, hint="bring it to the mission's home, or plan from its place")
+    if guarantee is None:
+        return (f"{where}: the predicted way from there is clear; what clearance flights keep is unknown",)
     return (f"{where}: the way from there was checked and is clear",)

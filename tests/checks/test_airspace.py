@@ -12,6 +12,7 @@ from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.autopilot.commands import Command
 from ipoa_mission.autopilot.returning import FlightStage
 from ipoa_mission.checks.check import check_mission
+from ipoa_mission.checks.unsafe import check_start
 from ipoa_mission.forecast.forecast import estimate
 from ipoa_mission.forecast.itinerary.flown_legs import Leg, flown_legs
 from ipoa_mission.forecast.leg_limits import broken_limits
@@ -25,6 +26,7 @@ from ipoa_mission.world.terrain import Flat
 from tests.examples import examples
 from tests.finding_codes import codes_of
 from tests.px4_waypoints import waypoint
+from tests.refused import refuses
 
 PX4, ARDUPILOT = Autopilot.PX4, Autopilot.ARDUPILOT
 WORLD = """
@@ -351,3 +353,14 @@ def test_a_leg_that_a_jump_flies_back_names_both_of_its_ends() -> None:
         if "the leg to it from item 4, after a jump" in finding.message
     ]
     assert codes_of(findings) == ["error leg-too-near 2"]
+
+
+def test_a_flight_from_a_later_item_keeps_the_clearance_of_flights() -> None:
+    scenario = world()
+    mission = flight(scenario, (0.0, -20.0, 20.0), (100.0, -20.0, 20.0), (100.0, 20.0, 20.0))
+    with refuses("not-at-start", "", "item 4", "hall", "99 %", "1.86 m", "2.50 m"):
+        check_start(mission, scenario, 3, mission.home)
+    (clear,) = check_start(mission, scenario, 2, mission.home)
+    assert clear.endswith("the way from there was checked and is clear")
+    (unknown,) = check_start(mission, scenario, 2, place(scenario, 0.0, -4.0))
+    assert unknown.endswith("the predicted way from there is clear; what clearance flights keep is unknown")
