@@ -65,13 +65,12 @@ class FlightWorker:
         else:
             opened = connect(link, system=order["system"], log=log)
         with opened as vehicle:
-            forecast = handed.forecast.on(vehicle.firmware_version())
-            items = len(forecast.mission_as_read.items)
+            items = len(handed.forecast.mission_as_read.items)
             name = f"{'built-in ' if link is None else ''}{vehicle.autopilot}, system {vehicle.system}"
             options = ProcedureOptions(
                 set_params=order["set_params"], stages=_stages("uploading", answer), remark=remarks.append
             )
-            forecast = load_mission(vehicle, forecast, options)
+            forecast = load_mission(vehicle, handed.forecast, options)
             loaded = Loaded(
                 vehicle=name,
                 system=vehicle.system,

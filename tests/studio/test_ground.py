@@ -1,11 +1,16 @@
 import pickle
 import queue
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
+from ipoa_mission.checks.check import check
+from ipoa_mission.finding import Finding
+from ipoa_mission.flight import procedure
+from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.scenario import read_scenario
 from ipoa_mission.studio.flight_worker import FlightWorker
 from ipoa_mission.studio.plan_worker import PlanWorker
@@ -46,6 +51,15 @@ def test_a_shipped_scenario_is_planned_handed_over_uploaded_and_flown(
         if message.kind == "loaded":
             beside.put({"vehicle": message.vehicle, "mission": message.mission, "proof": message.proof})
 
+    checked = list[Forecast]()
+
+    def recorded(forecast: Forecast, ignore: Iterable[str]) -> tuple[Finding, ...]:
+        checked.append(forecast)
+        return check(forecast, ignore)
+
+    monkeypatch.setattr(procedure, "check", recorded)
     FlightWorker(beside).fly(order | {"speedup": 1e9, "set_params": False}, answer)
     landed = next(message for message in messages if message.kind == "landed")
     assert landed.completed, landed.why_not
+    assert checked
+    assert checked[-1].mission_as_read.firmware_version is not None  # the vehicle's
