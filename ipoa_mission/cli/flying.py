@@ -195,8 +195,9 @@ def _fly_stages(
                 show = display.show
             yield show
 
-    first = asked.on_vehicle.begin - 1
-    options = ProcedureOptions(first, asked.on_link.anyway, job.ignore, asked.on_vehicle.set_params, stages, remark)
+    on_vehicle = asked.on_vehicle
+    first = on_vehicle.begin - 1
+    options = ProcedureOptions(first, asked.on_link.anyway, job.ignore, on_vehicle.set_params, stages, remark, True)
     try:
         with changes.reporting(""):  # between two stages
             loaded = load_mission(vehicle, planned, options)

@@ -57,6 +57,7 @@ class ProcedureOptions:
     set_params: bool = False
     stages: Stages = without_progress
     remark: ReportRemark = without_remarks
+    checked: bool = False  # the forecast, in its world
 
 
 def upload_mission(
@@ -144,7 +145,7 @@ def fly_mission(
     Args:
         vehicle: on the ground and disarmed.
         mission: for its autopilot, unless `anyway`.
-        scenario: world in which the way from the vehicle's position is checked.
+        scenario: world in which mission and start are checked.
         first: index in `mission.items`.
         anyway: pass failed checks to `remark`, and fly all the same.
         set_params: write differing parameters of the mission.
@@ -173,7 +174,6 @@ def fly_mission(
 def load_mission(vehicle: Vehicle, forecast: Forecast, options: ProcedureOptions) -> Forecast:
     """Write and upload after all checks; return the forecast with version and parameters aboard."""
     mission = forecast.mission_as_read
-    anyway = options.anyway
     stages = options.stages
     vehicle.state.expect_on_ground()
     with stages(Stage.POSITION) as show:
@@ -183,7 +183,7 @@ def load_mission(vehicle: Vehicle, forecast: Forecast, options: ProcedureOptions
         written = {other.name: other.wanted for other in differing} if options.set_params else {}
         remarks = _examine(vehicle, forecast, options, written)
         left = left_lists(vehicle, mission)
-        if not anyway and MissionType.RALLY in left:
+        if not options.anyway and MissionType.RALLY in left:
             hint = "clear its lists (ipoa-mission clear), or fly with --anyway"
             raise MissionError(left[MissionType.RALLY], hint, code="other-rally-points")
         expected = () if written else differing
@@ -193,7 +193,7 @@ def load_mission(vehicle: Vehicle, forecast: Forecast, options: ProcedureOptions
             _set_parameters(vehicle, differing, show, options.remark)
         with stages(Stage.CHECK):  # a parameter may be lost
             remarks = _examine(vehicle, forecast, options, {})
-    differing, notes = _upload(vehicle, mission, anyway, stages, ": --set-params writes it")
+    differing, notes = _upload(vehicle, mission, options.anyway, stages, ": --set-params writes it")
     if differing != expected:
         with stages(Stage.RECHECK):
             aboard, remarks_aboard = _aboard(vehicle, forecast, differing, options)
@@ -213,7 +213,6 @@ def _examine(vehicle: Vehicle, forecast: Forecast, options: ProcedureOptions, wr
 def _aboard(
     vehicle: Vehicle, forecast: Forecast, differing: Iterable[preflight.OtherValue], options: ProcedureOptions
 ) -> tuple[Forecast, tuple[str, ...]]:
-    """Refuse errors in its world."""
     if forecast.mission_as_read.autopilot is not vehicle.autopilot:
         return forecast, ()
     aboard = forecast.on(vehicle.firmware_version())
@@ -221,11 +220,13 @@ def _aboard(
     if values:
         wind = None if forecast.scenario else forecast.wind
         aboard = Forecast(aboard.mission_as_read.with_parameters(values), forecast.scenario, wind)
-    if aboard is forecast or aboard.scenario is None or options.anyway:
+    if aboard.scenario is None or (options.checked and (aboard is forecast or options.anyway)):
         return aboard, ()
-    known = {finding.message for finding in check(forecast, options.ignore)}
-    new = [finding.message for finding in refuse_errors(check(aboard, options.ignore)) if finding.message not in known]
-    return aboard, tuple(f"with the parameters and version aboard: {message}" for message in new)
+    before = forecast if options.checked else Forecast(forecast.mission_as_read)
+    known = {finding.message for finding in check(before, options.ignore)}
+    findings = check(aboard, options.ignore)
+    new = [each.message for each in (findings if options.anyway else refuse_errors(findings))]
+    return aboard, tuple(f"with the parameters and version aboard: {words}" for words in new if words not in known)
 
 
 def begin_mission(vehicle: Vehicle, forecast: Forecast, options: ProcedureOptions) -> FlightRecord:

@@ -68,7 +68,7 @@ class FlightWorker:
             items = len(handed.forecast.mission_as_read.items)
             name = f"{'built-in ' if link is None else ''}{vehicle.autopilot}, system {vehicle.system}"
             options = ProcedureOptions(
-                set_params=order["set_params"], stages=_stages("uploading", answer), remark=remarks.append
+                set_params=order["set_params"], stages=_stages("uploading", answer), remark=remarks.append, checked=True
             )
             forecast = load_mission(vehicle, handed.forecast, options)
             loaded = Loaded(

@@ -5,14 +5,17 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from ipoa_mission.autopilot.autopilot import Autopilot, registered
+from ipoa_mission.autopilot.version import Version
 from ipoa_mission.errors import MissionError, Unsafe
 from ipoa_mission.flight import preflight, procedure
 from ipoa_mission.flight.procedure import (
     ProcedureOptions,
     Stage,
+    fly_mission,
     left_lists,
     load_mission,
     upload_mission,
@@ -133,6 +136,23 @@ def test_lists_that_a_vehicle_does_not_support_are_empty(monkeypatch: pytest.Mon
 def test_broken_link_ends_the_reading_of_lists(monkeypatch: pytest.MonkeyPatch) -> None:
     with pytest.raises(LinkDown, match="broke"):
         left_lists(*unreadable(LinkDown("the link broke"), monkeypatch))
+
+
+@pytest.mark.parametrize("version", [None, Autopilot.PX4.newest])
+def test_an_unchecked_mission_is_checked_in_its_world(missions: Path, version: Version | None) -> None:
+    scenario = parse_scenario((missions / "sitl.toml").read_text(), missions / "x")
+    safe = replace(read_mission(missions / "sitl.plan"), firmware_version=version)
+    (latitude,), (longitude,), _ = scenario.frame.to_geodetic(np.array([[90.0, 60.0, 15.0]]))
+    items = (safe.items[0], waypoint(Geodetic(float(latitude), float(longitude)), 15.0), return_to_launch())
+    mission = replace(safe, items=items)
+    vehicle = meet(Line(Loopback(Station(Mock(Autopilot.PX4, mission.home))), Codec(245, 190)))
+    with refuses("unsafe", "", "mast"):
+        fly_mission(vehicle, mission, scenario, set_params=True)
+    assert vehicle.download().items == ()
+    remarks = list[str]()
+    options = ProcedureOptions(anyway=True, remark=remarks.append)
+    load_mission(vehicle, Forecast(mission, scenario), options)
+    assert any("mast" in words for words in remarks)
 
 
 @pytest.mark.parametrize("wider", ["", "safety_distance = 9.0"])

@@ -76,7 +76,7 @@ def set_up(vehicle: Vehicle, wind: Wind) -> None:
 
 def load(vehicle: Vehicle, forecast: Forecast, anyway: bool = False) -> None:
     """Upload a mission; a simulator much faster than real time may give up a transfer."""
-    options = ProcedureOptions(set_params=True, anyway=anyway)
+    options = ProcedureOptions(set_params=True, anyway=anyway, checked=True)
     for _ in range(TRANSFERS - 1):
         with suppress(MissionRefused, NoAnswer):
             load_mission(vehicle, forecast, options)
