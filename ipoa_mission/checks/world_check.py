@@ -29,23 +29,19 @@ from ipoa_mission.wind import CALM, Wind
 
 def check_world(forecast: Forecast, is_flown: bool, before: Iterable[Finding]) -> list[Finding]:
     guarantee = forecast.guarantee_if_known if is_flown else None
-    findings = list(check_airspace(forecast))
+    findings = [*_check_home(forecast), *check_airspace(forecast)]
     if guarantee is not None:
         judged = {finding.seq: finding.severity for finding in findings if finding.code == "leg-too-near"}
         for finding in check_clearance(forecast.mission, forecast.world, guarantee):
-            as_leg = judged.get(finding.seq)
-            if as_leg != Severity.ERROR and as_leg != finding.severity:  # else the leg's finding says it
+            if judged.get(finding.seq) not in (Severity.ERROR, finding.severity):  # else the leg's finding says it
                 findings.append(finding)
-    findings += check_unread(forecast.world.unread)
-    findings += check_passed_over(forecast)
-    findings += check_ground(forecast)
+    findings += (*check_unread(forecast.world.unread), *check_passed_over(forecast), *check_ground(forecast))
     if is_flown:
         findings += check_wind(forecast)
     if guarantee is not None:
         findings += check_energy(forecast)
         if not any(finding.severity is Severity.ERROR for finding in (*before, *findings)):
-            findings += check_failsafe_return(forecast)
-            findings += check_failsafe_landing(forecast)
+            findings += (*check_failsafe_return(forecast), *check_failsafe_landing(forecast))
     return findings
 
 
@@ -67,17 +63,22 @@ def remedy(forecast: Forecast) -> tuple[str, tuple[Remedy, ...]]:
     return advice, (land,)
 
 
+def _check_home(forecast: Forecast) -> Iterator[Finding]:
+    away = forecast.another_home
+    offset = np.abs(forecast.frame.local(forecast.mission.home))
+    if away is not None:
+        yield Finding("home-differs", Severity.ERROR, 0, str(away), away.hint)
+    elif offset.max() > 1.0:  # [m]
+        message = f"home: lies {np.linalg.norm(offset):.1f} m from the scenario's home: heights above home differ"
+        yield Finding("home-differs", Severity.WARNING, 0, message)
+
+
 def check_airspace(forecast: Forecast) -> Iterator[Finding]:
-    """Report a home elsewhere, then each broken limit of each leg.
+    """Report each broken limit of each leg.
 
     The planner chooses no climb, way home or landing: there it is a warning, and contact an error.
     """
-    mission = forecast.mission
     scenario = forecast.world
-    offset = np.abs(scenario.frame.local(mission.home))
-    if offset.max() > 1.0:  # [m]
-        message = f"home: lies {np.linalg.norm(offset):.1f} m from the scenario's home: heights above home differ"
-        yield Finding("home-differs", Severity.WARNING, 0, message)
     reported = set[str]()
     for leg in forecast.legs:
         for check in broken_limits(leg, scenario):
@@ -86,7 +87,7 @@ def check_airspace(forecast: Forecast) -> Iterator[Finding]:
             if words in reported and begins:
                 continue
             reported |= {words} if leg.stage is FlightStage.ROUTE else set()
-            item = item_of(mission, leg.seq)
+            item = item_of(forecast.mission, leg.seq)
             message = f"{leg.name}: {words}"
             contact = scenario.vehicle.radius - ROUNDING["m"] if check.limit in ("obstacles", "ground") else -math.inf
             if leg.stage is not FlightStage.ROUTE and not check.nearest.distance < contact:
@@ -192,10 +193,8 @@ def _why_not(forecast: Forecast, wind: Wind) -> str | None:
 
 
 def check_failsafe_return(forecast: Forecast) -> Iterator[Finding]:
-    if not forecast.mission.items:
-        return
     paths = forecast.cached(ContingencyPaths)
-    if len(paths.stops().times) < 2:
+    if not forecast.mission.items or len(paths.stops().times) < 2:
         return
     if (why := paths.why_unknown()) is not None:
         yield Finding("return-too-near", Severity.WARNING, None, f"RTL on the way was not checked: {why}")
@@ -232,10 +231,8 @@ def _return_altitude_hint(paths: ContingencyPaths) -> str | None:
 
 
 def check_failsafe_landing(forecast: Forecast) -> Iterator[Finding]:
-    if not forecast.mission.items or not lands_by_choice(forecast):
-        return
     paths = forecast.cached(ContingencyPaths)
-    if len(paths.stops().times) < 2:
+    if not forecast.mission.items or not lands_by_choice(forecast) or len(paths.stops().times) < 2:
         return
     samples = paths.samples(Contingency.LAND)
     unclear = np.flatnonzero(((samples.near < paths.required) & (samples.which != GROUND)).any(axis=(1, 2)))

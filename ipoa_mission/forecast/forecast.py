@@ -18,7 +18,7 @@ from ipoa_mission.forecast.itinerary.itinerary import Itinerary, Unknown, find_u
 from ipoa_mission.forecast.timing.estimate import Estimate, times_of
 from ipoa_mission.forecast.timing.flight_model import FlightModel, Prediction
 from ipoa_mission.forecast.timing.track import Track
-from ipoa_mission.geodesy import LocalFrame
+from ipoa_mission.geodesy import LocalFrame, apart
 from ipoa_mission.geometry import Points
 from ipoa_mission.ground import Ground
 from ipoa_mission.mission.items import Mission
@@ -45,9 +45,6 @@ class Forecast:
 
     Attributes:
         mission_as_read: the mission as passed in, with the scenario's firmware version where it names none.
-
-    Raises:
-        BadInput: the mission is of another place than the scenario.
 
     Example:
         >>> from ipoa_mission import Forecast, read_mission, read_scenario
@@ -152,9 +149,7 @@ class Forecast:
         return tuple(find_unknown(self.mission_as_read))
 
     def predicted(self, noise_free: bool, fast: bool | None = None) -> Prediction:
-        """Predict times and places, `noise_free` or with the mean of sensor noise.
-
-        `fast`: as in `estimate`.
+        """Predict times and places, `noise_free` or with the mean of sensor noise; `fast`: as in `estimate`.
 
         Raises:
             BadInput: the mission has no end, or a parameter is invalid.
@@ -172,10 +167,10 @@ class Forecast:
         return model.predicted(self.itinerary, self.wind, fast, noise_free)
 
     def timed(self, fast: bool | None = None) -> Estimate:
-        expected = self.expected if fast is None else self.predicted(noise_free=False, fast=fast)
-        times = times_of(self.itinerary, expected)
+        times = times_of(self.itinerary, self.expected if fast is None else self.predicted(noise_free=False, fast=fast))
         unknown = (f"item {item.seq}: {item.why}: the time after it is unknown" for item in self.unknown)
-        return replace(times, remarks=(*times.remarks, *unknown))
+        of_home = () if self.another_home is None else (str(self.another_home),)
+        return replace(times, remarks=(*times.remarks, *unknown, *of_home))
 
     @cached_property
     def expected(self) -> Prediction:
@@ -210,9 +205,18 @@ class Forecast:
         spread = None if task.chance is None else model.spread(self.itinerary, self.wind, predicted)
         return clearance_guarantee_of(PredictedFlight(self.itinerary, predicted, task, spread))
 
+    @property
+    def another_home(self) -> MissionError | None:
+        """Return an error if home is not the scenario's: the track counts from it."""
+        away = apart(self.mission.home, self.frame.home)
+        words = f"expected within 0.1 m of the scenario's home, not {away:.2f} m away: the clearance is unknown"
+        hint = "plan again, or set the scenario's home to the mission's"
+        return MissionError(words, hint, code="home-differs", place="home") if away > 0.1 else None
+
     def expect_known_path(self) -> None:
-        if self.unknown:
-            raise _refusal(self.unknown[0], "clearance")
+        error = _refusal(self.unknown[0], "clearance") if self.unknown else self.another_home
+        if error is not None:
+            raise error
 
     @property
     def guarantee_if_known(self) -> "ClearanceGuarantee | None":
@@ -233,9 +237,8 @@ class Forecast:
         return prove(points, self.world, stray)
 
 
-def _refusal(unknown: Unknown, quantity: str) -> MissionError:
-    words = f"{unknown.why}; the {quantity} is unknown"
-    return MissionError(words, unknown.hint, code=unknown.code, place=f"item {unknown.seq}")
+def _refusal(at: Unknown, quantity: str) -> MissionError:
+    return MissionError(f"{at.why}; the {quantity} is unknown", at.hint, code=at.code, place=f"item {at.seq}")
 
 
 def estimate(
