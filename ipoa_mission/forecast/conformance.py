@@ -92,7 +92,7 @@ class ConformanceMonitor:
 
     def local(self, at: Geodetic, height: float) -> Vector:
         up = self._forecast.mission.home.altitude + height if self._counts_from_home else at.altitude
-        return self._forecast.frame.local(Geodetic(at.latitude_deg, at.longitude_deg, up))
+        return self._forecast.mission.frame.local(Geodetic(at.latitude_deg, at.longitude_deg, up))
 
     def interrupt(self) -> None:
         self._begun_s = None

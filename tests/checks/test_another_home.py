@@ -3,6 +3,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from ipoa_mission.forecast.conformance import ConformanceMonitor
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.scenario import Scenario
@@ -33,3 +34,10 @@ def test_moving_home_makes_no_clearance_of_the_cruise_better(east: float, north:
         _ = moved.guarantee
     assert "error home-differs 0" in seen(mission, scenario)
     assert str(moved.another_home) in moved.estimate.remarks
+
+
+def test_a_flight_is_compared_in_the_frame_of_its_home() -> None:
+    scenario = world()
+    mission = past_the_hall(scenario, 0.0, 28.0)
+    begins = ConformanceMonitor(Forecast(mission, scenario)).local(mission.home, 0.0)
+    assert begins == pytest.approx(np.zeros(3), abs=1e-6)
