@@ -101,6 +101,12 @@ class FarFromHome(MissionError):
     """Heights above home would refer to other ground."""
 
 
+def expect_level(here: Geodetic, there: Geodetic | None) -> None:
+    if here.altitude and there and apart(here, there) <= 100 and abs(there.altitude - here.altitude) > 15:  # 0: unknown
+        words = f"expected the vehicle's home at {here.altitude:.1f} m AMSL, not {there.altitude:.1f} m"
+        raise FarFromHome(words, hint="heights count from the vehicle's home: plan from its position, or use --anyway")
+
+
 class FastLanding(MissionError):
     """The vehicle's own parameters make a fast touchdown."""
 
@@ -133,10 +139,8 @@ def expect_charge(vehicle: Vehicle, forecast: Forecast, first: int = 0) -> None:
     from ipoa_mission.forecast.contingency.energy_budget import budget_of
 
     budget = budget_of(forecast)
-    if budget is None:
-        return
     begins = next((item.done_s for item in forecast.estimate.items if item.seq == first), 0.0)
-    now = budget.against_plan(left, begins)
+    now = None if budget is None else budget.against_plan(left, begins)
     if now is not None and now.lands.likely < now.reserve - 1e-9:  # rounding
         raise LowBattery(
             f"the vehicle reports {left:.0%} of its battery, and this flight takes "
@@ -150,16 +154,15 @@ class OutsideOwnFence(MissionError):
 
 
 def await_home(vehicle: Vehicle, progress: Progress = silent) -> None:
-    state = vehicle.state
     until_s = vehicle.line.now() + vehicle.ready_s
     reason = ""
     try:
         while vehicle.home() is None:
-            reason = "; ".join(("the vehicle has no position yet", *dict.fromkeys(state.warnings)))
+            reason = "; ".join(("the vehicle has no position yet", *dict.fromkeys(vehicle.state.warnings)))
             progress(0.0, reason)
             if vehicle.line.now() > until_s:
                 raise NotReady(f"not ready after {vehicle.ready_s:.0f} s: {reason}", hint="check its GPS reception")
-            state.warnings.clear()
+            vehicle.state.warnings.clear()
     except TimeUp as late:
         raise TimeUp(f"{late}: {reason}" if reason else str(late), late.hint) from None
 
@@ -268,12 +271,9 @@ def _compare_home(mission: Mission, there: Geodetic | None, anyway: bool) -> tup
 
 
 def breaches(mission: Mission, fence: OwnFence, there: Geodetic) -> tuple[str, ...]:
-    """Report each limit that a flight from home `there` would reach, with the furthest place.
-
-    One flight in a hundred deviates farther than counted.
-    """
+    """Report each limit that a flight from home `there` would reach, with the furthest place."""
     law = law_of(mission.autopilot)
-    share = 0.01
+    share = 0.01  # of flights deviates farther
     forecast = Forecast(mission)
     center = forecast.frame.local(there)[:2]
     legs = forecast.legs

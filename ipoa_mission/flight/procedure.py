@@ -174,11 +174,10 @@ def fly_mission(
 def load_mission(vehicle: Vehicle, forecast: Forecast, options: ProcedureOptions) -> Forecast:
     """Write and upload after all checks; return the forecast with version and parameters aboard."""
     mission = forecast.mission_as_read
-    stages = options.stages
     vehicle.state.expect_on_ground()
-    with stages(Stage.POSITION) as show:
+    with options.stages(Stage.POSITION) as show:
         preflight.await_home(vehicle, show)
-    with stages(Stage.CHECK):
+    with options.stages(Stage.CHECK):
         differing, _ = preflight.other_values(vehicle, mission.parameters)
         written = {other.name: other.wanted for other in differing} if options.set_params else {}
         remarks = _examine(vehicle, forecast, options, written)
@@ -189,13 +188,13 @@ def load_mission(vehicle: Vehicle, forecast: Forecast, options: ProcedureOptions
         expected = () if written else differing
         aboard, remarks_aboard = _aboard(vehicle, forecast, expected, options)
     if written:
-        with stages(Stage.PARAMETERS) as show:
+        with options.stages(Stage.PARAMETERS) as show:
             _set_parameters(vehicle, differing, show, options.remark)
-        with stages(Stage.CHECK):  # a parameter may be lost
+        with options.stages(Stage.CHECK):  # a parameter may be lost
             remarks = _examine(vehicle, forecast, options, {})
-    differing, notes = _upload(vehicle, mission, options.anyway, stages, ": --set-params writes it")
+    differing, notes = _upload(vehicle, mission, options.anyway, options.stages, ": --set-params writes it")
     if differing != expected:
-        with stages(Stage.RECHECK):
+        with options.stages(Stage.RECHECK):
             aboard, remarks_aboard = _aboard(vehicle, forecast, differing, options)
     with suppress(NoAnswer):
         vehicle.link_loss.meanwhile = preflight.without_station(vehicle, vehicle.firmware_version())
@@ -206,6 +205,8 @@ def load_mission(vehicle: Vehicle, forecast: Forecast, options: ProcedureOptions
 
 def _examine(vehicle: Vehicle, forecast: Forecast, options: ProcedureOptions, written: Parameters) -> tuple[str, ...]:
     if not options.anyway:
+        if forecast.scenario is not None:
+            preflight.expect_level(forecast.mission_as_read.home, vehicle.home())
         preflight.expect_slow_landing(vehicle, forecast, written)
     return preflight.expect_fit(vehicle, forecast.mission_as_read, options.anyway, options.ignore, written)
 
@@ -255,10 +256,9 @@ def begin_mission(vehicle: Vehicle, forecast: Forecast, options: ProcedureOption
 def _monitor(vehicle: Vehicle, forecast: Forecast, first: int, remark: ReportRemark) -> "ConformanceMonitor | None":
     from ipoa_mission.forecast.conformance import ConformanceMonitor
 
-    mission = forecast.mission_as_read
     try:
-        if mission.autopilot is not vehicle.autopilot:
-            words = f"it was forecast for {mission.autopilot}, and the vehicle is {vehicle.autopilot}"
+        if forecast.mission_as_read.autopilot is not vehicle.autopilot:
+            words = f"it was forecast for {forecast.mission_as_read.autopilot}, and the vehicle is {vehicle.autopilot}"
             raise MissionError(words, code="other-autopilot")
         return ConformanceMonitor(begun_forecast(forecast, first))
     except MissionError as unknown:

@@ -155,6 +155,24 @@ def test_an_unchecked_mission_is_checked_in_its_world(missions: Path, version: V
     assert any("mast" in words for words in remarks)
 
 
+@pytest.mark.parametrize("higher", [-40.0, -14.0, 14.0, 40.0])
+def test_home_at_another_height_is_refused_in_a_world(missions: Path, higher: float) -> None:
+    scenario = parse_scenario((missions / "sitl.toml").read_text(), missions / "x")
+    mission = read_mission(missions / "sitl.plan")
+    there = replace(mission.home, altitude=mission.home.altitude + higher)
+    vehicle = meet(Line(Loopback(Station(Mock(Autopilot.PX4, there))), Codec(245, 190)))
+    remarks = list[str]()
+    options = ProcedureOptions(remark=remarks.append, set_params=True)
+    if abs(higher) > 15.0:
+        with refuses("far-from-home", "", "488.0 m", f"{488.0 + higher:.1f} m"):
+            load_mission(vehicle, Forecast(mission, scenario), options)
+        assert vehicle.download().items == ()
+        options = replace(options, anyway=True)
+    load_mission(vehicle, Forecast(mission, scenario), options)
+    assert any(f"{abs(higher):.1f} m {'higher' if higher > 0 else 'lower'}" in words for words in remarks)
+    preflight.expect_level(replace(mission.home, altitude=0.0), there)
+
+
 @pytest.mark.parametrize("wider", ["", "safety_distance = 9.0"])
 def test_mission_is_checked_with_the_parameters_aboard(missions: Path, wider: str) -> None:
     text = (missions / "sitl.toml").read_text()
