@@ -1,8 +1,4 @@
-"""Start a mission from the ground at a known item, in each firmware's order.
-
-`prepare`: streams, first item, mode, position, pre-arm checks. `depart`: lists proved, armed, begun. A refusal after
-the arming disarms the vehicle, unless it may be in the air.
-"""
+"""Start a mission from the ground at a known item; a refusal after arming disarms it, unless it may be in the air."""
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
@@ -10,6 +6,7 @@ from dataclasses import dataclass
 
 from ipoa_mission.autopilot.commands import Command, VehicleCommand
 from ipoa_mission.errors import MissionError
+from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.link.dialogue import Cancelled, Dialogue, NoAnswer, SendOnce, TimeUp, until, wait
 from ipoa_mission.link.flight_order import SHOWN_S, change_mode
 from ipoa_mission.link.messages import CommandLong, CommandResult, Current, Position, SystemStatus
@@ -56,6 +53,12 @@ class Departure:
     climb: float = 0.0  # height of an ArduPilot before a first item that is no take-off [m]
     onboard_lists: tuple[OnboardList, ...] = ()
     progress: Progress = silent
+    permit: Callable[[Geodetic], object] | None = None
+
+    def expect_permitted(self) -> None:
+        at = self.state.position
+        if self.permit is not None and at is not None:
+            self.permit(Geodetic(at.latitude_deg, at.longitude_deg, at.altitude))
 
 
 def subscribe(state: VehicleState) -> Dialogue[None]:
@@ -170,7 +173,7 @@ def _not_ready_reason(state: VehicleState) -> str:
 
 
 def depart_when_ready(departure: Departure, left_s: Callable[[], float]) -> Dialogue[None]:
-    """Run `depart`; after a temporary refusal prepare again while `left_s` is positive [s]."""
+    """Run `depart`; after a temporary refusal prepare and permit again while `left_s` is positive [s]."""
     while True:
         try:
             return (yield from depart(departure))
@@ -179,6 +182,7 @@ def depart_when_ready(departure: Departure, left_s: Callable[[], float]) -> Dial
             if left_s() <= 0.0:
                 raise NotReady(f"the vehicle is not ready in time: {refused.words}", hint=refused.hint) from None
         yield from prepare(departure, left_s())
+        departure.expect_permitted()
 
 
 def depart(departure: Departure) -> Dialogue[None]:
@@ -202,9 +206,7 @@ def depart(departure: Departure) -> Dialogue[None]:
                 break  # the refusal was of an earlier order
             may_be_armed = False
             if is_last:
-                if has_reason and not reasons.lasting(words):
-                    raise NotYet("arm", result, words)
-                raise CommandRefused("arm", result, words)
+                raise (NotYet if has_reason and not reasons.lasting(words) else CommandRefused)("arm", result, words)
         yield from _begin(departure)
     except MissionError as aborted:
         if may_be_armed:

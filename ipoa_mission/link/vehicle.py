@@ -205,16 +205,14 @@ class Vehicle(VehicleSession):
         moving = next((n for n, item in enumerate(items) if n >= first and item.command < LAST_NAV), first)
         onboard_lists = tuple(self._onboard_lists.values())
         home = self.autopilot.counts_home
-        prepared = departure.Departure(self.state, first + home, moving + home, climb, onboard_lists, progress)
         if not self._options.anyway:
             self.line.expect_alone(self.system)
         permit = permit or (None if mission is None else partial(check_start, mission, None, first))
+        prepared = departure.Departure(self.state, first + home, moving + home, climb, onboard_lists, progress, permit)
         with departure.restored_mode(self.state, self._tell_without_limit):
             with self._in_time():
                 self._tell(departure.prepare(prepared, self.ready_s))
-            position = self.state.position
-            if permit is not None and position is not None:
-                permit(Geodetic(position.latitude_deg, position.longitude_deg, position.altitude))
+            prepared.expect_permitted()
         self._departure = prepared
 
     def start(self, progress: Progress = silent) -> None:
@@ -253,9 +251,7 @@ class Vehicle(VehicleSession):
         record = None
         compared = self.conformance
         compared.attach(self._logbook)
-        observers: list[Observer] = [self.order, compared]
-        if onboard is not None:
-            observers.append(onboard)
+        observers: list[Observer] = [self.order, compared, *([] if onboard is None else [onboard])]
         with self.state.with_state_as_hint(), self._in_flight_time(), self._mode_watch.watched(self._logbook.modes):
             while record is None:
                 try:

@@ -4,6 +4,7 @@ import pytest
 
 from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.autopilot.vehicle_kind import VehicleKind
+from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.link.departure import NotYet, depart, depart_when_ready, prepare
 from ipoa_mission.link.dialogue import TimeUp
 from ipoa_mission.link.messages import CommandAck, CommandLong, Heartbeat, Message
@@ -144,6 +145,21 @@ def test_arming_is_tried_again_while_there_is_time(tries: int, passes_s: float) 
         vehicle.hold(lambda departure: depart_when_ready(departure, lambda: until_s - vehicle.now))
     assert [command[:2] for command in vehicle.commands if command[0] == ARM] == [(ARM, 1)] * tries
     assert vehicle.now >= until_s
+
+
+@pytest.mark.parametrize("autopilot", [PX4, ARDUPILOT])
+def test_arming_is_tried_again_only_with_a_new_permit(autopilot: Autopilot) -> None:
+    vehicle = Scripted(autopilot)
+    vehicle.hold(prepare)
+    reason = "Preflight Fail: GPS fix too low" if autopilot is PX4 else "Arm: Need Position Estimate"
+    vehicle.refuses[ARM] = (4, reason)
+
+    def permit(there: Geodetic) -> None:
+        raise NotReady(f"low battery at {there.latitude_deg:.0f}")
+
+    with refuses("not-ready", "", "low battery"):
+        vehicle.hold(lambda departure: depart_when_ready(replace(departure, permit=permit), lambda: 90.0 - vehicle.now))
+    assert [command[:2] for command in vehicle.commands if command[0] == ARM] == [(ARM, 1)]
 
 
 def test_armed_vehicle_begins_despite_a_late_refusal() -> None:
