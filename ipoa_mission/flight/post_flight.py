@@ -1,5 +1,6 @@
 """Compare a flight with its plan: clearance, and landing place."""
 
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -33,10 +34,7 @@ def landed_elsewhere(forecast: Forecast, record: FlightRecord) -> tuple[str, ...
 
 
 class FlownClearance(NamedTuple):
-    """The smallest clearance of a flight, and the planned one [m].
-
-    `least` has the smallest slack, east, north, up of home.
-    """
+    """The smallest clearance of a flight, and the planned one [m]; `least` is of the smallest slack, from home."""
 
     least: Check
     place: Geodetic
@@ -84,6 +82,8 @@ def flown_clearance(record: FlightRecord, scenario: Scenario, mission: Mission |
     place = np.asarray(least.nearest.place)
     sample = record.path[int(np.argmin(np.linalg.norm(points - place, axis=1)))]
     planned = guaranteed = None
+    if mission is not None and apart(mission.home, scenario.frame.home) < 10.0:  # [m]
+        mission = replace(mission, home=replace(scenario.frame.home, altitude=mission.home.altitude))
     forecast = None if mission is None else Forecast(mission, scenario)
     if forecast is not None and forecast.cruise:
         checks = forecast.proof.checks
