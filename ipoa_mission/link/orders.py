@@ -18,6 +18,7 @@ M = TypeVar("M", bound=m.Message)
 
 FILE_TRANSFER = 32  # MAV_PROTOCOL_CAPABILITY_FTP
 PARAMETER_ROUND_S = 0.7
+PARAMETER_BATCH = 8  # of two names at most
 ABSENCE_CHANCE = 2e-4  # of an existing parameter, by an estimated loss
 
 
@@ -127,30 +128,34 @@ def request_version() -> Dialogue[m.AutopilotVersion | None]:
 def request_parameters(wanted: Sequence[Sequence[str]], autopilot: Autopilot) -> Dialogue[Mapping[str, m.ParamValue]]:
     """Return values by any name of each entry; raise NoAnswer.
 
-    An unknown parameter is met with silence. Each round also asks for one that exists, to estimate the link's loss.
+    An unknown parameter is met with silence. Each batch ends with one that exists: its answer proves that the batch was
+    handled, and estimates the link's loss. ArduPilot drops requests beyond 20.
     """
-    table = autopilot.parameter_table
     values: dict[str, m.ParamValue] = {}
-    proofs = 0
+    requests = proofs = 0
 
     def missing() -> list[Sequence[str]]:
         return [names for names in wanted if not any(name in values for name in names)]
 
     for n, seconds in enumerate([PARAMETER_ROUND_S] * 6 + [2.0] * 14):
-        lost = 1.0 - (proofs + 1) / (n + 2)
+        lost = 1.0 - (proofs + 1) / (requests + 2)
         if not missing() or lost**n < ABSENCE_CHANCE or (n == 11 and not (values or proofs)):
             break
-        known = table.surely_there[n % len(table.surely_there)]  # twice in a row would count as an echo
-        for name in (*(name for names in missing() for name in names), *known):
-            yield SendOnce(m.ParamRequestRead(name))
-        heard = yield Pause(seconds)
-        while heard is not None:
-            if isinstance(heard, m.ParamValue):
-                values[heard.param_id] = replace(heard, param_value=parameter_value(heard, autopilot))
-                proofs += (is_known := any(heard.param_id in names for names in table.surely_there))
-                if is_known or not missing():
-                    break
-            heard = yield None
+        unanswered = missing()
+        for batch in (unanswered[at : at + PARAMETER_BATCH] for at in range(0, len(unanswered), PARAMETER_BATCH)):
+            existing = autopilot.parameter_table.surely_there
+            known = existing[requests % len(existing)]  # twice in a row would count as an echo
+            requests += 1
+            for name in (*(name for names in batch for name in names), *known):
+                yield SendOnce(m.ParamRequestRead(name))
+            heard = yield Pause(seconds)
+            while heard is not None:
+                if isinstance(heard, m.ParamValue):
+                    values[heard.param_id] = replace(heard, param_value=parameter_value(heard, autopilot))
+                    if heard.param_id in known:
+                        proofs += 1
+                        break
+                heard = yield None
     reported = {name: values[name] for names in wanted for name in names if name in values}
     if wanted and not reported and not proofs:
         raise NoAnswer(f"the vehicle does not answer when asked for {wanted[0][0]}")

@@ -183,13 +183,27 @@ def test_a_parameter_is_set_in_the_type_that_it_has_and_read_back() -> None:
     def bits(whole: int) -> float:
         return float(struct.unpack("<f", struct.pack("<i", whole))[0])
 
-    sent = said_by(orders.set_parameter("A", 3.0, PX4), [value_of("A", bits(2), 6)])
+    sent = said_by(orders.set_parameter("A", 3.0, PX4), [value_of("A", bits(2), 6), value_of("MAV_SYS_ID", 1.0)])
     assert sent == [ParamRequestRead("A"), ParamRequestRead("MAV_SYS_ID"), ParamSet("A", bits(3), 6)]
     with refuses("unknown-parameter", "", "parameter A", kind=NoAnswer):
         lead(
             orders.set_parameter("A", 3.0, PX4),
             *[[], [value_of("MAV_SYS_ID", 1.0)], [], [value_of("SYS_AUTOSTART", 1.0)]] * 2,
         )
-    assert lead(orders.set_parameter("A", 3.0, ARDUPILOT), [value_of("A", 2.0, 2)], [value_of("A", 3.0, 2)]).finished
+    asked: list[list[Message]] = [[value_of("A", 2.0, 2)], [value_of("MAV_SYSID", 1.0, 2)], []]
+    assert lead(orders.set_parameter("A", 3.0, ARDUPILOT), *asked, [value_of("A", 3.0, 2)]).finished
     with refuses("parameter-kept", "A", "3", "2"):
-        lead(orders.set_parameter("A", 3.0, ARDUPILOT), [value_of("A", 2.0, 2)], [value_of("A", 2.0, 2)])
+        lead(orders.set_parameter("A", 3.0, ARDUPILOT), *asked, [value_of("A", 2.0, 2)])
+
+
+@pytest.mark.parametrize("autopilot", [PX4, ARDUPILOT])
+def test_reads_in_a_row_do_not_take_late_answers_for_absence(autopilot: Autopilot) -> None:
+    vehicle = meet(Line(Loopback(Station(Mock(autopilot, HOME))), Codec(245, 190)))
+    names = list(autopilot.assumed_parameters())
+    table = autopilot.parameter_table
+    for at in range(0, len(names), 8):
+        spelled = [[other for other, _ in table.spellings(name)] for name in names[at : at + 8]]
+        there = {name for entry in spelled for name in entry} & {*table.moving, *table.renamed}
+        assert there & set(vehicle.parameters(spelled)) or not there
+    reported = vehicle.parameters([name for name, _ in table.spellings(older)] for older in table.moving)
+    assert table.by_old_names(reported).keys() == table.moving.keys()
