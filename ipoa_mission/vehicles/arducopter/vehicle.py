@@ -347,8 +347,7 @@ class ArduCopter(Autopilot):
         >>> ArduCopter().over_terrain({"RTL_ALT_TYPE": 1.0, "WPNAV_TER_MARGIN": 6.0})
         OverTerrain(margin=6.0, always_over_terrain=True)
         """
-        table = PARAMETER_TABLE
-        p = {**table.others, **table.complete(parameters)}
+        p = PARAMETER_TABLE.complete(parameters)
         sees_ground = p["RNGFND1_TYPE"] > 0.0 and p.get("WPNAV_RFND_USE", 1.0) > 0.0
         follows = math.isclose(p["RTL_ALT_TYPE"], 1.0)
         if not (follows and (sees_ground or p.get("TERRAIN_ENABLE", 1.0) > 0.0)):
