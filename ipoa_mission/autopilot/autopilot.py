@@ -167,6 +167,13 @@ class Autopilot(metaclass=_ByName):
     def complete(self, parameters: Parameters, version: Version | None = None) -> Parameters:
         return {**self.parameter_table.moving, **self.known_parameters(parameters, version)}
 
+    def assumed_parameters(self, version: Version | None = None) -> dict[str, float]:
+        """Return the defaults [MAVLink units] that a forecast, its contingencies and fences use without parameters."""
+        others = self.parameter_table.others
+        fence = {name: others[name] for name in self.own_fence_by if name in others}
+        failsafes = self.failsafe_profile.defaults((version or self.newest).series)
+        return {**failsafes, **fence, **self.complete({}, version)}
+
     def waypoint_defaults(self, version: Version | None = None) -> profile.WaypointDefaults:
         """Return the hold and acceptance radius that waypoints are written with."""
         return profile.WaypointDefaults()

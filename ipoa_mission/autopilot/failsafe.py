@@ -145,6 +145,15 @@ class FailsafeProfile(NamedTuple):
         of_rules = (name for rule in self.rules for name in (rule.parameter, *rule.needs) if name)
         return frozenset((*of_rules, *self.further_parameters))
 
+    def defaults(self, series: Series) -> dict[str, float]:
+        """Return the values that this version's rules assume."""
+        values = dict[str, float]()
+        for rule in self.rules:
+            if rule.since <= series < rule.until:
+                values |= {rule.parameter: rule.default} if rule.parameter else {}
+                values |= rule.needs
+        return values
+
 
 class FenceLimit(NamedTuple):
     """A limit [m] and its parameter; infinite: none."""

@@ -148,7 +148,7 @@ def _fly_on_link(changes: ChangesMade, source: Path, asked: FlyOptions, job: "Jo
                 )
             planned = job.forecast
             job = _begun(replace(job, forecast=planned.on(vehicle.firmware_version())), first)
-            remarks, record = _fly_stages(changes, asked, vehicle, job, planned)
+            job, remarks, record = _fly_stages(changes, asked, vehicle, job, planned)
             changes.note_flown(job.name, record.armed)
     except MissionError as error:
         error.known = {"completed": False, "armed": None, "in_air": None} | error.known
@@ -166,8 +166,8 @@ def _print_notes(asked: FlyOptions, remarks: "Sequence[str]") -> None:
 
 def _fly_stages(
     changes: ChangesMade, asked: FlyOptions, vehicle: "Vehicle", job: "Job", planned: "Forecast"
-) -> "tuple[list[str], FlightRecord]":
-    """Show contingencies in flight; their clearances are computed before arming."""
+) -> "tuple[Job, list[str], FlightRecord]":
+    """Show contingencies in flight, computed before arming; return the job with the forecast of this vehicle."""
     from ipoa_mission.cli.contingency_output import ContingencyDisplay
     from ipoa_mission.cli.flight_output import flight_as_json
     from ipoa_mission.flight.procedure import ProcedureOptions, Stage, begin_mission, begun_forecast, load_mission
@@ -202,13 +202,14 @@ def _fly_stages(
         with changes.reporting(""):  # between two stages
             loaded = load_mission(vehicle, planned, options)
             flown = begun_forecast(loaded, first)
+            job = replace(job, forecast=loaded, begun=flown)
             record = begin_mission(vehicle, loaded, options)
     except MissionError as error:
         state = vehicle.state
         ended = {"completed": False, "armed": state.armed, "in_air": state.in_air, "remarks": remarks}
         error.known = flight_as_json(job.estimate, vehicle.record(), job.reserves) | ended | error.known
         raise
-    return remarks, record
+    return job, remarks, record
 
 
 def _begun(job: "Job", first: int) -> "Job":

@@ -5,6 +5,7 @@ import math
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
+from itertools import compress
 from types import MappingProxyType
 from typing import Protocol
 
@@ -71,10 +72,47 @@ def other_values(vehicle: HasParameters, wanted: Parameters) -> tuple[tuple[Othe
     return tuple(differing), tuple(missing)
 
 
-def own_values(vehicle: HasParameters, names: Iterable[str], written: Parameters = MappingProxyType({})) -> Parameters:
+@dataclass(frozen=True)
+class ParametersAboard:
+    """The vehicle's values that differ from a mission's, and from the defaults that its forecast assumes.
+
+    Attributes:
+        named: differ from the mission's.
+        assumed: differ from defaults.
+        missing: the mission's parameters that the vehicle lacks.
+    """
+
+    named: tuple[OtherValue, ...] = ()
+    assumed: tuple[OtherValue, ...] = ()
+    missing: tuple[str, ...] = ()
+
+    @property
+    def values(self) -> dict[str, float]:
+        return {other.name: other.has for other in (*self.named, *self.assumed)}
+
+    def remarks(self, remedy: str = "") -> tuple[str, ...]:
+        own = ", ".join(f"{other.name} {other.has:g} (not {other.wanted:g})" for other in self.assumed)
+        return (
+            *(f"{other}{remedy}" for other in self.named),
+            *([f"the mission assumes default parameters, and the vehicle has {own}"] if own else []),
+            *(f"the vehicle has no parameter {name}" for name in self.missing),
+        )
+
+
+def parameters_aboard(vehicle: Vehicle, mission: Mission) -> ParametersAboard:
+    """Compare all parameters that a forecast uses, its contingencies and fences included."""
     table = vehicle.autopilot.parameter_table
-    values = vehicle.parameters([name for name, _ in table.spellings(older)] for older in names)
-    return table.by_old_names({**values, **written})
+    assumed: Parameters = {}
+    if mission.autopilot is vehicle.autopilot:
+        assumed = vehicle.autopilot.assumed_parameters(vehicle.firmware_version())
+    differing, missing = other_values(vehicle, table.overridden(assumed, mission.parameters))
+    named = table.by_old_names(mission.parameters).keys()
+    is_named = [bool(table.by_old_names({other.name: 0.0}).keys() & named) for other in differing]
+    return ParametersAboard(
+        tuple(compress(differing, is_named)),
+        tuple(other for other, by_mission in zip(differing, is_named, strict=True) if not by_mission),
+        tuple(name for name in missing if name in mission.parameters),
+    )
 
 
 def without_station(vehicle: HasParameters, version: Version | None = None) -> str:
@@ -111,15 +149,16 @@ class FastLanding(MissionError):
     """The vehicle's own parameters make a fast touchdown."""
 
 
-def expect_slow_landing(vehicle: Vehicle, forecast: Forecast, written: Parameters) -> None:
-    mission = forecast.mission
-    planned = mission.autopilot.slow_stretch(mission.parameters)
-    if mission.autopilot is not vehicle.autopilot or planned is None or forecast.ground.is_level:
+def expect_slow_landing(forecast: Forecast, aboard: Forecast) -> None:
+    """Raise FastLanding if the parameters `aboard` make a landing fast that `forecast` has slow."""
+    autopilot = forecast.mission.autopilot
+    planned = autopilot.slow_stretch(forecast.mission.parameters)
+    actual = autopilot.slow_stretch(aboard.mission.parameters)
+    if planned is None or actual is None or forecast.ground.is_level:
         return
-    actual = vehicle.autopilot.slow_stretch(own_values(vehicle, vehicle.autopilot.slowed_by.decided_by, written))
     for landing in landings(forecast):
         height = landing.assumed_height
-        if actual is not None and actual.is_fast(height) and not planned.is_fast(height):
+        if actual.is_fast(height) and not planned.is_fast(height):
             raise FastLanding(
                 f"{landing.words}: with the vehicle's own parameters, {landing.touches_down(actual)}",
                 hint="set the mission's parameters (NAME.params) by `fly --set-params`; "

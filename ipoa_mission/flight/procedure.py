@@ -6,10 +6,11 @@ from dataclasses import dataclass, replace
 from enum import StrEnum
 from typing import TYPE_CHECKING, TypeAlias
 
-from ipoa_mission.autopilot.parameters import Parameters
+from ipoa_mission.autopilot.parameters import NO_PARAMETERS, Parameters
 from ipoa_mission.checks.check import check
-from ipoa_mission.checks.unsafe import NotAtStart, begun_at, check_start, refuse_errors
-from ipoa_mission.errors import MissionError
+from ipoa_mission.checks.unsafe import NotAtStart, begun_at, check_start, refuse_errors, refuse_unclear_returns
+from ipoa_mission.errors import MissionError, Unsafe
+from ipoa_mission.finding import Finding
 from ipoa_mission.flight import preflight
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.geodesy import Geodetic
@@ -88,27 +89,25 @@ def upload_mission(
         >>> from ipoa_mission import connect, read_mission, upload_mission
         >>> with connect("udpin:127.0.0.1:14550") as vehicle:
         ...     upload_mission(vehicle, read_mission("missions/sitl.plan"))
-        ('RTL_RETURN_ALT is 30 on the vehicle, and the mission was made for 70',)
+        ('the mission assumes default parameters, and the vehicle has COM_LOW_BAT_ACT 3 (not 0)',)
     """
     if not anyway:
         vehicle.state.expect_on_ground()
     with stages(Stage.CHECK):
         remarks = preflight.expect_fit(vehicle, mission, anyway, ignore)
         left = left_lists(vehicle, mission)
-    _, notes = _upload(vehicle, mission, anyway, stages)
-    return (*remarks, *left.values(), *notes)
+    parameters, notes = _upload(vehicle, mission, anyway, stages)
+    return (*remarks, *left.values(), *notes, *parameters.remarks())
 
 
 def _upload(
-    vehicle: Vehicle, mission: Mission, anyway: bool, stages: Stages, remedy: str = ""
-) -> tuple[tuple[preflight.OtherValue, ...], tuple[str, ...]]:
+    vehicle: Vehicle, mission: Mission, anyway: bool, stages: Stages
+) -> tuple[preflight.ParametersAboard, tuple[str, ...]]:
     with stages(Stage.UPLOAD) as show:
         vehicle.upload(replace(mission, autopilot=vehicle.autopilot) if anyway else mission, show, checked=False)
     with stages(Stage.RECHECK):
         idle = preflight.idle_fence(vehicle, mission)
-        differing, missing = preflight.other_values(vehicle, mission.parameters)
-    lacking = (f"the vehicle has no parameter {name}" for name in missing)
-    return differing, (*([idle] if idle else []), *(f"{other}{remedy}" for other in differing), *lacking)
+        return preflight.parameters_aboard(vehicle, mission), () if idle is None else (idle,)
 
 
 def left_lists(vehicle: Vehicle, mission: Mission) -> dict[MissionType, str]:
@@ -163,8 +162,9 @@ def fly_mission(
 
     Example:
         >>> from ipoa_mission import connect, fly_mission, read_mission, read_scenario
+        >>> mission = read_mission("missions/sitl.plan")
         >>> with connect("udpin:127.0.0.1:14550") as vehicle:
-        ...     fly_mission(vehicle, read_mission("missions/sitl.plan"), read_scenario("missions/sitl.toml")).completed
+        ...     fly_mission(vehicle, mission, read_scenario("missions/sitl.toml"), set_params=True).completed
         True
     """
     options = ProcedureOptions(first, anyway, (), set_params, stages, remark)
@@ -178,56 +178,78 @@ def load_mission(vehicle: Vehicle, forecast: Forecast, options: ProcedureOptions
     with options.stages(Stage.POSITION) as show:
         preflight.await_home(vehicle, show)
     with options.stages(Stage.CHECK):
-        differing, _ = preflight.other_values(vehicle, mission.parameters)
-        written = {other.name: other.wanted for other in differing} if options.set_params else {}
-        remarks = _examine(vehicle, forecast, options, written)
+        found = preflight.parameters_aboard(vehicle, mission)
+        written = {other.name: other.wanted for other in found.named} if options.set_params else {}
+        expected = replace(found, named=()) if written else found
+        aboard = _with_values(vehicle, forecast, expected)
+        remarks = _examine(vehicle, forecast, aboard, options, written)
         left = left_lists(vehicle, mission)
         if not options.anyway and MissionType.RALLY in left:
             hint = "clear its lists (ipoa-mission clear), or fly with --anyway"
             raise MissionError(left[MissionType.RALLY], hint, code="other-rally-points")
-        expected = () if written else differing
-        aboard, remarks_aboard = _aboard(vehicle, forecast, expected, options)
     if written:
         with options.stages(Stage.PARAMETERS) as show:
-            _set_parameters(vehicle, differing, show, options.remark)
+            _set_parameters(vehicle, found.named, show, options.remark)
         with options.stages(Stage.CHECK):  # a parameter may be lost
-            remarks = _examine(vehicle, forecast, options, {})
-    differing, notes = _upload(vehicle, mission, options.anyway, options.stages, ": --set-params writes it")
-    if differing != expected:
+            expected = preflight.parameters_aboard(vehicle, mission)
+            aboard = _with_values(vehicle, forecast, expected)
+            remarks = _examine(vehicle, forecast, aboard, options)
+    parameters, notes = _upload(vehicle, mission, options.anyway, options.stages)
+    if parameters != expected:
         with options.stages(Stage.RECHECK):
-            aboard, remarks_aboard = _aboard(vehicle, forecast, differing, options)
+            aboard = _with_values(vehicle, forecast, parameters)
+            remarks = _examine(vehicle, forecast, aboard, options)
     with suppress(NoAnswer):
         vehicle.link_loss.meanwhile = preflight.without_station(vehicle, vehicle.firmware_version())
-    for words in (*remarks, *left.values(), *notes, *remarks_aboard):
+    for words in (*remarks, *left.values(), *notes, *parameters.remarks(": --set-params writes it")):
         options.remark(words)
     return aboard
 
 
-def _examine(vehicle: Vehicle, forecast: Forecast, options: ProcedureOptions, written: Parameters) -> tuple[str, ...]:
+def _with_values(vehicle: Vehicle, forecast: Forecast, parameters: preflight.ParametersAboard) -> Forecast:
+    """Return the forecast of the version and parameters aboard."""
+    if forecast.mission_as_read.autopilot is not vehicle.autopilot:
+        return forecast
+    aboard = forecast.on(vehicle.firmware_version())
+    if not parameters.values:
+        return aboard
+    wind = None if forecast.scenario else forecast.wind
+    return Forecast(aboard.mission_as_read.with_parameters(parameters.values), forecast.scenario, wind)
+
+
+def _examine(
+    vehicle: Vehicle,
+    forecast: Forecast,
+    aboard: Forecast,
+    options: ProcedureOptions,
+    written: Parameters = NO_PARAMETERS,
+) -> tuple[str, ...]:
     if not options.anyway:
         if forecast.scenario is not None:
             preflight.expect_level(forecast.mission_as_read.home, vehicle.home())
-        preflight.expect_slow_landing(vehicle, forecast, written)
-    return preflight.expect_fit(vehicle, forecast.mission_as_read, options.anyway, options.ignore, written)
-
-
-def _aboard(
-    vehicle: Vehicle, forecast: Forecast, differing: Iterable[preflight.OtherValue], options: ProcedureOptions
-) -> tuple[Forecast, tuple[str, ...]]:
-    if forecast.mission_as_read.autopilot is not vehicle.autopilot:
-        return forecast, ()
-    aboard = forecast.on(vehicle.firmware_version())
-    values = {other.name: other.has for other in differing}
-    if values:
-        wind = None if forecast.scenario else forecast.wind
-        aboard = Forecast(aboard.mission_as_read.with_parameters(values), forecast.scenario, wind)
-    if aboard.scenario is None or (options.checked and (aboard is forecast or options.anyway)):
-        return aboard, ()
+        preflight.expect_slow_landing(forecast, aboard)
+    remarks = preflight.expect_fit(vehicle, forecast.mission_as_read, options.anyway, options.ignore, written)
+    if aboard is forecast and (options.checked or forecast.scenario is None):
+        return remarks
     before = forecast if options.checked else Forecast(forecast.mission_as_read)
     known = {finding.message for finding in check(before, options.ignore)}
     findings = check(aboard, options.ignore)
-    new = [each.message for each in (findings if options.anyway else refuse_errors(findings))]
-    return aboard, tuple(f"with the parameters and version aboard: {words}" for words in new if words not in known)
+    new = [finding for finding in findings if finding.message not in known]
+    if not options.anyway:
+        _refuse_aboard(aboard, findings, new)
+    return (*remarks, *(f"with the parameters and version aboard: {finding.message}" for finding in new))
+
+
+def _refuse_aboard(aboard: Forecast, findings: Sequence[Finding], new: Sequence[Finding]) -> None:
+    """Raise Unsafe for errors and newly unclear planned returns. An unclear LAND by a failsafe remains a remark."""
+    try:
+        refuse_errors(findings)
+        if aboard.scenario is not None:
+            refuse_unclear_returns([finding for finding in new if finding.code != "land-too-near"], aboard)
+    except Unsafe as unsafe:
+        words = f"with the parameters and version aboard: {unsafe}"
+        hint = "; or ".join(filter(None, ("write the mission's parameters with --set-params", unsafe.hint)))
+        raise Unsafe(words, hint=hint, remedies=unsafe.remedies, known=unsafe.known) from None
 
 
 def begin_mission(vehicle: Vehicle, forecast: Forecast, options: ProcedureOptions) -> FlightRecord:

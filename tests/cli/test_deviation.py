@@ -73,8 +73,8 @@ def test_a_flight_without_contingencies_says_why(
 
     monkeypatch.setattr(ContingenciesNow, "__init__", unknown)
     with autopilot(MISSION.home) as link:
-        printed = run(f"fly {SITL.with_suffix('.toml')} --link {link} --out {tmp_path}/a")
-        ended = run(f"fly {SITL.with_suffix('.toml')} --link {link} --out {tmp_path}/b --json")
+        printed = run(f"fly {SITL.with_suffix('.toml')} --link {link} --set-params --out {tmp_path}/a")
+        ended = run(f"fly {SITL.with_suffix('.toml')} --link {link} --set-params --out {tmp_path}/b --json")
     assert printed.out.count("contingencies are not shown in flight: the way is unknown") == 1
     assert "contingencies are not shown in flight: the way is unknown" in json.loads(ended.out)["remarks"]
 

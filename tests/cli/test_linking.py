@@ -69,6 +69,7 @@ def test_upload_names_parameters_that_differ_between_mission_and_vehicle(
         'slow.params: not read: parameters that no model uses: line 5 ("MPC_XY_WARP")',
         "parameters from slow.params: MPC_ACC_HOR 1.5, MPC_JERK_AUTO 4, MPC_XY_WARP 9",
         "MPC_ACC_HOR is 3 on the vehicle, and the mission was made for 1.5",
+        "the mission assumes default parameters, and the vehicle has COM_LOW_BAT_ACT 3 (not 0)",
         "the vehicle has no parameter MPC_XY_WARP",
     ]
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 import pytest
 
 from ipoa_mission.autopilot.autopilot import Autopilot
-from ipoa_mission.flight.preflight import idle_fence, other_values, own_values
+from ipoa_mission.flight.preflight import idle_fence, other_values
 from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.link.messages import ARMED_FLAG, Current, ExtendedState, Heartbeat, MavAutopilot, Message, Position
 from ipoa_mission.link.vehicle_state import NotReady, VehicleState
@@ -96,8 +96,3 @@ def test_a_fence_that_does_nothing_is_told_of(switch: float | None, idle: bool) 
     )
     assert idle_fence(vehicle, fenced) == (words if idle else None)
     assert idle_fence(vehicle, Mission(HOME, fenced.items)) is None
-
-
-def test_the_vehicle_s_own_values_go_by_the_names_and_units_of_before_4_7() -> None:
-    vehicle = Table(Autopilot.ARDUPILOT, {"WP_SPD": 5.0, "RTL_ALT": 1500.0, "WP_JERK": 1.0})
-    assert own_values(vehicle, ["WPNAV_SPEED", "RTL_ALT", "LAND_SPEED"]) == {"WPNAV_SPEED": 500.0, "RTL_ALT": 1500.0}

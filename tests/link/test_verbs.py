@@ -173,10 +173,13 @@ def test_home_at_another_height_is_refused_in_a_world(missions: Path, higher: fl
     preflight.expect_level(replace(mission.home, altitude=0.0), there)
 
 
-@pytest.mark.parametrize("wider", ["", "safety_distance = 9.0"])
-def test_mission_is_checked_with_the_parameters_aboard(missions: Path, wider: str) -> None:
+@pytest.mark.parametrize("change", ["", "safety_distance = 9.0", 'returns = "warn"'])
+@pytest.mark.parametrize("is_named", [False, True])
+def test_mission_is_checked_with_the_parameters_aboard(missions: Path, change: str, is_named: bool) -> None:
     text = (missions / "sitl.toml").read_text()
-    scenario = parse_scenario(re.sub("^safety_distance.*$", wider, text, flags=re.M) if wider else text, missions / "x")
+    key = change.split(" ")[0]
+    text = re.sub(f"^{key} .*$", change, text, flags=re.M) if change else text
+    scenario = parse_scenario(text, missions / "x")
     mission = read_mission(missions / "sitl.plan")
     vehicle = meet(Line(Loopback(Station(Mock(Autopilot.PX4, mission.home))), Codec(245, 190)))
     vehicle.set_parameter("RTL_RETURN_ALT", 12.0)
@@ -187,19 +190,23 @@ def test_mission_is_checked_with_the_parameters_aboard(missions: Path, wider: st
         return without_progress(stage)
 
     options = ProcedureOptions(stages=stages, remark=remarks.append)
+    if not is_named:
+        mission = replace(mission, parameters={})
     forecast = Forecast(mission, scenario)
-    planned = forecast.mission.parameters["RTL_RETURN_ALT"]
-    if wider:
-        with pytest.raises(Unsafe):
+    if key != "returns":
+        with pytest.raises(Unsafe, match=r"^with the parameters and version aboard: item") as refused:
             load_mission(vehicle, forecast, options)
+        assert "--set-params" in (refused.value.hint or "")
         assert vehicle.download().items == ()
-        load_mission(vehicle, forecast, replace(options, anyway=True))
-    else:
-        loaded = load_mission(vehicle, forecast, options)
-        assert (planned, loaded.mission.parameters["RTL_RETURN_ALT"]) == (70.0, 12.0)
-        new = [words for words in remarks if words.startswith("with the parameters and version aboard: ")]
-        assert any("RTL" in words for words in new)
-        assert entered == [Stage.POSITION, Stage.CHECK, Stage.UPLOAD, Stage.RECHECK]
+        options = replace(options, anyway=True)
+    entered.clear()
+    loaded = load_mission(vehicle, forecast, options)
+    assert loaded.mission.parameters["RTL_RETURN_ALT"] == 12.0
+    new = [words for words in remarks if words.startswith("with the parameters and version aboard: ")]
+    assert any("RTL" in words for words in new) == (key != "safety_distance")
+    own = "" if is_named else ", RTL_RETURN_ALT 12 (not 30)"
+    assert f"the mission assumes default parameters, and the vehicle has COM_LOW_BAT_ACT 3 (not 0){own}" in remarks
+    assert entered == [Stage.POSITION, Stage.CHECK, Stage.UPLOAD, Stage.RECHECK]
 
 
 def test_parameter_that_changes_during_the_upload_is_checked_too(
@@ -244,7 +251,7 @@ def test_parameters_are_written_after_all_checks(missions: Path, monkeypatch: py
     if check == "other_rally":
         vehicle.upload(suited(vehicle, replace(MISSION, home=mission.home)))
     elif check == "aboard":
-        monkeypatch.setattr(procedure, "_aboard", refuse)
+        monkeypatch.setattr(procedure, "_refuse_aboard", refuse)
     else:
         monkeypatch.setattr(preflight, check, refuse)
     with pytest.raises(MissionError):
