@@ -144,12 +144,16 @@ class ContingencyRow:
 
 
 class PredictedContingency(NamedTuple):
-    """`duration_s`: until it disarms; `touches_s`: until it touches down; `used` energy, None where unknown."""
+    """`duration_s`: until it disarms, `likely_s` in the likeliest way; `touches_s`: until it touches down.
+
+    `used`: energy, None where unknown.
+    """
 
     duration_s: tuple[float, float]
     used: Consumption | None
     touches_s: tuple[float, float] | None
-    remarks: tuple[str, ...] = ()
+    remarks: tuple[str, ...]
+    likely_s: float
 
 
 def predict_contingency(forecast: Forecast, contingency: Contingency, time: float) -> PredictedContingency:
@@ -164,7 +168,8 @@ def predict_contingency(forecast: Forecast, contingency: Contingency, time: floa
         first, _, last = prediction.touched
         touches = max(first - time, 0.0), max(last - time, 0.0)
     used = forecast.energy_of(prediction.track.between(time, np.inf))
-    return PredictedContingency(lasts, None if used is None else used.lasting(*lasts), touches, prediction.remarks)
+    used = None if used is None else used.lasting(*lasts)
+    return PredictedContingency(lasts, used, touches, prediction.remarks, float(prediction.done[-1]) - time)
 
 
 class Contingencies:
@@ -177,7 +182,7 @@ class Contingencies:
 
     @cached_property
     def _clocks(self) -> tuple[Vector, Vector]:
-        """Times of the same places: of a flight with exact position, and in the mean of all."""
+        """Times of the same places: with exact position, and in the mean."""
         tail_s = 1e6  # both run alike there
         times = self.forecast.guarantee.flight.prediction.done, self.forecast.expected.done
         noise_free, mean = (np.concatenate([[0.0], done, done[-1:] + tail_s]) for done in times)

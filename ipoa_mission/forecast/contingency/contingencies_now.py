@@ -1,4 +1,4 @@
-"""Look up the contingencies at the present place of a flight, each second."""
+"""Look up contingencies at the present place of a flight."""
 
 import math
 from dataclasses import dataclass
@@ -81,7 +81,7 @@ class ContingenciesNow:
         while True:
             times = np.clip([begin, end], *self._contingencies.paths.in_air)
             predicted = ((t, self._predicted(row.contingency, t)) for t in times.tolist())
-            lasts = {t: sum(each.duration_s) / 2 for t, each in predicted if each is not None}
+            lasts = {t: each.likely_s for t, each in predicted if each is not None}
             middle = (begin + end) / 2
             took = list(lasts.values())
             step_s = end - begin

@@ -54,7 +54,7 @@ class ContingencyPaths:
                 self._samples = {by: samples for by, samples in shared._samples.items() if by is not Contingency.RTL}
 
     def returning(self, forecast: Forecast) -> "ContingencyPaths":
-        """Return the paths of a forecast whose RTL alone differs: all else is taken over."""
+        """Return the paths of a forecast whose RTL alone differs."""
         has_return_item = any(item.command == Command.NAV_RETURN_TO_LAUNCH for item in self.mission.items)
         shared = None if has_return_item else self
         return forecast.cached(ContingencyPaths, lambda other: ContingencyPaths(other, self.enlarged, shared))

@@ -9,6 +9,7 @@ from collections.abc import Callable
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ipoa_mission.autopilot.commands import MULTICOPTER_LANDINGS, Command
 from ipoa_mission.autopilot.parameters import Parameters
@@ -38,7 +39,7 @@ from ipoa_mission.wind import CALM, Wind
 
 
 class NoisyRuns(NamedTuple):
-    """Runs with sensor noise, and the uncertainty of their mean and of the model (docs/lab/flight-time.md)."""
+    """Runs with sensor noise, and the uncertainty of the model (docs/lab/flight-time.md)."""
 
     least: int = 3
     most: int = 90
@@ -93,7 +94,7 @@ class Px4Model(FlightModel):
     def predict_contingency(
         self, itinerary: Itinerary, wind: Wind, contingency: Contingency, time: float
     ) -> Prediction:
-        """Noisy runs give the duration; one without noise, ordered where they were in the mean, gives the path."""
+        """Noisy runs give the duration, one without noise the path."""
         flights = Flights(itinerary, wind)
         if contingency is Contingency.RTL:
             if flights.limits.land_delay < 0.0:
@@ -116,27 +117,21 @@ class Px4Model(FlightModel):
             return np.array([exact_order_time, time_on_ground, end - time])
 
         exact_order_times, times_on_ground, durations = _noisy_times(once, RUNS.contingency_share, remarks).T
-        duration = float(np.mean(durations))
-        end = time + duration
-        doubt = RUNS.doubt_s**2 + (RUNS.doubt_share * duration) ** 2
-        half_width = RUNS.contingency_deviations * math.sqrt(float(np.var(durations)) + doubt + RUNS.landing_s**2)
-
-        touched = end - float(np.mean(times_on_ground))
-        until_touched = durations - times_on_ground
-        touched_half_width = RUNS.contingency_deviations * math.sqrt(float(np.var(until_touched)) + doubt)
-
-        mean_order_time = float(np.mean(exact_order_times))
+        ways = _ways(durations)
+        spans = np.array([_span(time, durations[way], times_on_ground[way]) for way in ways])  # (ways, 2, 3)
+        if len(ways) > 1:
+            each = zip(ways, (spans[:, 0] - time).round().tolist(), strict=True)
+            words = ", ".join(f"{low:.0f} to {high:.0f} s in {way.sum()}" for way, (low, _, high) in each)
+            remarks.append(f"ordered at {time:.1f} s, of {len(durations)} flights with noise it takes {words}")
+        likeliest = int(np.argmax([way.sum() for way in ways]))
+        mean_order_time = float(np.mean(exact_order_times[ways[likeliest]]))
         _, exact_run = flights.flown_with(contingency, mean_order_time, None)
-        samples = exact_run.samples
-        return Prediction(
-            done=np.array([end]),
-            low=np.array([end - half_width]),
-            high=np.array([end + half_width]),
-            reasons=("",),
-            track=Track.of(samples, samples[:, 0] + time - mean_order_time),
-            remarks=tuple(remarks),
-            touched=(touched - touched_half_width, touched, touched + touched_half_width),
-        )
+        low = spans[:, :, 0].min(axis=0)
+        high = spans[:, :, 2].max(axis=0)
+        end, touched = spans[likeliest, :, 1]
+        track = Track.of(exact_run.samples, exact_run.samples[:, 0] + time - mean_order_time)
+        between = float(low[1]), float(touched), float(high[1])
+        return Prediction(np.array([end]), low[:1], high[:1], ("",), track, tuple(remarks), touched=between)
 
     def spread(self, itinerary: Itinerary, wind: Wind, predicted: Prediction) -> Points | None:
         flights = Flights(itinerary, wind)
@@ -195,6 +190,25 @@ def _noisy_times(once: Callable[[int], Vector], share: float, remarks: list[str]
     return np.array(times)
 
 
+def _ways(durations: Vector) -> list[NDArray[np.bool_]]:
+    """Return which runs take each way home, by gaps of durations (m,) [s]."""
+    ordered = np.sort(durations)
+    doubt = math.sqrt(RUNS.doubt_s**2 + (RUNS.doubt_share * ordered[-1]) ** 2 + RUNS.landing_s**2)
+    (gaps,) = np.nonzero(np.diff(ordered) > 2.0 * RUNS.contingency_deviations * doubt)
+    taken = np.searchsorted(ordered[gaps + 1], durations, side="right")
+    return [taken == way for way in range(len(gaps) + 1)]
+
+
+def _span(time: float, durations: Vector, times_on_ground: Vector) -> Matrix:
+    """Return the earliest, mean and latest end and touchdown of runs (m,), (2, 3) [s]."""
+    duration = np.mean(durations)
+    doubt = RUNS.doubt_s**2 + (RUNS.doubt_share * duration) ** 2
+    variances = [np.var(durations) + doubt + RUNS.landing_s**2, np.var(durations - times_on_ground) + doubt]
+    means = time + duration - np.array([0.0, np.mean(times_on_ground)])
+    half_widths = RUNS.contingency_deviations * np.sqrt(variances)
+    return np.column_stack([means - half_widths, means, means + half_widths])
+
+
 def _interval(itinerary: Itinerary, times: Matrix) -> tuple[Vector, Vector]:
     """Return when nine flights in ten end each visit: earliest and latest (n,), by the times of runs (m, n) [s]."""
     done = times.mean(axis=0)
@@ -208,7 +222,7 @@ def _interval(itinerary: Itinerary, times: Matrix) -> tuple[Vector, Vector]:
 
 
 def _in_mean_time(clock: Vector, exact_times: Vector, done: Vector) -> Vector:
-    """Return times (m,) of the exact run as those of the mean run: each visit ends at `done`, not at `exact_times`."""
+    """Return times (m,) of the exact run in the mean run: each visit ends at `done`."""
     warped = np.interp(clock, [0.0, *exact_times], [0.0, *done])
     exact_end = exact_times[-1] if len(exact_times) else 0.0
     return np.asarray(warped + np.maximum(clock - exact_end, 0.0))
@@ -228,7 +242,7 @@ def _missed(itinerary: Itinerary, runs: Matrix) -> tuple[Missed, ...]:
 def spread_of(path: Track, runs: list[Matrix]) -> Points:
     """Return how far runs leave the path beyond the usual: to a side, below, above (n, 3) [m].
 
-    Noise moves the places where they turn. A run is time on the path and place (m, 4).
+    A run is time on the path and place (m, 4).
     """
     every = 3  # samples
     clock = path.times[::every]
