@@ -23,6 +23,7 @@ from ipoa_mission.autopilot.version import Version
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.vehicles.px4_multicopter.failsafes import FAILSAFES
 from ipoa_mission.vehicles.px4_multicopter.limits import (
+    BRAKES_LATE,
     DECOUPLED_DEFAULTS,
     DECOUPLED_SINCE,
     LEAST_HOLD,
@@ -153,7 +154,7 @@ class Px4Multicopter(Autopilot):
         first_item=0,
         current_after_end=-1,
         climbs_coming_back=True,
-        brakes_after=0.6,
+        brakes_after=BRAKES_LATE,
     )
     command_effects = profile.CommandEffects(
         why={
