@@ -71,9 +71,9 @@ class Budget:
         whole = self.used.between
         capacity = self.battery.capacity_wh
         remaining = (max(total - so_far, 0.0) for total, so_far in zip(whole, until, strict=True))
-        low, likely, high = (left - wh / capacity for wh in remaining)
+        most, likely, least = (left - wh / capacity for wh in remaining)
         planned = 1.0 - until.likely / capacity
-        return ReserveNow(time, left, planned, Interval(high, likely, low), self.battery.reserve)
+        return ReserveNow(time, left, planned, Interval(least, likely, most), self.battery.reserve)
 
     @cached_property
     def items(self) -> tuple[ItemEnergy, ...]:
