@@ -96,7 +96,7 @@ class Modes(NamedTuple):
     hold: int  # keeps its place without a pilot
     returning: int  # RTL
     returns: frozenset[int]  # all that return
-    lands: frozenset[int]
+    landing: int  # LAND
     names: Mapping[int, str]
     has_sub_modes: bool = False
 
@@ -108,7 +108,7 @@ class Modes(NamedTuple):
             return "it continues its mission"
         if custom_mode in self.returns:
             return "it returns home and lands"
-        return "it lands where it is" if custom_mode in self.lands else "it stays in this mode"
+        return "it lands where it is" if custom_mode == self.landing else "it stays in this mode"
 
     def numbers(self, custom_mode: int) -> tuple[float, ...]:
         return (custom_mode >> 16 & 0xFF, custom_mode >> 24) if self.has_sub_modes else (custom_mode,)

@@ -148,7 +148,8 @@ class Logbook:
         elif flight.confirmed:
             self.armed = False
             flight.landed_in_link_loss = self._was_away
-            if self._was_away and heartbeat.custom_mode in self._autopilot.modes.returns | self._autopilot.modes.lands:
+            modes = self._autopilot.modes
+            if self._was_away and heartbeat.custom_mode in modes.returns | {modes.landing}:
                 flight.mode = heartbeat.custom_mode
             flight.disarmed_s = flight.disarming_s if since - flight.disarming_s < 2.0 else since
         elif since > 3.0:  # no heartbeat confirms the acknowledged arming

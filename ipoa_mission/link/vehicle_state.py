@@ -196,7 +196,7 @@ class ModeWatch:
             self.words = self._left()
             modes = self.state.autopilot.modes
             hint = "a pilot or a ground station can take it over"
-            if mode not in modes.returns | modes.lands:
+            if mode not in modes.returns | {modes.landing}:
                 hint += "; or stop watching by Ctrl-C, then `resume` or `rtl` orders it on"
             log.warning("%s (%s)", self.words, hint)
 

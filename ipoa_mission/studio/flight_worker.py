@@ -239,7 +239,7 @@ class Watch:
     def _is_under_way(self, order: InFlight) -> bool:
         modes = self.vehicle.autopilot.modes
         if order in ("rtl", "land"):
-            return self.vehicle.state.custom_mode in (modes.returns if order == "rtl" else modes.lands)
+            return self.vehicle.state.custom_mode in (modes.returns if order == "rtl" else {modes.landing})
         return self.vehicle.order.is_held == (order == "hold")
 
     def _seen(self, position: Position, record: FlightRecord) -> Seen:
@@ -338,7 +338,7 @@ class Watch:
             case "rtl":
                 order.give(modes.returning)
             case "land":
-                order.give(min(modes.lands))
+                order.give(modes.landing)
 
 
 if __name__ == "__main__":

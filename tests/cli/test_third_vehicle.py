@@ -37,7 +37,7 @@ from tests.cli.conftest import Outcome, Run
 from tests.refused import refuses
 
 SPEED, RADIUS = 4.0, 0.05  # [m/s], [m]
-MODES = Modes(2, 2, 1, 3, frozenset({3}), frozenset({4}), {1: "WAIT", 2: "GO", 3: "HOME", 4: "DOWN"})
+MODES = Modes(2, 2, 1, 3, frozenset({3}), 4, {1: "WAIT", 2: "GO", 3: "HOME", 4: "DOWN"})
 ALL_SEVEN = "......."
 TAKEN = {int(c): ALL_SEVEN for c in (*FLOWN_TO, Command.NAV_RETURN_TO_LAUNCH, Command.DO_CHANGE_SPEED)}
 FIRMWARE = Firmware(

@@ -141,7 +141,7 @@ def test_no_order_is_repeated_after_the_pilot_took_over(family: Autopilot, react
     vehicle, _ = begun(family, elsewhere(family))
     vehicle.conformance.on_deviation = reaction
     mock, modes = far_end(line_of(vehicle)).autopilot, family.modes
-    chosen = min(modes.lands)
+    chosen = modes.landing
     main, sub, *_ = (*modes.numbers(chosen), 0.0)
     heard, times_s = mock.receive, list[float]()
 

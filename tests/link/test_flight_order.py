@@ -165,6 +165,6 @@ def test_a_verb_does_not_repeat_its_order_after_the_pilot_took_over(
     assert exchange.outgoing()
     exchange.tick(exchange.deadline)
     assert exchange.outgoing()  # the first is lost
-    state.custom_mode = min(modes.lands)
+    state.custom_mode = modes.landing
     with refuses("not-ready", "", "took over", modes.name(state.custom_mode)):
         exchange.receive(Text(6, ""), exchange.deadline - 0.1)

@@ -126,7 +126,7 @@ def beat(family: Autopilot, mode: int, armed: bool = True) -> Heartbeat:
 def test_an_order_to_end_the_flight_is_given_until_the_vehicle_shows_it(
     family: Autopilot, lost: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    vehicle, mode = flying(family), min(family.modes.lands)
+    vehicle, mode = flying(family), family.modes.landing
     mock = far_end(line_of(vehicle)).autopilot
     heard, messages = mock.receive, list[Message]()
 
@@ -156,7 +156,7 @@ def test_a_refused_order_to_end_the_flight_is_reported_and_not_repeated(family: 
     state, refused = VehicleState(family), CommandAck(VehicleCommand.DO_SET_MODE, CommandResult.DENIED)
     state.note(beat(family, family.modes.mission))
     order = FlightOrder(state, lambda: 0.0)
-    order.give(min(family.modes.lands))
+    order.give(family.modes.landing)
     assert len(list(order.observe(refused, 0.0))) == 1  # what was refused before it was another's
     assert list(order.observe(refused, 0.0)) == []
     assert "DENIED" in order.words

@@ -107,7 +107,7 @@ class ArduCopter(Autopilot):
         hold=17,  # LOITER follows the throttle stick
         returning=6,
         returns=frozenset({6, 21, 27}),
-        lands=frozenset({9}),
+        landing=9,
         names={
             0: "STABILIZE", 1: "ACRO", 2: "ALT_HOLD", 3: "AUTO", 4: "GUIDED", 5: "LOITER", 6: "RTL", 7: "CIRCLE",
             9: "LAND", 16: "POSHOLD", 17: "BRAKE", 21: "SMART_RTL", 27: "AUTO_RTL",

@@ -111,7 +111,7 @@ class Px4Multicopter(Autopilot):
         hold=mode_number(4, 3),
         returning=mode_number(4, 5),
         returns=frozenset({mode_number(4, 5)}),  # of an RTL item
-        lands=frozenset({mode_number(4, 6)}),
+        landing=mode_number(4, 6),
         names={
             mode_number(1): "MANUAL", mode_number(2): "ALTCTL", mode_number(3): "POSCTL",
             mode_number(4, 2): "AUTO.TAKEOFF", mode_number(4, 3): "AUTO.LOITER", mode_number(4, 4): "AUTO.MISSION",
