@@ -4,7 +4,6 @@
 """
 
 from ipoa_mission.scenario.model import Scenario
-from ipoa_mission.scenario.new import new_scenario
-from ipoa_mission.scenario.scenario_file import parse_scenario, read_scenario
+from ipoa_mission.scenario.scenario_file import new_scenario, parse_scenario, read_scenario
 
 __all__ = ["Scenario", "new_scenario", "parse_scenario", "read_scenario"]

@@ -12,7 +12,7 @@ from ipoa_mission import BadInput, MissionError, read_flights, write_mission
 from ipoa_mission.files import MISSIONS, packed, unused, write_atomically
 from ipoa_mission.mission.plan_file import plan_text
 from ipoa_mission.report.compare import compare_logged
-from ipoa_mission.scenario.new import new_scenario
+from ipoa_mission.scenario.scenario_file import new_scenario
 from ipoa_mission.studio import memory
 from ipoa_mission.studio.answers import Beginning, Redirect, StartFile, Trouble
 from ipoa_mission.studio.dropped import LOGS, keep

@@ -16,8 +16,7 @@ from ipoa_mission.maps.building_rules import BuildingRules
 from ipoa_mission.maps.buildings import search_buildings
 from ipoa_mission.maps.map_reader import read_features
 from ipoa_mission.maps.map_window import Box, MapWindow
-from ipoa_mission.scenario.new import new_scenario
-from ipoa_mission.scenario.scenario_file import parse_scenario
+from ipoa_mission.scenario.scenario_file import new_scenario, parse_scenario
 from tests.maps.conftest import degrees
 from tests.refused import refuses
 

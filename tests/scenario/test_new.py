@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from ipoa_mission.errors import BadInput
 from ipoa_mission.scenario import parse_scenario
-from ipoa_mission.scenario.new import UNKNOWN_ALTITUDE, UNKNOWN_GOAL, new_scenario
+from ipoa_mission.scenario.scenario_file import UNKNOWN_ALTITUDE, UNKNOWN_GOAL, new_scenario
 from tests.refused import refuses
 
 TARGET = Path("trip.toml")
