@@ -282,7 +282,7 @@ def _monitor(vehicle: Vehicle, forecast: Forecast, first: int, remark: ReportRem
         if forecast.mission_as_read.autopilot is not vehicle.autopilot:
             words = f"it was forecast for {forecast.mission_as_read.autopilot}, and the vehicle is {vehicle.autopilot}"
             raise MissionError(words, code="other-autopilot")
-        return ConformanceMonitor(begun_forecast(forecast, first))
+        return ConformanceMonitor(begun_forecast(forecast, first), first)
     except MissionError as unknown:
         remark(f"the flight is not compared with a forecast: {unknown}")
         return None

@@ -53,6 +53,10 @@ class _Leg(NamedTuple):
 class ConformanceMonitor:
     """Compare samples of one flight, in the order of their times, with its forecast.
 
+    Args:
+        forecast: of the flight.
+        first: index of the item that it begins at; PX4 climbs to it from the ground as part of it.
+
     Raises:
         MissionError: its flight is unknown.
 
@@ -65,8 +69,9 @@ class ConformanceMonitor:
         ['left-corridor']
     """
 
-    def __init__(self, forecast: Forecast) -> None:
+    def __init__(self, forecast: Forecast, first: int = 0) -> None:
         self._forecast = forecast
+        self._first = first
         self._estimate = forecast.estimate
         self._visits = forecast.itinerary.visits
         if not self._visits:
@@ -215,13 +220,18 @@ class ConformanceMonitor:
         items = self._estimate.items
         target = next((n for n in range(visit, len(items)) if self._goal(n) is not None), None)
         before = next((n for n in reversed(range(visit)) if commands[n] in FLOWN_TO), None)
+        climbed_s = -math.inf
+        if before is not None and 0 < self._first == self._visits[before].seq:
+            climbed_s = items[before].done_s
+            before = None
         begin = 0.0 if before is None else items[before].done_s
         end = math.inf if target is None else items[target].done_s
         first, last = np.searchsorted(self._times, [begin - LIMITS.item_tolerance_s, end + LIMITS.item_tolerance_s])
         span = slice(min(int(first), len(self._times) - 1), int(last) + 1)
         limits = self._bound[span] + np.maximum(LIMITS.margin_factor * self._bound[span], LIMITS.min_margin)
         if commands[visit] in TAKEOFFS:
-            limits = LIMITS.takeoff_factor * limits
+            climbed_s = math.inf
+        limits[self._times[span] <= climbed_s] *= LIMITS.takeoff_factor
         goal = None if target is None else self._goal(target)
         excursion = comes_back = 0.0
         if goal is not None and target is not None:

@@ -11,6 +11,7 @@ import pytest
 from ipoa_mission import read_mission
 from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.autopilot.version import Version
+from ipoa_mission.checks.unsafe import begun_at
 from ipoa_mission.errors import MissionError
 from ipoa_mission.forecast.conformance import ConformanceMonitor
 from ipoa_mission.forecast.forecast import Forecast
@@ -268,3 +269,17 @@ def test_a_circle_of_another_radius_deviates() -> None:
         wider = center + 1.3 * (np.array([east, north, up]) - center) * [1.0, 1.0, 0.0]
         reported.append(monitor.see(time, np.array([*wider[:2], up]), 2))
     assert any(deviation and deviation.kind is DeviationKind.OUTSIDE for deviation in reported)
+
+
+@pytest.mark.parametrize("autopilot", [Autopilot.PX4, Autopilot.ARDUPILOT])
+def test_climb_to_the_first_item_is_part_of_it(autopilot: Autopilot) -> None:
+    begun = Forecast(begun_at(replace(OUT_AND_ASIDE, autopilot=autopilot), 2))
+    monitor = ConformanceMonitor(begun, 2)
+    track = begun.estimate.track
+    times = np.arange(0.0, begun.estimate.items[2].done_s, 0.2)
+    samples = list(zip(times, track.at(times), strict=True))
+    assert samples[len(samples) // 3][1][2] > 3.0
+    assert [found for time, place in samples if (found := monitor.see(time, place, 2))] == []
+    aside = ConformanceMonitor(begun, 2)
+    shifted = [found for time, place in samples if (found := aside.see(time, place + np.array([0.0, 60.0, 0.0]), 2))]
+    assert [found.kind for found in shifted] == [DeviationKind.OUTSIDE]
