@@ -142,6 +142,7 @@ class CommandEffects:
     flown: Set[int] = SIMPLE
     still: Set[int] = EQUIPMENT  # they have no effect on the path
     why: Mapping[int, str] = field(default_factory=dict)
+    replays_speed: bool = False  # the last change of speed before the item at which a mission begins
     #: They have no effect on the path if this is true of their params.
     unless: Mapping[int, Callable[[Sequence[float]], bool]] = field(default_factory=dict)
 

@@ -95,8 +95,11 @@ def begun_at(mission: Mission, first: int, there: Geodetic | None = None) -> Mis
             words = f"cannot begin at item {first + 1}: item {n + 1} jumps back to item {target + 1}"
             raise BadInput(words, place="--from")
     climb = max(height, 2.5)  # [m], at least this from the ground
-    beginning = (LEFT_OUT,) * (first - 1) + (takeoff(home, climb),)
-    return replace(mission, home=home, items=beginning + mission.items[first:])
+    beginning = [LEFT_OUT] * (first - 1) + [takeoff(home, climb)]
+    changes = [n for n, item in enumerate(mission.items[:first]) if item.command == Command.DO_CHANGE_SPEED]
+    if changes and first > 1 and mission.autopilot.command_effects.replays_speed:
+        beginning[min(changes[-1], first - 2)] = mission.items[changes[-1]]
+    return replace(mission, home=home, items=(*beginning, *mission.items[first:]))
 
 
 def check_start(mission: Mission, scenario: "Scenario | None", first: int, there: Geodetic) -> tuple[str, ...]:

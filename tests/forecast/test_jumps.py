@@ -235,6 +235,17 @@ def test_items_before_the_first_one_flown_leave_the_flight_known(autopilot: Auto
         assert [unknown.seq for unknown in Forecast(waits).unknown] == ([2] if autopilot is PX4 else [])
 
 
+@pytest.mark.parametrize(("autopilot", "speed"), [(ARDUPILOT, 10.0), (PX4, 3.0)])
+def test_px4_repeats_the_last_change_of_speed_before_the_first_item(autopilot: Autopilot, speed: float) -> None:
+    change = order(Command.DO_CHANGE_SPEED, 1.0, 3.0, -1.0)
+    far = replace(B, latitude_deg=B.latitude_deg + 0.002)
+    whole = mission(UP, change, A, far, BACK, autopilot=autopilot)
+    for first in (2, 3):
+        begun = begun_at(whole, first)
+        assert begun.items[first - 1].is_takeoff
+        assert Forecast(begun).estimate.items[3].peak_speed == pytest.approx(speed, rel=0.02)
+
+
 def test_the_tag_of_a_jump_is_not_taken_out() -> None:
     with refuses("bad-input", "item 2", "item 6"):
         without_item(mission(*LOOP), 2)

@@ -157,6 +157,7 @@ class Px4Multicopter(Autopilot):
         brakes_after=BRAKES_LATE,
     )
     command_effects = profile.CommandEffects(
+        replays_speed=True,  # MissionBase::on_activation
         why={
             Command.NAV_LOITER_TO_ALT: "it continues within NAV_LOITER_RAD of the place, and changes its height there",
             Command.NAV_VTOL_TAKEOFF: "it is for a VTOL vehicle",
@@ -166,7 +167,7 @@ class Px4Multicopter(Autopilot):
             Command.COMPONENT_ARM_DISARM: "it may stop the motors",
             Command.CONDITION_DELAY: "PX4 from 1.18 on waits there, which is not modeled",
             Command.CONDITION_GATE: "it continues as the vehicle passes the gate, which is not modeled",
-        }
+        },
     )
     protocol_profile = profile.ProtocolProfile(
         judges_later=True,
