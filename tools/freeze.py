@@ -98,7 +98,7 @@ def outputs(scenario: Scenario) -> Outputs:
     digests: Outputs = {}
     try:
         with tempfile.TemporaryDirectory() as folder:
-            if "survey" not in scenario.added:
+            if scenario.survey is None:
                 flight = plan_flight(scenario, seed=SEED)
                 files, forecasts = flight.write(folder), [flight.forecast]
             else:
