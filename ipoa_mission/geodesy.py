@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
+from numpy.typing import NDArray
 from pyproj import Geod, Transformer
 
 from ipoa_mission.geometry import Plane, Points, Vector
@@ -110,6 +111,12 @@ class LocalFrame:
         east, north, up = point
         lon, lat, alt = _topocentric(self.home).transform(float(east), float(north), float(up), direction="INVERSE")
         return Geodetic(lat, (lon + 180.0) % 360.0 - 180.0, alt)
+
+    def moved(self, points: NDArray[np.float64], other: "LocalFrame") -> NDArray[np.float64]:
+        """Return points (..., 3) of another frame [m]."""
+        if other.home == self.home:
+            return points
+        return self.to_local(*other.to_geodetic(points.reshape(-1, 3))).reshape(points.shape)
 
     def _transform(self, x: Vector, y: Vector, z: Vector, direction: str) -> tuple[Vector, Vector, Vector]:
         """pyproj warns of arrays of one."""

@@ -1,5 +1,6 @@
 """Heights of the ground over a terrain."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import NamedTuple, Protocol
 
@@ -47,6 +48,17 @@ class Ground:
 
 
 LEVEL = Ground()
+
+
+class MovedTerrain(NamedTuple):
+    """`move` leads to its frame."""
+
+    terrain: HasHeight
+    move: Callable[[NDArray[np.float64]], NDArray[np.float64]]
+
+    def height(self, points: NDArray[np.float64]) -> Vector:
+        level = self.move(np.column_stack([points[:, :2], np.zeros(len(points))]))
+        return np.asarray(self.terrain.height(level) - level[:, 2])
 
 
 class HighPlace(NamedTuple):

@@ -25,7 +25,7 @@ RULES: Mapping[str, Rule] = {
     "home-elsewhere": Rule(
         "The home in the file is far from the mission; the vehicle uses its place of arming instead.",
         "Set home where the vehicle takes off.", False),
-    "home-differs": Rule("The mission's home differs from the scenario's: clearances or heights differ.",
+    "home-differs": Rule("Heights above home count from the mission's, not the scenario's.",
         "Plan or check it with its own scenario.", True),
     "home-not-on-ground": Rule(
         "The ground at home differs from home's altitude: all heights are off by the difference.",

@@ -2,8 +2,6 @@
 
 from collections.abc import Iterable, Iterator
 
-import numpy as np
-
 from ipoa_mission.autopilot.parameters import name_values
 from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.forecast.forecast import Forecast
@@ -13,16 +11,16 @@ from ipoa_mission.unread import Unread
 
 
 def check_ground(forecast: Forecast) -> Iterator[Finding]:
-    scenario = forecast.world
-    at_home = float(scenario.airspace.ground(np.zeros((1, 3)))[0])
+    at_home = forecast.ground_at_home
     if abs(at_home) > 0.5:  # [m]
+        whose = "the altitude of the mission's home" if forecast.home.any() else "home.altitude_amsl"
         yield Finding(
             "home-not-on-ground",
             Severity.WARNING,
             0,
             f"home: the ground there is {above_or_below(at_home)} home's altitude: a vehicle measures heights from "
             f"its take-off, and flies {abs(at_home):.1f} m {'higher' if at_home > 0 else 'lower'} than planned",
-            f"set home.altitude_amsl = {scenario.home.altitude_amsl + at_home:.1f}",
+            f"set {whose} = {forecast.mission.home.altitude + at_home:.1f}",
         )
     yield from check_landings(forecast)
 

@@ -125,12 +125,14 @@ def check_start(mission: Mission, scenario: "Scenario | None", first: int, there
             at = f"{mission.home.latitude_deg:.6f}, {mission.home.longitude_deg:.6f}"
             words = f"{where}, and nearer to another of the survey's start places"
             raise NotAtStart(words, hint=f"bring it to {at}, or fly the flight that begins there")
-    ground = float(scenario.airspace.ground(place[None, :])[0])
-    home = Geodetic(there.latitude_deg, there.longitude_deg, mission.home.altitude + ground)
+    planned = scenario.frame.moved(np.zeros(3), mission.frame)
+    height, below = scenario.airspace.ground(np.array([place, planned])).tolist()
+    if distance <= HOME_RADIUS:  # a roof
+        height += float(planned[2]) - below
+    home = Geodetic(there.latitude_deg, there.longitude_deg, scenario.frame.home.altitude + height)
     begun = Forecast(begun_at(mission, first, home), scenario)
-    at_home = Forecast(begun_at(mission, first), scenario)  # a guarantee counts from home
-    guarantee = at_home.guarantee_if_known if distance <= HOME_RADIUS else None
-    known = () if guarantee is None else check_clearance(at_home.mission, scenario, guarantee)
+    guarantee = begun.guarantee_if_known
+    known = () if guarantee is None else check_clearance(begun.mission, scenario, guarantee)
     errors = [finding for finding in (*check_airspace(begun), *known) if finding.severity is Severity.ERROR]
     if errors:
         words = f"{where}; from there: {errors[0].message}"

@@ -176,7 +176,7 @@ def _draw(compared: "ComparedFlight", picture: Path, title: str) -> None:
 
     plots = imported("ipoa_mission.report.plots", "--picture needs matplotlib, which is not installed", "pictures")
     predicted = compared.forecast.estimate.track.points
-    flown = flown_track(compared.forecast.mission, compared.record)
+    flown = flown_track(compared.forecast, compared.record)
     figure = plots.draw_comparison(compared.comparison, predicted, None if flown is None else flown.points, title)
     plots.write_picture(figure, picture)
 

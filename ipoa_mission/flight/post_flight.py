@@ -5,6 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ipoa_mission.autopilot.commands import Frame, plain_frame
 from ipoa_mission.centimeters import ceil_cm, falls_short, floor_cm
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.geodesy import Geodetic, apart
@@ -82,9 +83,7 @@ def flown_clearance(record: FlightRecord, scenario: Scenario, mission: Mission |
     place = np.asarray(least.nearest.place)
     sample = record.path[int(np.argmin(np.linalg.norm(points - place, axis=1)))]
     planned = guaranteed = None
-    if mission is not None and apart(mission.home, scenario.frame.home) < 10.0:  # [m]
-        mission = replace(mission, home=replace(scenario.frame.home, altitude=mission.home.altitude))
-    forecast = None if mission is None else Forecast(mission, scenario)
+    forecast = None if mission is None else Forecast(_from_ground(mission, scenario), scenario)
     if forecast is not None and forecast.cruise:
         checks = forecast.proof.checks
         planned = min(check.nearest.distance for check in checks if check.limit in ("obstacles", "ground"))
@@ -94,8 +93,19 @@ def flown_clearance(record: FlightRecord, scenario: Scenario, mission: Mission |
     return FlownClearance(least, scenario.frame.geodetic(place), float(sample.time_s), planned, guaranteed)
 
 
+def _from_ground(mission: Mission, scenario: Scenario) -> Mission:
+    """Return it as flown from the scenario's ground."""
+    home = scenario.frame.moved(np.zeros(3), mission.frame)
+    rise = float(scenario.airspace.ground(home[None, :])[0] - home[2])
+    items = tuple(
+        replace(item, altitude=item.altitude + rise) if plain_frame(item.frame) == Frame.GLOBAL else item
+        for item in mission.items
+    )
+    return replace(mission, home=replace(mission.home, altitude=mission.home.altitude + rise), items=items)
+
+
 def _flown_points(record: FlightRecord, scenario: Scenario) -> Points:
-    """Return the flown path (n, 3), east, north, up of home [m]."""
+    """Return the flown path (n, 3) [m]."""
     places = [(sample.latitude_deg, sample.longitude_deg) for sample in record.path]
     latitude, longitude = np.array(places).T
     frame = scenario.frame

@@ -97,7 +97,7 @@ class ConformanceMonitor:
 
     def local(self, at: Geodetic, height: float) -> Vector:
         up = self._forecast.mission.home.altitude + height if self._counts_from_home else at.altitude
-        return self._forecast.mission.frame.local(Geodetic(at.latitude_deg, at.longitude_deg, up))
+        return self._forecast.frame.local(Geodetic(at.latitude_deg, at.longitude_deg, up))
 
     def interrupt(self) -> None:
         self._begun_s = None
@@ -213,7 +213,7 @@ class ConformanceMonitor:
         command = self._visits[visit].item.command
         if command not in FLOWN_TO - TAKEOFFS - LANDINGS or self._forecast.itinerary.program.leaves_open(visit):
             return None
-        return np.array(self._forecast.itinerary.program.places[visit])
+        return np.array(self._forecast.placed(self._forecast.itinerary.program.places[visit]))
 
     def _leg_to(self, visit: int) -> _Leg:
         commands = [each.item.command for each in self._visits]

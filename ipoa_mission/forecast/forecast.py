@@ -18,8 +18,8 @@ from ipoa_mission.forecast.itinerary.itinerary import Itinerary, Unknown, find_u
 from ipoa_mission.forecast.timing.estimate import Estimate, times_of
 from ipoa_mission.forecast.timing.flight_model import FlightModel, Prediction
 from ipoa_mission.forecast.timing.track import Track
-from ipoa_mission.geodesy import LocalFrame, apart
-from ipoa_mission.geometry import Points
+from ipoa_mission.geodesy import LocalFrame
+from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.ground import Ground
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.mission.landing_ground import known_ground, landing_over
@@ -35,11 +35,11 @@ Made = TypeVar("Made")
 
 
 class Forecast:
-    """One mission's flight, in a scenario's world if given. Each property is computed once.
+    """One mission's flight, in a scenario's world if given.
 
     Args:
         mission: the mission to fly.
-        scenario: its world; of a survey with start places, as seen from the one where the mission begins.
+        scenario: its world; of a survey, from the nearest start place.
         wind: replaces the scenario's wind.
         left_out: items without legs to or from them.
 
@@ -84,7 +84,7 @@ class Forecast:
         vehicle = self.scenario.vehicle
         self.scenario.expect_here(self.mission_as_read.home)
         flown = self.mission_as_read.assuming(vehicle.autopilot_parameters())
-        return landing_over(replace(flown, vehicle=flown.vehicle or vehicle.learned), self.scenario.ground)
+        return landing_over(replace(flown, vehicle=flown.vehicle or vehicle.learned), self.ground)
 
     def on(self, version: Version | None) -> "Forecast":
         if version is None or version == self.mission_as_read.firmware_version:
@@ -112,12 +112,28 @@ class Forecast:
 
     @cached_property
     def frame(self) -> LocalFrame:
+        """Return the scenario's frame; `itinerary`, `ground`, `predicted` are in the mission's."""
         return self.mission.frame if self.scenario is None else self.scenario.frame
+
+    def placed(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return points (..., 3) of the mission's frame in `frame`."""
+        return self.frame.moved(points, self.mission_as_read.frame)
+
+    @property
+    def home(self) -> Vector:
+        return self.placed(np.zeros(3))
+
+    @property
+    def ground_at_home(self) -> float:
+        """Above the mission's home [m]."""
+        return float(self.world.airspace.ground(self.home[None, :])[0] - self.home[2])
 
     @cached_property
     def ground(self) -> Ground:
-        """Return the ground as the vehicle measures it; level where unknown."""
-        return known_ground(self.mission) if self.scenario is None else self.scenario.ground
+        """As the vehicle measures it; level where unknown."""
+        if self.scenario is None:
+            return known_ground(self.mission)
+        return self.scenario.ground_from(self.mission_as_read.frame)
 
     @cached_property
     def legs(self) -> tuple[Leg, ...]:
@@ -140,7 +156,7 @@ class Forecast:
 
     @cached_property
     def itinerary(self) -> Itinerary:
-        return itinerary(self.mission, self.ground)
+        return itinerary(self.mission, self.ground, self.ground_at_home if self.home.any() else 0.0)
 
     @cached_property
     def unknown(self) -> tuple[Unknown, ...]:
@@ -167,8 +183,10 @@ class Forecast:
     def timed(self, fast: bool | None = None) -> Estimate:
         times = times_of(self.itinerary, self.expected if fast is None else self.predicted(noise_free=False, fast=fast))
         unknown = (f"item {item.seq}: {item.why}: the time after it is unknown" for item in self.unknown)
-        of_home = () if self.another_home is None else (str(self.another_home),)
-        return replace(times, remarks=(*times.remarks, *unknown, *of_home))
+        return replace(times, track=self.placed_track(times.track), remarks=(*times.remarks, *unknown))
+
+    def placed_track(self, track: Track) -> Track:
+        return replace(track, points=self.placed(track.points))
 
     @cached_property
     def expected(self) -> Prediction:
@@ -201,20 +219,12 @@ class Forecast:
         predicted = self.predicted(noise_free=True)
         model = self.mission.autopilot.part(FlightModel)
         spread = None if task.chance is None else model.spread(self.itinerary, self.wind, predicted)
-        return clearance_guarantee_of(PredictedFlight(self.itinerary, predicted, task, spread))
-
-    @property
-    def another_home(self) -> MissionError | None:
-        """Return an error if home is not the scenario's: the track counts from it."""
-        away = apart(self.mission.home, self.frame.home)
-        words = f"expected within 0.1 m of the scenario's home, not {away:.2f} m away: the clearance is unknown"
-        hint = "plan again, or set the scenario's home to the mission's"
-        return MissionError(words, hint, code="home-differs", place="home") if away > 0.1 else None
+        track = self.placed_track(predicted.track.local())
+        return clearance_guarantee_of(PredictedFlight(self.itinerary, predicted, track, task, spread))
 
     def expect_known_path(self) -> None:
-        error = _refusal(self.unknown[0], "clearance") if self.unknown else self.another_home
-        if error is not None:
-            raise error
+        if self.unknown:
+            raise _refusal(self.unknown[0], "clearance")
 
     @property
     def guarantee_if_known(self) -> "ClearanceGuarantee | None":

@@ -127,6 +127,8 @@ class Program:
     version: Version | None = None
     """The firmware's version; None: the newest measured."""
     jumped: dict[int, int] = field(default_factory=dict)
+    ground_at_home: float = 0.0
+    """Above home; heights over terrain count from it [m]."""
     stuck_at: int | None = None
     """The item from which the firmware found no next item."""
 
@@ -137,7 +139,7 @@ class Program:
     def places(self) -> Points:
         items = self.items
         home = self.frame.home
-        rows = [(item.latitude_deg, item.longitude_deg, item.height(home)) for item in items]
+        rows = [(item.latitude_deg, item.longitude_deg, self._height(item)) for item in items]
         latitude, longitude, up = np.array(rows).reshape(-1, 3).T
         flat = self.frame.to_local(latitude, longitude, np.full(len(items), home.altitude)).reshape(-1, 3)
         placed = np.array([item.has_position for item in items], dtype=bool) & np.isfinite(flat).all(axis=1)
@@ -159,7 +161,10 @@ class Program:
     def place_of(self, item: Item) -> Place:
         home = self.frame.home
         flat = self.frame.local(Geodetic(item.latitude_deg, item.longitude_deg, home.altitude))
-        return float(flat[0]), float(flat[1]), item.height(home)
+        return float(flat[0]), float(flat[1]), self._height(item)
+
+    def _height(self, item: Item) -> float:
+        return item.height(self.frame.home) + (self.ground_at_home if item.is_over_terrain else 0.0)
 
     def after(self, index: int, taking: bool = True) -> int | None:
         """Return the item after `index`, jumps followed; `taking` counts them."""

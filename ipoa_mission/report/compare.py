@@ -148,7 +148,7 @@ def compare_logged(
         elif difference is not None:
             words = f"{difference.field}: {difference.got} in the log, not {difference.sent}"
             remarks.append(f"another mission was flown: item {difference.seq}: {words}")
-    track = flown_track(flown, record)
+    track = flown_track(forecast, record)
     from_home = 0.0 if track is None else math.hypot(*track.points[0, :2])  # [m]
     if from_home > 5.0:
         remarks.append(f"it was armed {from_home:.0f} m from the mission's home, where the estimate begins")
@@ -170,11 +170,11 @@ def compare_logged(
     return ComparedFlight(forecast, record, compare_flight(forecast.estimate, record), changed, tuple(remarks))
 
 
-def flown_track(mission: Mission, flight: FlightRecord) -> Track | None:
-    """In home's local frame."""
+def flown_track(forecast: Forecast, flight: FlightRecord) -> Track | None:
+    """In the forecast's frame."""
     if len(flight.path) < 2:
         return None
     positions = [(s.time_s, s.latitude_deg, s.longitude_deg, s.speed) for s in flight.path]
     times, latitude, longitude, speeds = np.array(positions).T
-    points = mission.frame.to_local(latitude, longitude, mission.home.altitude + np.array(flight.heights))
+    points = forecast.frame.to_local(latitude, longitude, forecast.mission.home.altitude + np.array(flight.heights))
     return Track(times=times, points=points, speeds=speeds)

@@ -146,7 +146,7 @@ def item_legs(forecast: Forecast) -> tuple[ItemLeg, ...]:
     rows = rows_of(forecast)
     bent = {leg.seq for leg in forecast.cruise if leg.stray > 0}
     curves = {seq: join([leg for leg in forecast.cruise if leg.seq == seq]) for seq in bent}
-    before = np.zeros(3)
+    before = forecast.home
     is_flying = False
     for time in forecast.estimate.items:
         item, place = items[time.seq - 1]

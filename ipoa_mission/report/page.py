@@ -50,7 +50,7 @@ def report_html(
 
     legs = item_legs(forecast)
     predicted = sample_track(forecast.estimate.track, airspace)
-    track = None if flight is None else flown_track(mission, flight)
+    track = None if flight is None else flown_track(forecast, flight)
     flown = None if track is None else sample_track(track, airspace)
     comparison = None if flight is None else compare_flight(forecast.estimate, flight)
     drawn = DrawnFlight(scenario, predicted, legs, flown, drawn_flight.shown_deviation_bound(forecast))

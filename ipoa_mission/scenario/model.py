@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -15,7 +15,7 @@ from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.errors import BadInput, MissionError, TooFar
 from ipoa_mission.geodesy import EARTH_RADIUS, REACH, Geodetic, LocalFrame, apart, swap_hint
 from ipoa_mission.geometry import Points, Vector
-from ipoa_mission.ground import LEVEL, Ground
+from ipoa_mission.ground import LEVEL, Ground, HasHeight, MovedTerrain
 from ipoa_mission.maps.passed import PassedCount, PassedOver, count_passed_over
 from ipoa_mission.rules import expect_ignorable
 from ipoa_mission.scenario.explain import explained
@@ -278,10 +278,15 @@ class Scenario(Section):
 
     @property
     def ground(self) -> Ground:
-        """Return the ground as an autopilot counts, from its start."""
+        return self.ground_from(self.frame)
+
+    def ground_from(self, frame: LocalFrame) -> Ground:
+        """Return the ground as an autopilot counts, from home."""
         if isinstance(self.terrain, FlatTerrain):
             return LEVEL
-        terrain = self.airspace.terrain
+        terrain: HasHeight = self.airspace.terrain
+        if frame.home != self.frame.home:
+            terrain = MovedTerrain(terrain, partial(self.frame.moved, other=frame))
         return Ground(terrain, float(terrain.height(np.zeros((1, 2)))[0]), EARTH_RADIUS)
 
     @property

@@ -127,6 +127,7 @@ def mission_world(forecast: Forecast) -> answers.World:
     if scenario is not None and scenario.why_elsewhere(mission.home) is None:
         world = world_of(scenario)
         bodies = tuple(body.model_copy(update={"path": None}) for body in world.bodies)
+        spot = spot.model_copy(update={"up": round(float(forecast.home[2]), 2)})
         return world.model_copy(update={"spots": (spot,), "bodies": bodies, "fences": fences})
     places = [place[:2] for place in item_places(mission, frame, forecast.ground) if place is not None]
     points = np.array([np.zeros(2), *places])

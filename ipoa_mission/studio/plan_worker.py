@@ -213,7 +213,7 @@ def replayed(log: Path, forecast: Forecast) -> Replay:
         raise MissionError("expected a flight in the mission mode", code="log-incomplete", place=log.name)
     forecast = forecast.on(flight.firmware_version)
     record = flight.record(forecast.mission)
-    track = flown_track(forecast.mission, record)
+    track = flown_track(forecast, record)
     if track is None:
         raise MissionError("expected a flight with positions", code="log-incomplete", place=log.name)
     compared = compare_flight(forecast.estimate, record)

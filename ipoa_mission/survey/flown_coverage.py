@@ -47,7 +47,7 @@ def predict_lines(forecast: Forecast, tour: Tour, frame: LocalFrame) -> tuple[Tr
     """Return the track, and when lines begin and end (n, 2) [s]."""
     tolerance = 0.05  # between an item and its line's end [m]
     prediction = forecast.guarantee.flight.prediction
-    move = move_between(forecast.frame, frame)
+    move = move_between(forecast.mission.frame, frame)
     items = [visit.item for visit in forecast.itinerary.visits]
     latitude, longitude = np.array([[item.latitude_deg, item.longitude_deg] for item in items]).T
     places = frame.to_local(latitude, longitude, forecast.mission.home.altitude)[:, :2]

@@ -3,41 +3,170 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.autopilot.commands import Frame
+from ipoa_mission.autopilot.returning import Contingency
+from ipoa_mission.checks.unsafe import check_start
+from ipoa_mission.flight.post_flight import _from_ground
 from ipoa_mission.forecast.conformance import ConformanceMonitor
+from ipoa_mission.forecast.contingency.contingencies import Contingencies
+from ipoa_mission.forecast.deviation.clearance_guarantee import KeptLimit
 from ipoa_mission.forecast.forecast import Forecast
+from ipoa_mission.geodesy import Geodetic, LocalFrame
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.scenario import Scenario
-from tests.checks.test_airspace import flight, seen, world
+from tests.checks.test_airspace import WORLD, flight, place, seen, world
 from tests.refused import refuses
 
+AUTOPILOTS = (Autopilot.PX4, Autopilot.ARDUPILOT)
+PLACE, ABOVE_HOME, AMSL, OVER_TERRAIN = (
+    (0.0, 0.0, 0.0),
+    Frame.GLOBAL_RELATIVE_ALT,
+    Frame.GLOBAL,
+    Frame.GLOBAL_TERRAIN_ALT,
+)
+SIDEWAYS, UP, BOTH = (0.0, 28.0, 0.0), (0.0, 0.0, 5.0), (0.0, 28.0, 5.0)
 
-def past_the_hall(scenario: Scenario, east: float, north: float) -> Mission:
-    """Return a flight past the hall's south wall at 3 m, its home moved [m]."""
-    mission = flight(scenario, (0.0, 12.0, 20.0), (100.0, 12.0, 20.0))
-    return replace(mission, home=scenario.frame.geodetic(np.array([east, north, 0.0])))
+
+def moved(mission: Mission, scenario: Scenario, home: tuple[float, float, float]) -> Mission:
+    return replace(mission, home=scenario.frame.geodetic(np.array(home)))
+
+
+def past_the_hall(scenario: Scenario, *home: float) -> Mission:
+    """Return a flight past the hall at 3 m, its home moved."""
+    east, north = home
+    return moved(flight(scenario, (0.0, 12.0, 20.0), (100.0, 12.0, 20.0)), scenario, (east, north, 0.0))
+
+
+def over_the_hall(scenario: Scenario, autopilot: Autopilot, frame: Frame) -> Mission:
+    """Return a flight 6 m above the roof."""
+    mission = flight(scenario, (0.0, 20.0, 36.0), (100.0, 20.0, 36.0), autopilot=autopilot)
+    altitude = 436.0 if frame is Frame.GLOBAL else 36.0
+    first, *ways, last = mission.items
+    return replace(mission, items=(first, *(replace(way, frame=int(frame), altitude=altitude) for way in ways), last))
+
+
+def clearance(forecast: Forecast) -> KeptLimit:
+    limit = next(limit for limit in forecast.guarantee.limits if limit.limit == "obstacles" and limit.in_cruise)
+    assert limit.to == "hall"
+    return limit
 
 
 @pytest.mark.parametrize(("east", "north"), [(0.0, 0.0), (0.05, 0.0), (-0.7, -0.7), (0.0, 28.0), (0.0, -28.0)])
 def test_moving_home_makes_no_clearance_of_the_cruise_better(east: float, north: float) -> None:
     scenario = world()
-    in_place = Forecast(past_the_hall(scenario, 0.0, 0.0), scenario).guarantee.clearance
-    assert in_place is not None
-    mission = past_the_hall(scenario, east, north)
-    moved = Forecast(mission, scenario)
-    if np.hypot(east, north) <= 0.1:
-        assert moved.guarantee.clearance is not None
-        assert moved.guarantee.clearance.guaranteed <= in_place.guaranteed + 0.1
-        assert "error home-differs 0" not in seen(mission, scenario)
-        return
-    assert moved.guarantee_if_known is None
-    with refuses("home-differs", "home"):
-        _ = moved.guarantee
-    assert "error home-differs 0" in seen(mission, scenario)
-    assert str(moved.another_home) in moved.estimate.remarks
+    in_place = clearance(Forecast(past_the_hall(scenario, 0.0, 0.0), scenario))
+    there = clearance(Forecast(past_the_hall(scenario, east, north), scenario))
+    assert there.nominal == pytest.approx(3.3, abs=0.1)  # the corner before it is cut
+    assert there.guaranteed == pytest.approx(in_place.guaranteed, abs=0.11)
 
 
-def test_a_flight_is_compared_in_the_frame_of_its_home() -> None:
+@pytest.mark.parametrize("autopilot", AUTOPILOTS)
+@pytest.mark.parametrize(
+    ("frame", "home", "above_roof"),
+    [
+        *((frame, home, 6.0) for frame in (ABOVE_HOME, AMSL, OVER_TERRAIN) for home in (PLACE, SIDEWAYS)),
+        *((ABOVE_HOME, home, 11.0) for home in (UP, BOTH)),
+        (ABOVE_HOME, (0.0, 28.0, -3.0), 3.0),
+        *((frame, home, 6.0) for frame in (AMSL, OVER_TERRAIN) for home in (UP, BOTH)),
+    ],
+)
+def test_heights_above_home_alone_move_with_home(
+    autopilot: Autopilot, frame: Frame, home: tuple[float, float, float], above_roof: float
+) -> None:
     scenario = world()
-    mission = past_the_hall(scenario, 0.0, 28.0)
-    begins = ConformanceMonitor(Forecast(mission, scenario)).local(mission.home, 0.0)
-    assert begins == pytest.approx(np.zeros(3), abs=1e-6)
+    mission = over_the_hall(scenario, autopilot, frame)
+    in_place = clearance(Forecast(mission, scenario))
+    forecast = Forecast(moved(mission, scenario, home), scenario)
+    there = clearance(forecast)
+    assert there.nominal == pytest.approx(above_roof, abs=0.15)
+    assert there.guaranteed - in_place.guaranteed == pytest.approx(above_roof - 6.0, abs=0.15)
+    legs = min(check.nearest.distance for check in forecast.proof.checks if check.limit == "obstacles")
+    assert legs == pytest.approx(above_roof, abs=0.01)
+    assert forecast.estimate.track.points[0] == pytest.approx(np.array(home), abs=1e-6)
+
+
+@pytest.mark.parametrize("autopilot", AUTOPILOTS)
+@pytest.mark.parametrize("home", [PLACE, SIDEWAYS, UP, BOTH])
+def test_contingencies_and_their_landing_count_from_the_missions_home(
+    autopilot: Autopilot, home: tuple[float, float, float]
+) -> None:
+    scenario = world()
+    contingencies = [
+        Contingencies(Forecast(moved(over_the_hall(scenario, autopilot, ABOVE_HOME), scenario, at), scenario))
+        for at in (PLACE, home)
+    ]
+    middle_s = [each.forecast.estimate.items[2].done_s - 8.0 for each in contingencies]
+    in_place, there = (each.at(Contingency.HOLD, time) for each, time in zip(contingencies, middle_s, strict=True))
+    assert there.to == in_place.to == "hall"
+    assert there.least_m - in_place.least_m == pytest.approx(home[2], abs=0.15)
+    returns = contingencies[1].at(Contingency.RTL, middle_s[1])
+    assert returns.lands == pytest.approx(home[:2], abs=1e-6)
+    way = contingencies[1].paths.at(Contingency.RTL, np.array(middle_s[1:])).paths[0, 0]
+    assert way[-1] == pytest.approx([home[0], home[1], 0.0], abs=1e-3)
+    assert way[-2, 2] == pytest.approx(home[2] + 36.0, abs=0.1)
+
+
+def test_a_mission_with_another_home_is_found_where_it_matters() -> None:
+    scenario = world()
+    mission = over_the_hall(scenario, Autopilot.PX4, ABOVE_HOME)
+    assert seen(moved(mission, scenario, (0.5, 0.0, 0.0)), scenario) == []
+    assert seen(moved(mission, scenario, SIDEWAYS), scenario) == ["warning home-differs 0"]
+    low = seen(moved(mission, scenario, (0.0, 0.0, -4.0)), scenario)  # 2.00 m above the roof, 2.50 m required
+    assert "error leg-too-near 3" in low
+
+
+def test_a_flight_is_compared_in_the_frame_of_its_forecast() -> None:
+    scenario = world()
+    forecast = Forecast(moved(past_the_hall(scenario, 0.0, 0.0), scenario, BOTH), scenario)
+    monitor = ConformanceMonitor(forecast)
+    assert monitor.local(forecast.mission.home, 0.0) == pytest.approx(np.array(BOTH), abs=1e-6)
+    track = forecast.estimate.track
+    for item in forecast.estimate.items:
+        assert monitor.see(item.done_s, track.at(np.array([item.done_s]))[0], item.seq - 1) is None
+
+
+@pytest.mark.parametrize("frame", [ABOVE_HOME, AMSL, OVER_TERRAIN])
+def test_a_log_with_another_altitude_of_home_is_judged_from_the_ground(frame: Frame) -> None:
+    scenario = world()
+    planned = over_the_hall(scenario, Autopilot.PX4, frame)
+    higher = [
+        replace(item, altitude=item.altitude + 184.0) if item.frame == Frame.GLOBAL else item for item in planned.items
+    ]
+    logged = moved(replace(planned, items=tuple(higher)), scenario, (0.7, 0.0, 184.0))
+    there = clearance(Forecast(_from_ground(logged, scenario), scenario))
+    assert there.nominal == pytest.approx(6.0, abs=0.15)
+
+
+def test_a_vehicle_off_its_home_starts_from_the_ground() -> None:
+    scenario = world()
+    first, *ways, last = over_the_hall(scenario, Autopilot.PX4, ABOVE_HOME).items
+    lower = (first, *(replace(way, altitude=30.0) for way in ways), last)
+    mission = moved(replace(over_the_hall(scenario, Autopilot.PX4, ABOVE_HOME), items=lower), scenario, UP)
+    (clear,) = check_start(mission, scenario, 1, mission.home)
+    assert clear.endswith("the way from there was checked and is clear")
+    with refuses("not-at-start", "", "item 3", "hall"):
+        check_start(mission, scenario, 1, place(scenario, 0.0, -4.0))
+
+
+def test_the_ground_is_seen_from_the_missions_home() -> None:
+    """A slope of 1 in 10 to the east, and a home 20 m up it."""
+    slope = 'terrain = { kind = "grid", east = -100.0, north = -100.0, spacing = 200.0, heights = [[-10.0, 10.0]] }'
+    scenario = world(slope.replace("[[-10.0, 10.0]]", "[[-10.0, 10.0], [-10.0, 10.0]]") + WORLD)
+    there = LocalFrame(scenario.frame.geodetic(np.array([20.0, 0.0, 2.0])))
+    places = np.array([[0.0, 0.0], [50.0, 0.0], [-120.0, 30.0]])
+    assert scenario.ground_from(there)(places) == pytest.approx([0.0, 5.0, -12.0], abs=1e-2)
+    assert scenario.ground_from(scenario.frame)(places) == pytest.approx(scenario.ground(places), abs=0.0)
+
+
+@pytest.mark.parametrize("offset", [SIDEWAYS, BOTH, (20_000.0, -3_000.0, 400.0)])
+def test_a_move_between_frames_is_one_through_degrees_and_back(offset: tuple[float, float, float]) -> None:
+    here = LocalFrame(Geodetic(47.4, 8.5, 400.0))
+    there = LocalFrame(here.geodetic(np.array(offset)))
+    points = np.array([[[0.0, 0.0, 0.0], [300.0, -40.0, 20.0]], [[-3.0, 4.0, 5.0], [5000.0, 60.0, -7.0]]])
+    seen_there = there.moved(points, here)
+    assert here.moved(there.moved(np.zeros(3), here), there) == pytest.approx(np.zeros(3), abs=1e-6)
+    assert there.local(here.geodetic(points[1, 1])) == pytest.approx(seen_there[1, 1], abs=1e-6)
+    apart_m = np.linalg.norm(points[1, 1] - points[0, 1])
+    assert np.linalg.norm(seen_there[1, 1] - seen_there[0, 1]) == pytest.approx(apart_m, abs=1e-6)
+    assert here.moved(points, here) is points

@@ -10,7 +10,7 @@ import shapely
 
 import ipoa_mission as api
 from ipoa_mission.autopilot.autopilot import autopilot_named
-from ipoa_mission.forecast.forecast import estimate
+from ipoa_mission.forecast.forecast import Forecast, estimate
 from ipoa_mission.forecast.timing.estimate import Estimate
 from ipoa_mission.geodesy import LocalFrame
 from ipoa_mission.mission.flight_record import FlightRecord, Sample
@@ -72,14 +72,14 @@ def test_a_flight_that_reached_nothing_is_no_crash(bowed: Bowed, forecast: Fores
     comparison = compare_flight(timed, nothing)
     assert comparison.legs == ()
     assert math.isnan(comparison.route_error)
-    assert flown_track(mission, nothing) is None
+    assert flown_track(Forecast(mission), nothing) is None
     assert "reports no item" in page_of(forecast("sitl.toml"), flight=nothing)
     api.write_picture(draw_comparison(comparison, timed.track.points, None), tmp_path / "empty.png")
 
 
 def test_the_flown_path_comes_back_to_the_millimeter(bowed: Bowed) -> None:
     _, mission, timed = bowed("campus.toml")
-    track = flown_track(mission, flown_as(timed, mission, 1.0, 0.0))
+    track = flown_track(Forecast(mission), flown_as(timed, mission, 1.0, 0.0))
     assert track is not None
     assert np.abs(track.points - timed.track.points).max() < 1e-3
 
@@ -100,7 +100,7 @@ def test_the_picture_shows_both_times_of_each_leg(bowed: Bowed, tmp_path: Path) 
 
     _, mission, timed = bowed("campus.toml")
     flight = flown_as(timed, mission, 1.1, 0.5)
-    comparison, track = compare_flight(timed, flight), flown_track(mission, flight)
+    comparison, track = compare_flight(timed, flight), flown_track(Forecast(mission), flight)
     assert track is not None
     figure = draw_comparison(comparison, timed.track.points, track.points)
     bars = [bar.get_height() for bar in figure.axes[1].patches if isinstance(bar, Rectangle)]
@@ -117,7 +117,7 @@ def test_heights_count_from_home_as_set_at_arming(bowed: Bowed) -> None:
     drifted = tuple(replace(s, height=s.height - (2.0 if s.time_s > 5.0 else 0.0)) for s in flight.path)
     as_px4_117 = replace(flight, path=drifted)
     assert (flight.home_drift, as_px4_117.home_drift) == (pytest.approx(0.0), pytest.approx(2.0))
-    before, after = flown_track(mission, flight), flown_track(mission, as_px4_117)
+    before, after = flown_track(Forecast(mission), flight), flown_track(Forecast(mission), as_px4_117)
     assert before is not None
     assert after is not None
     assert np.abs(before.points - after.points).max() < 1e-6
@@ -138,7 +138,7 @@ def test_recorded_flights_are_compared_item_by_item(name: str) -> None:
     known = [item.seq for item in timed.items if str(item.seq) in facts["item_done_s"]]
     assert [leg.seq for leg in comparison.legs] == known
     assert sum(leg.flown_s for leg in comparison.legs) == pytest.approx(facts["item_done_s"][str(known[-1])])
-    track = flown_track(mission, flight)
+    track = flown_track(Forecast(mission), flight)
     assert track is not None
     # the autopilot passed every waypoint that it reports
     for item in timed.items:

@@ -94,7 +94,7 @@ class ContingencyRow:
     `least_m`: least distance to the nearest thing, `to`, minus the deviation bound; a height where `to` is the ground.
     It is NaN where the path is unknown: `to` has the reason then. The vehicle touches down `touches_s` and disarms
     `duration_s` after the order (minimum, maximum). `energy_wh`: minimum and maximum, None where unknown. `lands`: east
-    and north of home [m], None where the place is not fixed. `why_untimed`: why an RTL or LAND has no duration.
+    and north [m], None where the place is not fixed. `why_untimed`: why an RTL or LAND has no duration.
     """
 
     contingency: Contingency
@@ -167,7 +167,7 @@ def predict_contingency(forecast: Forecast, contingency: Contingency, time: floa
     if prediction.touched is not None and np.isfinite(prediction.touched[0]):
         first, _, last = prediction.touched
         touches = max(first - time, 0.0), max(last - time, 0.0)
-    used = forecast.energy_of(prediction.track.between(time, np.inf))
+    used = forecast.energy_of(forecast.placed_track(prediction.track.between(time, np.inf)))
     used = None if used is None else used.lasting(*lasts)
     return PredictedContingency(lasts, used, touches, prediction.remarks, float(prediction.done[-1]) - time)
 

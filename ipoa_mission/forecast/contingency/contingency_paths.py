@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ipoa_mission.autopilot.autopilot import STATIONARY_SPEED
 from ipoa_mission.autopilot.commands import Command
-from ipoa_mission.autopilot.returning import IN_PLACE, Contingency, ReturnBy
+from ipoa_mission.autopilot.returning import HOME, IN_PLACE, Contingency, ReturnBy
 from ipoa_mission.forecast.contingency.contingency_samples import (
     GROUND,
     SAMPLING,
@@ -279,7 +279,7 @@ class ContingencyPaths:
         if self.mission.autopilot.guidance.returns_from_order:
             begins[:, 2] = places[:, 2]
         to_goals = self.forecast.returns_from(begins)
-        ups = (0.0, *(up for _, _, up in self.forecast.itinerary.rally))
+        ups = self.forecast.placed(np.array([HOME, *self.forecast.itinerary.rally]))[:, 2].tolist()
         paths = list[NDArray[np.float64]]()
         for path, up in zip(to_goals, ups, strict=True):
             paths += self._at_return_height(places, stops, path)

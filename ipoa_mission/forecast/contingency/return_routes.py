@@ -29,7 +29,7 @@ class ReturnRoutes:
         """Return the goals possible with a position error [m]: 0 is home, the rally points follow, then `kinds`."""
         if not self.forecast.itinerary.rally and not self.kinds:
             return {0}
-        east, north, up = as_place(stop)
+        east, north, up = as_place(self.mission.frame.moved(stop, self.forecast.frame))
         offsets = ((0.0, 0.0), (error, 0.0), (-error, 0.0), (0.0, error), (0.0, -error))
         return {self._goal_of(self.route((east + e, north + n, up), seq)) for e, n in offsets}
 
@@ -63,7 +63,8 @@ class ReturnRoutes:
         most = len(self._places) + 2
         paths = []
         for start, seq in zip(starts, seqs.tolist(), strict=True):
-            nodes = list(self._nodes(by, start[-1], seq))
+            begin = self.mission.frame.moved(start[-1], self.forecast.frame)
+            nodes = self.forecast.placed(np.array(list(self._nodes(by, begin, seq))))
             paths.append([*start, *[start[-1]] * (most - len(nodes)), *nodes])
         return np.array(paths)
 
@@ -88,7 +89,7 @@ class ReturnRoutes:
     def over_terrain(self, places: Points, stops: Points, beyond: Points, up: float, off: float) -> NDArray[np.float64]:
         """Return the paths (n, p, 3) from places over `stops` straight to beyond, following the ground.
 
-        `up`: height of the goal above home; `off`: error of the height over the ground [m].
+        `up`: height of the goal; `off`: error of the height over the ground [m].
         """
         ground = self.forecast.world.airspace.ground
         lower = self.forecast.world.airspace.ground(beyond)
@@ -117,7 +118,7 @@ class ReturnRoutes:
 
     @cached_property
     def _places(self) -> list[tuple[int, Vector]]:
-        places = item_places(as_flown(self.mission), self.forecast.frame, self.forecast.ground)
+        places = item_places(as_flown(self.mission), self.mission.frame, self.forecast.ground)
         targets: list[tuple[int, Vector]] = []
         for seq, (item, place) in enumerate(zip(self.mission.items, places, strict=True), start=1):
             if item.command in FLOWN_TO and place is not None:

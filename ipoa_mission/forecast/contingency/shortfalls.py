@@ -56,7 +56,8 @@ def highest_return(forecast: Forecast) -> float:
     if mission.fence:
         switch = table.by_meaning["fence switch"].name
         values[switch] = values[switch] or 1.0
-    allowed = [MAX_HEIGHT, world.airspace.bounds.upper[2], world.planning.max_height_above_ground or math.inf]
+    ceiling = world.airspace.bounds.upper[2] - float(forecast.home[2])
+    allowed = [MAX_HEIGHT, ceiling, world.planning.max_height_above_ground or math.inf]
     fence = mission.autopilot.own_fence(values)
     if fence is not None:
         allowed.append(fence.ceiling.value - law_of(mission.autopilot).highest.distance(0.01))
@@ -127,7 +128,7 @@ def try_return_altitudes(
 
 def _heights(paths: ContingencyPaths, short: list[Shortfall], now: float) -> Iterator[float]:
     """Return multiples of 5 m above obstacles in the way, below those overhead."""
-    required = paths.required + SAG
+    required = paths.required + SAG - float(paths.forecast.home[2])
     over = [now + each.missing for each in short if each.body == "" and each.part >= ReturnLeg.CLIMBS]
     for each in short:
         if each.body and each.part >= ReturnLeg.CLIMBS:

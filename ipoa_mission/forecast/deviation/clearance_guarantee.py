@@ -15,7 +15,7 @@ from ipoa_mission.forecast.deviation.law import DeviationLaw
 from ipoa_mission.forecast.deviation.proximity import proximity_risks
 from ipoa_mission.forecast.itinerary.itinerary import Itinerary
 from ipoa_mission.forecast.timing.flight_model import Prediction
-from ipoa_mission.forecast.timing.track import THINNING_TOLERANCE, Pieces, pieces_of, thinned
+from ipoa_mission.forecast.timing.track import THINNING_TOLERANCE, Pieces, Track, pieces_of, thinned
 from ipoa_mission.geometry import Points, as_place
 from ipoa_mission.planning.proof import TOUCHING, Check
 from ipoa_mission.world.airspace import Airspace, Clearance
@@ -172,12 +172,13 @@ def clearance_guarantee_of(flight: "PredictedFlight") -> ClearanceGuarantee:
 class PredictedFlight:
     itinerary: Itinerary
     prediction: Prediction
+    track: Track
     task: kept_limits.ClearanceTask
     spread: Points | None = None
 
     @cached_property
     def pieces(self) -> Pieces:
-        return pieces_of(self.prediction.track.local(), self.spread)
+        return pieces_of(self.track, self.spread)
 
     def drop_pieces(self) -> None:
         self.__dict__.pop("pieces", None)

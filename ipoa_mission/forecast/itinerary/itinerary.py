@@ -85,10 +85,10 @@ class Itinerary:
         return (*places, (0.0, 0.0, places[-1][2]))
 
 
-def itinerary(mission: Mission, ground: Ground = LEVEL) -> Itinerary:
+def itinerary(mission: Mission, ground: Ground = LEVEL, ground_at_home: float = 0.0) -> Itinerary:
     """Unroll the mission's jumps and convert its items to meters around home.
 
-    Heights over terrain count as over home; `over_terrain` lists them.
+    Heights over terrain count from `ground_at_home` [m above home]; `over_terrain` lists them.
 
     Raises:
         BadInput: a jump leads nowhere or never ends.
@@ -97,7 +97,8 @@ def itinerary(mission: Mission, ground: Ground = LEVEL) -> Itinerary:
     items = as_flown(replace(mission, items=tuple(mission.items[n] for n in order))).items
     visits = tuple(Numbered(n + 1, item) for n, item in zip(order, items, strict=True))
     over_terrain = sorted({seq for seq, item in visits if item.is_over_terrain and item.has_position})
-    program = Program(items, mission.frame, mission.autopilot, version=mission.firmware_version)
+    version = mission.firmware_version
+    program = Program(items, mission.frame, mission.autopilot, version=version, ground_at_home=ground_at_home)
     return Itinerary(mission, visits, program, tuple(over_terrain), ground)
 
 
