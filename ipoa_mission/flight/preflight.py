@@ -1,4 +1,4 @@
-"""Compare a mission with this vehicle before the upload: version, home, own fence, battery, landing speed."""
+"""Compare a mission with this vehicle before the upload."""
 
 import logging
 import math
@@ -56,7 +56,7 @@ class OtherValue:
 
 
 def other_values(vehicle: HasParameters, wanted: Parameters) -> tuple[tuple[OtherValue, ...], tuple[str, ...]]:
-    """Return differing values, and parameters that the vehicle lacks. ArduCopter 4.7 has renamed and rescaled some."""
+    """Return differing values, and parameters that the vehicle lacks."""
     spelled = vehicle.autopilot.parameter_table.spellings
     values = vehicle.parameters([name for name, _ in spelled(parameter)] for parameter in wanted) if wanted else {}
     differing = []
@@ -136,11 +136,15 @@ def idle_fence(vehicle: HasParameters, mission: Mission) -> str | None:
 
 
 class FarFromHome(MissionError):
-    """Heights above home would refer to other ground."""
+    """Heights above home would refer to other ground: beyond `reach` [m]."""
+
+    reach = 100.0
 
 
 def expect_level(here: Geodetic, there: Geodetic | None) -> None:
-    if here.altitude and there and apart(here, there) <= 100 and abs(there.altitude - here.altitude) > 15:  # 0: unknown
+    if there is None or here.altitude == 0.0:  # unknown
+        return
+    if apart(here, there) <= FarFromHome.reach and abs(there.altitude - here.altitude) > 15:  # [m]
         words = f"expected the vehicle's home at {here.altitude:.1f} m AMSL, not {there.altitude:.1f} m"
         raise FarFromHome(words, hint="heights count from the vehicle's home: plan from its position, or use --anyway")
 
@@ -274,7 +278,7 @@ def _compare_fence(
 
 
 def _compare_home(mission: Mission, there: Geodetic | None, anyway: bool) -> tuple[str, ...]:
-    """Refuse a home over 100 m away, if heights count from it."""
+    """Refuse a far home, if heights count from it."""
     if there is None:
         return ("the vehicle does not report its home: it was not compared with the mission's",)
     log.info("the vehicle's home: %.6f, %.6f, %.1f m AMSL", there.latitude_deg, there.longitude_deg, there.altitude)
@@ -282,7 +286,7 @@ def _compare_home(mission: Mission, there: Geodetic | None, anyway: bool) -> tup
     remarks = list[str]()
     distance = apart(here, there)
     higher = there.altitude - here.altitude
-    if distance > 100.0:
+    if distance > FarFromHome.reach:
         away = f"{distance:.0f} m" if distance < 10_000 else f"{distance / 1000:.0f} km"
         words = (
             f"the vehicle's home is {away} from the mission's: it is at {there.latitude_deg:.5f}, "
