@@ -48,7 +48,8 @@ class GuidanceProfile(NamedTuple):
     current_after_end: int = 0  # index of the current item after a shorter list; -1: the last
     lands_below_item: bool = False  # LAND's slow stretch counts from an item below home
     returns_from_order: bool = False  # RTL counts its height from the order, not from the stopping point
-    climbs_coming_back: bool = False  # RTL climbs on its way back to the point of the order
+    climbs_coming_back: bool = False  # RTL decides at the point of the order, and climbs towards it
+    holds_at_order: bool = False  # hold comes back to the order's height
     home_is_where_armed: bool = False  # it ignores the file's home
     brakes_after: float = 0.0  # it begins to brake at most this long after an abort [s]; docs/safety.md has flights
 

@@ -127,12 +127,21 @@ def test_px4_may_turn_home_anywhere_between_the_order_and_its_stop(autopilot: Au
     assert (returns < scenario.limits.obstacle_distance) == (autopilot is Autopilot.PX4)
 
 
+@pytest.mark.parametrize(("ordered", "stops", "top"), [(12.0, 2.0, 30.0), (4.0, 14.0, 20.0)])
+def test_px4_chooses_its_return_altitude_at_the_place_of_the_order(ordered: float, stops: float, top: float) -> None:
+    # rtl.cpp: within NAV_ACC_RAD it does not climb to RTL_RETURN_ALT
+    paths = ContingencyPaths(flight_in(scene(Autopilot.PX4, HALL)))
+    places, stands = (np.array([[east, 0.0, 20.0], [east, 0.1, 20.0]]) for east in (ordered, stops))
+    paths._stops[Contingency.RTL] = StoppingPoints(np.arange(2.0), places, stands, np.array([4, 4]))
+    (path, *_) = paths.at(Contingency.RTL, np.arange(1.0)).paths[0]
+    assert path[3, 2] == pytest.approx(top, abs=0.01)
+
+
 def nominal(scenario: Scenario) -> Scenario:
     return scenario.model_copy(update={"safety": scenario.safety.model_copy(update={"confidence": "nominal"})})
 
 
 def test_a_return_that_is_not_modeled_is_told_of() -> None:
-    """PX4 descends on its way to the mission's landing."""
     forecast = flight_in(scene(Autopilot.PX4, HALL))
     items = (*forecast.mission.items[:-1], land(forecast.frame.geodetic(ROUND_THE_HALL[-1])))
     mission = replace(forecast.mission, items=items).with_parameters({"RTL_TYPE": 3.0})

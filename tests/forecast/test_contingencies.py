@@ -15,7 +15,7 @@ from ipoa_mission import Forecast, plan_flight, read_mission, read_scenario
 from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.autopilot.commands import Command, Frame
 from ipoa_mission.autopilot.failsafe import FailsafeProfile
-from ipoa_mission.autopilot.returning import COMPUTED, TIMED, Contingency
+from ipoa_mission.autopilot.returning import COMPUTED, IN_PLACE, TIMED, Contingency
 from ipoa_mission.autopilot.version import Version
 from ipoa_mission.cli.app import app
 from ipoa_mission.errors import BadInput, MissionError
@@ -131,8 +131,8 @@ def test_brake_flies_on_farther_than_a_return_does(campus: Contingencies) -> Non
     assert paths == pytest.approx([10.7, 8.2, 8.9], abs=0.25)
 
 
-#: On ArduCopter 4.8.0-dev: climb rate at the order [m/s], and the farthest height above it [m].
-RUN_ON = [
+#: On ArduCopter 4.8.0-dev and PX4 release/1.18: climb rate at the order [m/s], and the farthest height above it [m].
+ARDUCOPTER_RUNS_ON = [
     (Contingency.HOLD, 2.49, 4.22),
     (Contingency.HOLD, -1.48, -2.46),
     (Contingency.LAND, 2.51, 3.41),
@@ -141,13 +141,48 @@ RUN_ON = [
     (Contingency.SMART_RTL, 2.49, 2.37),
     (Contingency.SMART_RTL, -1.5, -1.27),
 ]
+PX4_RUNS_ON = [
+    (Contingency.HOLD, 3.1, 2.82),
+    (Contingency.HOLD, -1.64, -1.19),
+    (Contingency.LAND, 3.05, 2.75),
+    (Contingency.RTL, 3.1, 3.44),
+    (Contingency.RTL, -1.67, -1.94),  # above its return altitude
+    (Contingency.RTL, -1.27, -0.88),  # below
+]
 
 
-@pytest.mark.parametrize(("contingency", "climb", "flown"), RUN_ON)
+@pytest.mark.parametrize(("contingency", "climb", "flown"), ARDUCOPTER_RUNS_ON)
 def test_climbs_and_descents_run_on_as_flown(contingency: Contingency, climb: float, flown: float) -> None:
     velocity = np.array([[0.0, 0.0, climb]])
     (counted,) = Autopilot.ARDUPILOT.stopping_climb({}, velocity, 0.0 * velocity, contingency)
     assert abs(flown) - 0.03 <= counted * math.copysign(1.0, climb) <= abs(flown) + 0.55
+
+
+@pytest.mark.parametrize("level", [0.0, 0.05, 0.3])
+@pytest.mark.parametrize(("contingency", "climb", "flown"), PX4_RUNS_ON)
+def test_px4_runs_on_as_flown(contingency: Contingency, climb: float, flown: float, level: float) -> None:
+    velocity = np.array([[level, 0.0, climb]])
+    (runs_on,) = Autopilot.PX4.stopping_climb({}, velocity, 0.0 * velocity, contingency)
+    counted = abs(runs_on + climb * Autopilot.PX4.braking_delay_s(contingency))
+    assert runs_on * climb > 0.0
+    assert abs(flown) - 0.03 <= counted <= abs(flown) + (0.45 if contingency in IN_PLACE else 1.15)
+
+
+@pytest.mark.parametrize(("cruise", "farthest"), [(5.0, -1.51), (10.0, -2.32), (15.0, -3.01)])
+def test_px4_runs_on_farther_before_a_fast_return(cruise: float, farthest: float) -> None:
+    # by `Flights` without noise
+    velocity = np.array([[0.0, 0.0, -1.5]])
+    (runs_on,) = Autopilot.PX4.stopping_climb({"MPC_XY_CRUISE": cruise}, velocity, 0.0 * velocity, Contingency.RTL)
+    assert farthest - 1.05 <= runs_on - 0.6 * 1.5 <= farthest
+
+
+@pytest.mark.parametrize("speed", [0.0, 0.1, 0.5, 1.0, 1.2, 5.0])
+def test_px4_brakes_by_its_jerk_also_when_slow(speed: float) -> None:
+    times = np.linspace(0.0, 4.0, 40_001)
+    slowing = np.maximum(-4.0 * times, -3.0)  # MPC_JERK_AUTO, MPC_ACC_HOR
+    speeds = speed + np.concatenate([[0.0], np.cumsum(slowing[1:] * np.diff(times))])
+    distance = np.maximum(speeds, 0.0)[1:] @ np.diff(times)
+    assert Autopilot.PX4.braking_distance({}, np.array([speed]), np.zeros(1)) == pytest.approx([distance], abs=1e-3)
 
 
 def test_hold_in_a_descent_ends_at_the_height_flown() -> None:
@@ -164,6 +199,26 @@ def test_hold_in_a_descent_ends_at_the_height_flown() -> None:
     order_heights, end_heights = np.array(flown).T
     predicted = np.interp(-order_heights, -ordered, ends)
     assert predicted == pytest.approx(end_heights, abs=0.15)
+
+
+def test_px4_hold_and_return_in_vertical_flight_are_as_flown() -> None:
+    # on PX4 release/1.18: heights of order and farthest place
+    flown = [(Contingency.HOLD, 44.37, 47.19), (Contingency.HOLD, 46.15, 44.96), (Contingency.RTL, 24.01, 23.13)]
+    scenario = read_scenario(MISSIONS / "sitl.toml")
+    places = scenario.frame.geodetic
+    heights = {30.0: 18.0, 31.0: 62.0, 32.0: 14.0}
+    ways = (waypoint(places(np.array([east, 0.0, 0.0])), up, 0.1, 2.0) for east, up in heights.items())
+    items = (takeoff(HOME, 18.0), *ways, land(places(np.array([32.0, 0.0, 0.0]))))
+    paths = Contingencies(Forecast(Mission(HOME, items, Autopilot.PX4), scenario)).paths
+    for contingency, ordered, farthest in flown:
+        stops = paths.stops(contingency)
+        up = math.copysign(1.0, farthest - ordered)
+        is_flown = (stops.places[:, 0] > 25.0) & (np.gradient(stops.places[:, 2], stops.times) * up > 1.0)
+        time = np.interp(up * ordered, up * stops.places[is_flown, 2], stops.times[is_flown])
+        (path,) = paths.at(contingency, np.array([time])).paths[:, 0]
+        assert path[1, 2] == pytest.approx(farthest, abs=0.2 if contingency is Contingency.HOLD else 1.0)
+        assert up * (path[1, 2] - farthest) > -0.2
+        assert path[2, 2] == pytest.approx(ordered, abs=0.05)
 
 
 @settings(max_examples=examples(20))
@@ -298,7 +353,6 @@ def test_a_return_leads_along_the_mission_by_its_type(sitl: Contingencies, kind:
 
 @pytest.mark.parametrize("kind", [0.0, 2.0, 4.0])
 def test_a_mission_that_ends_in_a_return_is_flown_by_its_type(sitl: Contingencies, kind: float) -> None:
-    """It passes every waypoint again, and descends over home."""
     out = sitl.forecast.mission_as_read
     items = (*out.items[:-1], Item(Command.NAV_RETURN_TO_LAUNCH, Frame.MISSION))
     parameters = {**out.parameters, "RTL_TYPE": kind}
@@ -317,7 +371,7 @@ def test_a_mission_that_ends_in_a_return_is_flown_by_its_type(sitl: Contingencie
 
 @pytest.mark.parametrize("share", [0.2, 0.5, 0.8])
 def test_back_along_the_mission_it_keeps_what_the_way_out_kept(share: float) -> None:
-    """By dense points of the way, which the forecast does not look at."""
+    """By dense points."""
     back = Contingencies(forecast_of("sitl", RTL_TYPE=4.0))
     begin, end = back.paths.in_air
     time = begin + share * (end - begin)

@@ -183,7 +183,7 @@ class Contingencies:
     @cached_property
     def _clocks(self) -> tuple[Vector, Vector]:
         """Times of the same places: with exact position, and in the mean."""
-        tail_s = 1e6  # both run alike there
+        tail_s = 1e6
         times = self.forecast.guarantee.flight.prediction.done, self.forecast.expected.done
         noise_free, mean = (np.concatenate([[0.0], done, done[-1:] + tail_s]) for done in times)
         return noise_free, mean

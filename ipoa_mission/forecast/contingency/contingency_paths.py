@@ -137,6 +137,9 @@ class ContingencyPaths:
         possible = np.ones((len(times), 1), dtype=bool)
         if contingency is Contingency.LAND:
             paths = np.concatenate([paths, self._ground_below(stops)[:, None, None]], axis=2)
+        elif contingency is Contingency.HOLD and self.mission.autopilot.guidance.holds_at_order:
+            back = np.column_stack([stops[:, :2], places[:, 2]])
+            paths = np.concatenate([paths, back[:, None, None]], axis=2)
         elif contingency is Contingency.RTL:
             paths, possible = self._returns(places, stops, self.stops(contingency).seqs_at(times))
         elif contingency is Contingency.SMART_RTL:
@@ -275,8 +278,9 @@ class ContingencyPaths:
 
     def _returns(self, places: Points, stops: Points, seqs: NDArray[np.intp]) -> tuple[Paths, NDArray[np.bool_]]:
         """Return paths (n, k, p, 3), k as `_paths_to` goals, p: ends of `ReturnLeg`; which are possible (n, k)."""
-        begins = stops.copy()
-        if self.mission.autopilot.guidance.returns_from_order:
+        guidance = self.mission.autopilot.guidance
+        begins = (places if guidance.climbs_coming_back else stops).copy()
+        if guidance.returns_from_order:
             begins[:, 2] = places[:, 2]
         to_goals = self.forecast.returns_from(begins)
         ups = self.forecast.placed(np.array([HOME, *self.forecast.itinerary.rally]))[:, 2].tolist()
@@ -287,17 +291,17 @@ class ContingencyPaths:
         paths += self._along_mission(places, stops, seqs)
         most = max(path.shape[1] for path in paths)
         padded = np.stack([_padded(path, most) for path in paths], axis=1)
-        return padded, self._possible(stops, seqs, len(to_goals) + len(self.routes.kinds))
+        return padded, self._possible(begins, seqs, len(to_goals) + len(self.routes.kinds))
 
     def _at_return_height(
         self, places: Points, stops: Points, path: NDArray[np.float64]
     ) -> Iterator[NDArray[np.float64]]:
-        back = places - stops
-        back[:, 2] = 0.0
-        begins, over, beyond = path[:, 0], path[:, 1], path[:, 2]
+        begins, over, beyond = (path[:, n].copy() for n in range(3))
         ground = self._ground_below(beyond)
-        for offset in (share * back for share in self._shares):
-            yield np.stack([places, stops, begins + offset, over + offset, beyond, ground], axis=1)
+        for share in self._shares:
+            begins[:, :2] = stops[:, :2] + share * (places - stops)[:, :2]
+            over[:, :2] = begins[:, :2]
+            yield np.stack([places, stops, begins, over, beyond, ground], axis=1)
 
     def _over_terrain(self, places: Points, path: NDArray[np.float64], up: float) -> Iterator[NDArray[np.float64]]:
         for off in self.routes.off_terrain:
@@ -322,9 +326,9 @@ class ContingencyPaths:
         return np.column_stack([points[:, :2], np.minimum(self.enlarged.whole.ground(points), points[:, 2])])
 
 
-def _end_of_flight(contingency: Contingency) -> int:
+def _end_of_flight(contingency: Contingency) -> int | None:
     """Return the end of the places before the landing."""
-    return -1 if contingency is Contingency.RTL else 2
+    return {Contingency.RTL: -1, Contingency.HOLD: None}.get(contingency, 2)
 
 
 def _padded(path: NDArray[np.float64], count: int) -> NDArray[np.float64]:

@@ -82,7 +82,7 @@ class ContingencySamples:
 
     def gaps(self) -> Vector:
         """Return the middle of each interval that may hide a shortfall [s]."""
-        places = np.moveaxis(self.paths, 2, 0)  # one at a time limits the memory
+        places = np.moveaxis(self.paths, 2, 0)
         steps = (np.linalg.norm(np.diff(place, axis=0), axis=-1) for place in places)
         moved = np.where(self.possible[1:] | self.possible[:-1], reduce(np.maximum, steps), 0.0).max(axis=1)
 

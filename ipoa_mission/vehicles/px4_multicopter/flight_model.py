@@ -1,6 +1,6 @@
 """Flight times of PX4 in AUTO.MISSION, measured on 1.17 and 1.18.
 
-Noisy heights shift home for two minutes: a run without noise gives the path, many with noise mean and spread.
+A run without noise gives the path, many with noise mean and spread.
 """
 
 import math
@@ -145,7 +145,7 @@ class Px4Model(FlightModel):
         for seed in range(1, RUNS.of_median + 1):
             try:
                 run = fly_on(flights.at_start(seed))
-            except MissionError:  # it circles a waypoint; one of many is a remark of the duration
+            except MissionError:  # it circles a waypoint
                 if seed > len(runs) + 1:
                     raise
                 continue

@@ -153,7 +153,9 @@ class Px4Multicopter(Autopilot):
         small_acceptance_radius=2.5,
         first_item=0,
         current_after_end=-1,
+        returns_from_order=True,
         climbs_coming_back=True,
+        holds_at_order=True,
         brakes_after=BRAKES_LATE,
     )
     command_effects = profile.CommandEffects(
@@ -171,7 +173,7 @@ class Px4Multicopter(Autopilot):
     )
     protocol_profile = profile.ProtocolProfile(
         judges_later=True,
-        arming_words=profile.ArmingWords(  # the commander's checks in 1.17, sent when arming is refused
+        arming_words=profile.ArmingWords(  # the commander's checks in 1.17
             re.compile(r"Arming denied: |Preflight Fail: "),
             re.compile(
                 r"Resolve system health|^calibrating|No valid data|missing data|(Accel|Gyro|Compass) Sensor \d+ missing"
@@ -201,12 +203,7 @@ class Px4Multicopter(Autopilot):
 
     def braking_distance(self, parameters: Parameters, speed: Vector, accel: Vector) -> Vector:
         limits = px4_limits(parameters)
-        brakes = limits.accel
-        gains = np.clip(accel, 0.0, limits.accel)
-        turns = (gains + brakes) / limits.jerk  # [s]
-        slowed = np.maximum(speed + (gains - brakes) * turns / 2, 0.0)
-        turning = turns * (speed + turns * (gains / 2 - limits.jerk * turns / 6))
-        return np.asarray(turning + slowed**2 / (2 * brakes))
+        return _braking_distance(speed, accel, limits.accel, limits.jerk)
 
     def stopping_offset(
         self, parameters: Parameters, velocity: Points, accel: Points, contingency: Contingency
@@ -220,6 +217,27 @@ class Px4Multicopter(Autopilot):
         if contingency not in returning.IN_PLACE:
             return super().stopping_offset(parameters, velocity, accel, contingency)
         return np.asarray(velocity * px4_limits(parameters).stopping_time(np.hypot(*velocity.T))[:, None])
+
+    def stopping_climb(
+        self, parameters: Parameters, velocity: Points, accel: Points, contingency: Contingency
+    ) -> Vector:
+        limits = px4_limits(parameters)
+        climb = velocity[:, 2]
+        speed = np.abs(climb)
+        brakes = np.where(climb > 0.0, limits.accel_down, limits.accel_up)
+        distance = _braking_distance(speed, accel[:, 2] * np.sign(climb), brakes, limits.jerk)
+        noticed_s = 0.15 - self.braking_delay_s(contingency)  # by the navigator, the setpoint and the rotors
+        if contingency in returning.IN_PLACE:
+            distance += noticed_s * speed
+        else:  # all axes change their speed in the same time
+            half = 2.0 * brakes**2 / limits.jerk
+            fastest = np.where(climb > 0.0, limits.descent, limits.climb)
+            back = np.minimum(np.sqrt(half**2 + 2.0 * brakes * distance) - half, fastest)
+            leaves_s = limits.cruise / limits.accel + limits.accel / limits.jerk
+            home = speed**2 * leaves_s / np.maximum(2.0 * speed + back, 1e-9)
+            distance = np.maximum(distance, home + noticed_s * speed)
+        beside_level = super().stopping_climb(parameters, velocity, accel, contingency)
+        return np.asarray(np.copysign(np.maximum(distance, np.abs(beside_level)), climb))
 
     def slow_stretch(self, parameters: Parameters) -> returning.SlowStretch | None:
         """Return MPC_LAND_ALT1 to MPC_LAND_ALT2.
@@ -247,8 +265,7 @@ class Px4Multicopter(Autopilot):
     def return_route(self, parameters: Parameters, order: ReturnOrder) -> ReturnRoute:
         """Return RTL_TYPE's route, to the nearest of home, rally points and the mission's landing.
 
-        A rally point must be over 10 m from home, and it or a landing 2 m nearer than home. Read in 1.17.0 (d6f12ad1),
-        release/1.18 (05deebf313) and main (bb59c637).
+        A rally point must be over 10 m from home, and it or a landing 2 m nearer than home.
 
         >>> str(Px4Multicopter().return_route({"RTL_TYPE": 2.0}, ReturnOrder((100.0, 0.0, 20.0))).by)
         'back along the mission'
@@ -299,6 +316,16 @@ class Px4Multicopter(Autopilot):
         if (version or self.newest).series < (1, 19):
             return None
         return 2.0 * self.complete(parameters, version)["NAV_ACC_RAD"]
+
+
+def _braking_distance(speed: Vector, accel: Vector, brakes: Vector | float, jerk: float) -> Vector:
+    """Return the distance to a stop (n,) [m] of VelocitySmoothing, from `accel` to `brakes`."""
+    gains = np.clip(accel, 0.0, brakes)
+    turns = (gains + brakes) / jerk  # [s]
+    slowed = np.maximum(speed + (gains - brakes) * turns / 2, 0.0)
+    turns = np.minimum(turns, (gains + np.sqrt(gains**2 + 2 * jerk * speed)) / jerk)
+    turning = turns * (speed + turns * (gains / 2 - jerk * turns / 6))
+    return np.asarray(turning + slowed**2 / (2 * brakes))
 
 
 PX4_MULTICOPTER = Px4Multicopter()
