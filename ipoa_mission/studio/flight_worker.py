@@ -291,7 +291,7 @@ class Watch:
         rows: dict[Contingency, tuple[ContingencyRow, float | None]] = {}
         if self._contingencies is not None and unknown:
             place = self._local(position)
-            velocity = np.array([position.velocity[1], position.velocity[0]])
+            velocity = np.array([position.velocity[1], position.velocity[0], -position.velocity[2]])
             for contingency in (Contingency.HOLD, Contingency.LAND):
                 rows[contingency] = self._contingencies.from_here(contingency, place, velocity), None
         elif self._contingencies is not None:

@@ -62,7 +62,7 @@ def test_contingencies_begin_at_the_place_of_a_late_vehicle(forecast: Forecast, 
 
 
 def test_duration_is_given_also_where_it_jumps() -> None:
-    """A few seconds later the flight climbs by 45 m before it returns: 37 s become 98."""
+    """It climbs by 45 m before it returns: 37 s become 98."""
     forecast = Forecast(read_mission(MISSIONS / "campus.plan"), read_scenario(MISSIONS / "campus.toml"))
     contingencies, now = forecast.cached(Contingencies), ContingenciesNow(forecast)
     took = []
@@ -73,6 +73,16 @@ def test_duration_is_given_also_where_it_jumps() -> None:
         took.append(sum(predicted.duration_s) / 2)
         assert seconds == pytest.approx(took[-1], abs=6.0)
     assert max(took) - min(took) > 40.0
+
+
+@pytest.mark.parametrize(("climb", "nearer"), [(0.0, 0.0), (-1.5, 1.09), (3.0, 0.0)])
+def test_a_hold_off_the_path_counts_its_run_on_in_height(climb: float, nearer: float) -> None:
+    now = ContingenciesNow(Forecast(read_mission(MISSIONS / "sitl.plan"), read_scenario(MISSIONS / "sitl.toml")))
+    over_hangar = np.array([80.0, 75.0, 30.0])
+    still, moving = (
+        now.from_here(Contingency.HOLD, over_hangar, np.array([0.0, 0.0, up])).least_m for up in (0.0, climb)
+    )
+    assert still - moving == pytest.approx(nearer, abs=0.01)
 
 
 def test_one_that_is_held_for_long_is_looked_for_where_it_is(forecast: Forecast) -> None:

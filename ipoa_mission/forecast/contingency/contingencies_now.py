@@ -43,7 +43,7 @@ class ContingenciesNow:
         """Return the forecast time [s] of a place (3,) reached at `time` [s], and its distance to the forecast [m]."""
         stops = self._contingencies.stops()
         off = np.abs(stops.times - (time - self._late_s))
-        near = np.flatnonzero(off <= 12.0)  # [s]; its delay changes less between two calls
+        near = np.flatnonzero(off <= 12.0)  # [s]
         near = near if len(near) else np.array([off.argmin()])
         apart = np.linalg.norm(stops.places[near] - place, axis=1)
         best = (apart + 0.2 * off[near]).argmin()  # [m/s]: prefers the last delay
@@ -52,15 +52,18 @@ class ContingenciesNow:
         return reached, float(apart[best])
 
     def from_here(self, contingency: Contingency, place: Vector, velocity: Vector) -> ContingencyRow:
+        """Return a hold or LAND from a place and a velocity (3,)."""
         paths = self._contingencies.paths
         mission = self._contingencies.forecast.mission
-        stop = place.copy()
-        stop[:2] += mission.autopilot.braking_delay_s(contingency) * velocity
-        stop[:2] += mission.autopilot.stopping_offset(
-            mission.parameters, velocity[None, :], np.zeros((1, 2)), contingency
-        )[0]
-        ground = np.array([stop[0], stop[1], float(paths.enlarged.whole.ground(stop[None, :])[0])])
-        path = np.array([place, stop] if contingency is Contingency.HOLD else [place, stop, ground])
+        autopilot = mission.autopilot
+        steady = np.zeros((1, 3))
+        stop = place + autopilot.braking_delay_s(contingency) * velocity
+        stop[:2] += autopilot.stopping_offset(mission.parameters, velocity[None, :2], steady[:, :2], contingency)[0]
+        stop[2] += autopilot.stopping_climb(mission.parameters, velocity[None, :], steady, contingency)[0]
+        end = np.array([stop[0], stop[1], place[2] if autopilot.guidance.holds_at_order else stop[2]])
+        if contingency is not Contingency.HOLD:
+            end[2] = paths.enlarged.whole.ground(stop[None, :])[0]
+        path = np.array([place, stop, end])
         near = paths.enlarged.obstacle_clearance(path, within=paths.required + 8.0)  # [m]
         grade = Grade.CLEAR if near.distance >= paths.required else Grade.UNCLEAR
         return ContingencyRow(contingency, 0.0, 0.0, grade, near.distance, paths.required, near.what, "here")
