@@ -98,7 +98,7 @@ def outputs(scenario: Scenario) -> Outputs:
     digests: Outputs = {}
     try:
         with tempfile.TemporaryDirectory() as folder:
-            if scenario.survey is None:
+            if "survey" not in scenario.added:
                 flight = plan_flight(scenario, seed=SEED)
                 files, forecasts = flight.write(folder), [flight.forecast]
             else:

@@ -120,10 +120,11 @@ def check_start(mission: Mission, scenario: "Scenario | None", first: int, there
     from ipoa_mission.checks.world_check import check_airspace, check_clearance
 
     place = scenario.frame.local(Geodetic(there.latitude_deg, there.longitude_deg, mission.home.altitude))
-    for start in () if scenario.survey is None else scenario.survey.start_places:
+    starts = ((name, start) for name, section in scenario.added.items() for start in section.start_places)
+    for name, start in starts:
         if math.hypot(*start) > HOME_RADIUS and math.dist(place[:2], start) < np.hypot(*place[:2]):
             at = f"{mission.home.latitude_deg:.6f}, {mission.home.longitude_deg:.6f}"
-            words = f"{where}, and nearer to another of the survey's start places"
+            words = f"{where}, and nearer to another of the {name}'s start places"
             raise NotAtStart(words, hint=f"bring it to {at}, or fly the flight that begins there")
     planned = scenario.frame.moved(np.zeros(3), mission.frame)
     height, below = scenario.airspace.ground(np.array([place, planned])).tolist()

@@ -13,8 +13,8 @@ from typing import Annotated, Any
 import typer
 
 from ipoa_mission.cli import checking, comparing, flying, linking, mocking, planning, showing
-from ipoa_mission.cli.groups import grouped
 from ipoa_mission.cli.interrupting import interruptible
+from ipoa_mission.cli.planners import grouped
 from ipoa_mission.errors import MissionError
 from ipoa_mission.files import plug_ins
 from ipoa_mission.terminal import discard_output, print_error, print_lines, replace_unencodable, shown

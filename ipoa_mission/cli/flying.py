@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from ipoa_mission.cli.groups import FileOutput, FlightOptions, FlownByOptions, FlyOptions, SearchOptions
+from ipoa_mission.cli.groups import FileOutput, FlightOptions, FlownByOptions, SearchOptions
 from ipoa_mission.cli.interrupting import ChangesMade, interruptible
 from ipoa_mission.cli.linking import connect_to, states_firmware
-from ipoa_mission.cli.surveying import FlyJob, SurveyOptions
+from ipoa_mission.cli.planners import FlyJob, FlyOptions, planner_of, planners
 from ipoa_mission.errors import MissionError, OptionConflict
 from ipoa_mission.files import in_folder
 from ipoa_mission.options import NAMES, ForceOption, JsonOption, OutOption, SeedOption, or_packed
@@ -74,8 +74,9 @@ def fly(
         fly_job = partial(_fly_on_link, changes, source, asked)
     if is_planned:
         scenario = adapt_scenario(read_scenario(source).ignoring(ignore), search, flown_by)
-        if scenario.survey is not None:
-            SurveyOptions().fly(scenario, asked, fly_job, changes)
+        planner = planner_of(scenario, [make() for make in planners()])
+        if planner is not None:
+            planner.fly(scenario, asked, fly_job, changes)
             return
         to.expect_plans([scenario.name])
         with changes.planning() as show:

@@ -1,15 +1,12 @@
-import inspect
-from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass, field, fields, is_dataclass
-from functools import wraps
+from collections.abc import Iterable
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import typer
 
 import ipoa_mission.options as options
 from ipoa_mission.errors import OptionConflict
-from ipoa_mission.files import unused
 from ipoa_mission.mission.flight_record import OnDeviation
 from ipoa_mission.terminal import expect_free
 
@@ -130,48 +127,3 @@ class FlightOptions:
         OnDeviation,
         options.link_option("--on-deviation", help="Order sent once if the flight deviates from the forecast."),
     ] = OnDeviation.HOLD
-
-
-@dataclass(frozen=True)
-class PlanOptions:
-    search: SearchOptions
-    flown_by: FlownByOptions
-    ignore: options.IgnoreOption = None
-    files: FileOutput = field(default_factory=FileOutput)
-
-
-@dataclass(frozen=True)
-class FlyOptions(PlanOptions):
-    on_vehicle: FlightOptions = field(default_factory=FlightOptions)
-    on_link: LinkOptions = field(default_factory=LinkOptions)
-
-    def log_of(self, name: str) -> Path:
-        default_log = self.files.folder / f"{name}.tlog"
-        return self.on_link.log or (default_log if self.on_vehicle.link is None else unused(default_log))
-
-
-def grouped(verb: Callable[..., None]) -> Callable[..., None]:
-    """Expand groups of options into a verb, for Typer."""
-    parameters = inspect.signature(verb).parameters.values()
-    groups = {one.name: one.annotation for one in parameters if is_dataclass(one.annotation)}
-
-    @wraps(verb)
-    def called(**values: Any) -> None:
-        for name, group in groups.items():
-            values[name] = _made(group, values)
-        verb(**values)
-
-    named = [option.replace(kind=inspect.Parameter.KEYWORD_ONLY) for option in _expanded(verb)]
-    called.__signature__ = inspect.Signature(named)  # type: ignore[attr-defined]
-    called.__annotations__ = {parameter.name: parameter.annotation for parameter in named}
-    return called
-
-
-def _expanded(group: Any) -> Iterator[inspect.Parameter]:
-    for parameter in inspect.signature(group).parameters.values():
-        yield from _expanded(parameter.annotation) if is_dataclass(parameter.annotation) else (parameter,)
-
-
-def _made(group: Any, values: dict[str, Any]) -> Any:
-    inner = {option.name: _made(option.type, values) for option in fields(group) if is_dataclass(option.type)}
-    return group(**inner, **{option.name: values.pop(option.name) for option in fields(group) if option.name in values})

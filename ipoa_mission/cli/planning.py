@@ -5,9 +5,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from ipoa_mission.cli.groups import PlanOptions
 from ipoa_mission.cli.interrupting import ChangesMade, interruptible
-from ipoa_mission.cli.surveying import SurveyOptions
+from ipoa_mission.cli.planners import Planners, PlanOptions, planner_of, planners
 from ipoa_mission.errors import BadInput, OptionConflict, WrongSuffix
 from ipoa_mission.files import write_atomically
 from ipoa_mission.options import ForceOption, HomeOption, JsonOption, expect_scenario
@@ -21,13 +20,13 @@ if TYPE_CHECKING:
 def plan(
     changes: ChangesMade,
     asked: PlanOptions,
-    area: SurveyOptions,
+    added: Planners,
     scenario: Annotated[
         Path | None,
         typer.Argument(
             metavar="[SCENARIO]",
             callback=lambda path: None if path is None else expect_scenario(path),
-            help="Scenario file (TOML), or `campus`; optional with --survey.",
+            help=f"Scenario file (TOML), or `campus`{''.join(f'; optional with {p.option}' for p in planners())}.",
         ),
     ] = None,
     split: Annotated[
@@ -38,10 +37,6 @@ def plan(
 
     NAME is the scenario's. Unchanged files of an earlier plan are overwritten.
 
-    A scenario with a [survey], or `--survey AREA` with or without one, is planned as lines that cover the area. If one
-    battery is not enough there are NAME-1.plan, NAME-2.plan and so on. With `--flown LOG` only the rest is planned, as
-    NAME-rest.
-
     Example: `ipoa-mission plan missions/campus.toml --out out --seed 7`
     """
     from ipoa_mission.cli.flight_output import print_parts, print_planned
@@ -51,9 +46,10 @@ def plan(
     to = asked.files
     out = to.folder
     expect_folder(out)
-    adapted = adapt_scenario(_read(scenario, area), asked.search, asked.flown_by).ignoring(asked.ignore or ())
-    if area.accepts(adapted):
-        area.plan(adapted, asked, changes)
+    adapted = adapt_scenario(_read(scenario, added), asked.search, asked.flown_by).ignoring(asked.ignore or ())
+    planner = planner_of(adapted, added)
+    if planner is not None:
+        planner.plan(adapted, asked, changes)
         return
 
     to.expect_plans([adapted.name])
@@ -75,14 +71,15 @@ def plan(
         print_planned(flight, files)
 
 
-def _read(path: Path | None, area: SurveyOptions) -> "Scenario":
+def _read(path: Path | None, added: Planners) -> "Scenario":
     from ipoa_mission.scenario import read_scenario
 
-    scenario = area.scenario(path)
-    if scenario is not None:
-        return scenario
+    for planner in added:
+        scenario = planner.scenario(path)
+        if scenario is not None:
+            return scenario
     if path is None:
-        raise OptionConflict("expected a scenario, or an area: --survey AREA")
+        raise OptionConflict(", or ".join(("expected a scenario", *(planner.instead for planner in added))))
     return read_scenario(path)
 
 

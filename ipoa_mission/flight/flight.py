@@ -198,9 +198,9 @@ def plan_flight(scenario: Scenario, *, wind: Wind | None = None, seed: int = 0, 
         >>> flight.proof.is_proved, [path.name for path in flight.write(".")]
         (True, ['sitl.plan', 'sitl.waypoints', 'sitl.json', 'sitl.params'])
     """
-    if scenario.survey is not None:
-        hint = "use plan_survey, as `ipoa-mission plan` does"
-        raise BadInput("expected a scenario without a survey", hint=hint, place="survey")
+    for name, section in scenario.added.items():
+        hint = f"use {section.planned_by}, as `ipoa-mission plan` does"
+        raise BadInput(f"expected a scenario without a {name}", hint=hint, place=name)
     with threadpool_limits(1, "blas"):  # more threads only wait, and round differently
         flight = plan_regardless_of_battery(scenario.in_wind(wind), seed, progress)
     if (short := refusal_of(flight.forecast)) is not None:

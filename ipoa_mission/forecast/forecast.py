@@ -64,7 +64,9 @@ class Forecast:
         self._made: dict[Any, Any] = {}
         self.wind = wind or (CALM if scenario is None else scenario.wind.air())
         if scenario is not None:
-            scenario = scenario.seen_from(mission.home).in_wind(wind).flown_by(mission.autopilot)
+            for section in scenario.added.values():
+                scenario = section.seen_from(scenario, mission.home)
+            scenario = scenario.in_wind(wind).flown_by(mission.autopilot)
             vehicle = scenario.vehicle
             version = mission.firmware_version or vehicle.version
             unmeasured = mission.unmeasured_version or vehicle.unmeasured_version

@@ -1,18 +1,21 @@
 """A scenario: the tables of its file, and their world."""
 
+from abc import abstractmethod
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
-from functools import cached_property, partial
+from functools import cache, cached_property, partial
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, ClassVar, Literal, Self
 
 import numpy as np
-from pydantic import AwareDatetime, Field, ValidationError, ValidationInfo, model_validator
+from pydantic import AfterValidator, AwareDatetime, ConfigDict, Field, ValidationError, ValidationInfo, model_validator
+from pydantic_core import PydanticKnownError
 
 import ipoa_mission.scenario.flight_sections as flight_sections
 import ipoa_mission.scenario.place_sections as place_sections
 from ipoa_mission.autopilot.autopilot import Autopilot
-from ipoa_mission.errors import BadInput, MissionError, TooFar
+from ipoa_mission.errors import BadInput, TooFar
+from ipoa_mission.files import plug_ins
 from ipoa_mission.geodesy import EARTH_RADIUS, REACH, Geodetic, LocalFrame, apart, swap_hint
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.ground import LEVEL, Ground, HasHeight, MovedTerrain
@@ -21,14 +24,11 @@ from ipoa_mission.rules import expect_ignorable
 from ipoa_mission.scenario.explain import explained
 from ipoa_mission.scenario.flight_sections import WindSection
 from ipoa_mission.scenario.map_sections import MapSection
-from ipoa_mission.scenario.moved_home import sections_from
 from ipoa_mission.scenario.obstacles import ObstacleSection
 from ipoa_mission.scenario.path_limits import Limits, low_zones, without_repeats
 from ipoa_mission.scenario.place_sections import FenceSection, FlatTerrain, Place
 from ipoa_mission.scenario.section import NotNegative, Section, merged
 from ipoa_mission.scenario.surroundings import Reach, Surroundings, surroundings_of
-from ipoa_mission.scenario.survey_area import Area
-from ipoa_mission.scenario.survey_section import SurveySection, with_ends
 from ipoa_mission.scenario.vehicle_section import VehicleSection
 from ipoa_mission.unread import Unread
 from ipoa_mission.wind import Wind
@@ -42,8 +42,16 @@ PROFILES: Mapping[str, Mapping[str, Any]] = {
 }
 # A file's name that is valid on every system.
 _NAME = r"^[^./\\:*?\"<>|\x00-\x1f\x7f][^/\\:*?\"<>|\x00-\x1f\x7f]*$"
-CACHED = ("frame", "surveyed_area", "from_starts", "_surroundings")
-WORLD = {"home", "start", "goal", "via", "bounds", "terrain", "obstacles", "maps", "fence", "survey"}
+CACHED = ("frame", "known", "_surroundings")
+WORLD = {"home", "start", "goal", "via", "bounds", "terrain", "obstacles", "maps", "fence"}
+
+
+def _expect_added(value: Any) -> Any:
+    if isinstance(value, ValidationError):
+        raise value
+    if not isinstance(value, AddedSection):
+        raise PydanticKnownError("extra_forbidden")
+    return value
 
 
 class Scenario(Section):
@@ -56,6 +64,8 @@ class Scenario(Section):
         >>> Scenario.from_dict({"name": "field", "home": home, "start": start, "goal": goal}).goal_point
         array([120.,  90.,  20.])
     """
+
+    model_config = ConfigDict(extra="allow")
 
     name: Annotated[str, Field(pattern=_NAME)] = "mission"
     """Also the name of the output files. Default: that of the scenario file."""
@@ -100,14 +110,20 @@ class Scenario(Section):
     """Geofence that the path keeps and the mission contains."""
     rally: tuple[Place, ...] = ()
     """Rally points of the mission."""
-    survey: SurveySection | None = None
-    """Area to photograph or scan, in place of a goal."""
+    __pydantic_extra__: dict[str, Annotated[Any, AfterValidator(_expect_added)]]
 
     @classmethod
     def model_json_schema(cls, *options: Any, **named: Any) -> dict[str, Any]:
         whole = super().model_json_schema(*options, **named)
-        ends = [{"required": ["start", "goal"]}, {"required": ["survey"]}]
-        return dict(sorted((whole | {"anyOf": ends, "required": ["home"]}).items()))
+        ends = [{"required": ["start", "goal"]}]
+        for name, section in added_sections().items():
+            own = section.model_json_schema(*options, **named)
+            whole["$defs"] |= own.pop("$defs", {}) | {section.__name__: own}
+            choices = [{"$ref": f"#/$defs/{section.__name__}"}, {"type": "null"}]
+            whole["properties"][name] = {"anyOf": choices, "default": None, "description": section.about}
+            ends.append({"required": [name]})
+        whole["$defs"] = dict(sorted(whole["$defs"].items()))
+        return dict(sorted((whole | {"additionalProperties": False, "anyOf": ends, "required": ["home"]}).items()))
 
     @model_validator(mode="before")
     @classmethod
@@ -116,9 +132,7 @@ class Scenario(Section):
             return table
         name = table.get("profile")
         profile = PROFILES.get(name, {}) if isinstance(name, str) else {}
-        table = merged(profile, table)
-        is_survey = isinstance(table.get("survey"), Mapping | SurveySection)
-        return with_ends(table, info.context) if is_survey else table
+        return _with_added(merged(profile, table), info.context)
 
     @model_validator(mode="after")
     def _near_home(self) -> "Scenario":
@@ -153,7 +167,8 @@ class Scenario(Section):
     def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> "Scenario":
         """Return a copy, unchecked, which shares the world unless `update` changes it."""
         copied = super().model_copy(update=update, deep=deep)
-        return copied if WORLD & (update or {}).keys() else copied.with_cached(self.cached_values(CACHED))
+        is_elsewhere = (WORLD | added_sections().keys()) & (update or {}).keys()
+        return copied if is_elsewhere else copied.with_cached(self.cached_values(CACHED))
 
     def with_airspace(self, airspace: Airspace) -> "Scenario":
         return self.model_copy().with_cached({"_surroundings": replace(self._surroundings, airspace=airspace)})
@@ -203,39 +218,8 @@ class Scenario(Section):
         if elsewhere is not None:
             raise elsewhere
 
-    def seen_from(self, home: Geodetic) -> "Scenario":
-        """Return the scenario with the home of a mission, if a flight may begin there."""
-        tolerance = 1.0  # [m]
-        away = self._distances_to_starts(home)
-        if not away or min(away) > tolerance or apart(home, self.frame.home) <= tolerance:
-            return self
-        return self.at_start(int(np.argmin(away)))
-
-    def nearest_start(self, there: Geodetic) -> "Scenario":
-        away = self._distances_to_starts(there)
-        return self.at_start(int(np.argmin(away))) if away else self
-
-    def _distances_to_starts(self, there: Geodetic) -> list[float]:
-        starts = () if self.survey is None else self.survey.start_places
-        return [apart(there, self.frame.geodetic(np.array([*start, 0.0]))) for start in starts]
-
-    def at_start(self, n: int) -> "Scenario":
-        assert self.survey is not None
-        if self.survey.start_places[n] == (0.0, 0.0):
-            return self
-        if n not in self.from_starts:
-            from_start = self.model_copy(update=sections_from(self, self.survey, n))
-            try:
-                from_start.read_maps()
-            except MissionError as error:
-                raise error.at(f"survey.starts[{n}]: as home") from error
-            self.from_starts[n] = from_start
-        world = self.from_starts[n]
-        moved = self.model_copy(update={key: getattr(world, key) for key in (*WORLD, "rally")})
-        return moved.in_world_of(world)
-
     def read_maps(self) -> None:
-        _ = self._surroundings, self.from_starts
+        _ = self._surroundings
 
     @cached_property
     def frame(self) -> LocalFrame:
@@ -257,20 +241,20 @@ class Scenario(Section):
     def rally_points(self) -> Points:
         return self._points(self.rally)
 
-    @cached_property
-    def surveyed_area(self) -> Area | None:
-        return None if self.survey is None else self.survey.build(self.frame)
+    @property
+    def added(self) -> "dict[str, AddedSection]":
+        return self.__pydantic_extra__
 
     @cached_property
-    def from_starts(self) -> "dict[int, Scenario]":
-        """Return known scenarios at start places of the survey."""
+    def known(self) -> dict[Any, Any]:
+        """Return what added tables have computed in this world."""
         return {}
 
     @property
-    def survey_reach(self) -> Reach:
-        if self.survey is None or self.surveyed_area is None:
-            return np.zeros((0, 2)), 0.0
-        return self.survey.reach(self.surveyed_area)
+    def added_reach(self) -> Reach:
+        reaches = [section.reach(self) for section in self.added.values()]
+        corners = np.vstack([np.zeros((0, 2)), *(corners for corners, _ in reaches)])
+        return corners, max((height for _, height in reaches), default=0.0)
 
     @property
     def airspace(self) -> Airspace:
@@ -345,3 +329,49 @@ class Scenario(Section):
     @cached_property
     def _surroundings(self) -> Surroundings:
         return surroundings_of(self)
+
+
+class AddedSection(Section):
+    """A table of another room, in place of start and goal; an entry point of `ipoa_mission.scenario_sections`."""
+
+    about: ClassVar[str]
+    planned_by: ClassVar[str]
+
+    @classmethod
+    @abstractmethod
+    def with_ends(cls, table: Mapping[str, Any], section: Self | None) -> dict[str, Any]:
+        """Add start and goal to a scenario's table; None: it is invalid."""
+
+    @abstractmethod
+    def reach(self, scenario: Scenario) -> Reach:
+        """Return its corners, and its greatest height above ground [m]."""
+
+    @abstractmethod
+    def seen_from(self, scenario: Scenario, home: Geodetic) -> Scenario:
+        """Return the scenario with the home of a mission, if a flight may begin there."""
+
+    @property
+    @abstractmethod
+    def start_places(self) -> tuple[tuple[float, float], ...]: ...
+
+
+@cache
+def added_sections() -> dict[str, type[AddedSection]]:
+    return {entry.name: entry.load() for entry in plug_ins("scenario_sections")}
+
+
+def _with_added(table: dict[str, Any], context: Any) -> dict[str, Any]:
+    """Read added tables; `_expect_added` raises their errors."""
+    for name, section in added_sections().items():
+        raw = table.pop(name, None)
+        if raw is None:
+            continue
+        parsed: AddedSection | ValidationError
+        try:
+            parsed = section.model_validate(raw, context=context)
+        except ValidationError as error:
+            parsed = error
+        if isinstance(raw, Mapping | section):
+            table = section.with_ends(table, parsed if isinstance(parsed, section) else None)
+        table = {name: parsed, **table}
+    return table

@@ -19,7 +19,7 @@ from ipoa_mission.maps.building_rules import BuildingRules
 from ipoa_mission.maps.buildings import search_buildings
 from ipoa_mission.maps.map_reader import read_features
 from ipoa_mission.scenario.explain import explained, lowered
-from ipoa_mission.scenario.model import Scenario
+from ipoa_mission.scenario.model import Scenario, added_sections
 
 LONGEST_KEY = 16  # parts; tomllib is quadratic in their number
 _PART = r"""(?:[\w-]++|"(?:\\.|[^"\\\n])*+"|'[^'\n]*+')"""
@@ -68,7 +68,7 @@ def scenario_of(table: dict[str, Any], path: Path) -> Scenario:
     try:
         scenario.read_maps()
     except BadInput as error:
-        if re.split(r"[.:\[ ]", str(error), maxsplit=1)[0] not in Scenario.model_fields:
+        if re.split(r"[.:\[ ]", str(error), maxsplit=1)[0] not in Scenario.model_fields | added_sections():
             raise
         raise error.at(path) from error
     return scenario.with_wind_read()

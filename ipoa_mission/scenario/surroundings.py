@@ -49,7 +49,6 @@ class Site(Protocol):
     obstacles: tuple[obstacle_sections.ObstacleSection, ...]
     maps: tuple[MapSection, ...]
     fence: tuple[FenceSection, ...]
-    rally: tuple[place_sections.Place, ...]
 
     @property
     def frame(self) -> LocalFrame: ...
@@ -58,10 +57,7 @@ class Site(Protocol):
     def unix_s(self) -> float | None: ...
 
     @property
-    def survey_reach(self) -> Reach: ...
-
-    @property
-    def airspace(self) -> Airspace: ...
+    def added_reach(self) -> Reach: ...
 
 
 def allowed_area(fences: Sequence[FenceSection], frame: LocalFrame) -> Any | None:
@@ -236,7 +232,7 @@ def _expect_home_allowed(section: NoFlyMap | FlightAreaMap, zones: tuple[MapArea
 def _places(scenario: Site) -> NDArray[np.float64]:
     """Return home, places and corners of added tables, (n, 2) [m]."""
     places = (scenario.start, scenario.goal, *scenario.via)
-    return np.vstack([(0.0, 0.0), *(place.east_north(scenario.frame) for place in places), scenario.survey_reach[0]])
+    return np.vstack([(0.0, 0.0), *(place.east_north(scenario.frame) for place in places), scenario.added_reach[0]])
 
 
 def _reach(scenario: Site) -> float:
@@ -320,7 +316,7 @@ def _up(scenario: Site, terrain: Terrain, corners: Box, obstacles: tuple[Obstacl
     ground = on_lines(terrain, corners)
     boxes = np.array([obstacle.bounds for obstacle in obstacles], float).reshape(-1, 2, 3)
     inside = boxes[meets(boxes[:, :, :2], corners, 0.0)]
-    ends += [float(ground.max()) + scenario.survey_reach[1]]
+    ends += [float(ground.max()) + scenario.added_reach[1]]
     everything = np.concatenate([ends, [ground.min(), ground.max()], inside[:, :, 2].ravel()])
     return float(everything.min()) - scenario.bounds.margin, float(everything.max()) + scenario.bounds.margin
 

@@ -8,10 +8,10 @@ import shapely
 
 from ipoa_mission.errors import BadInput, InvalidRing
 from ipoa_mission.geodesy import Geodetic, LocalFrame
-from ipoa_mission.scenario.survey_area import parts_of
-from ipoa_mission.scenario.survey_section import USUAL_HEIGHT, USUAL_SPACING
 from ipoa_mission.studio.requests import AreaChange, Corner, DrawArea, MapArea, OwnArea
 from ipoa_mission.studio.vocabulary import LngLat, Path
+from ipoa_mission.survey.survey_area import parts_of
+from ipoa_mission.survey.survey_section import USUAL_HEIGHT, USUAL_SPACING
 
 DIGITS = 2  # decimals of meters
 DEGREES = 7  # decimals of degrees

@@ -60,7 +60,7 @@ def sketch(order: JobOrder, answer: Answer) -> None:
     else:
         scenario = _scenario(order["text"], order["path"])
     try:
-        if scenario.survey is None:
+        if "survey" not in scenario.added:
             answer(sketched(sketch_path(scenario), scenario, order["number"]))
         else:
             answer(coarse_survey(sketch_survey(scenario), scenario, order["number"]))
@@ -98,7 +98,7 @@ class PlanWorker:
         self._flights = []
         scenario = _scenario(order["text"], order["path"])
         try:
-            if scenario.survey is None:
+            if "survey" not in scenario.added:
                 self._plan = flight = plan_flight(scenario, seed=order["seed"], progress=progress)
                 self._flights = [planned_over(flight)]
                 answer(planned(flight, self._flights[0].proof))

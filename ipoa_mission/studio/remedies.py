@@ -9,18 +9,19 @@ import shapely
 
 from ipoa_mission import MissionError, Scenario
 from ipoa_mission.geometry import Points
-from ipoa_mission.scenario.survey_area import parts_of
 from ipoa_mission.studio.answers import Remedy, Trouble
 from ipoa_mission.studio.requests import Add, Change, Put, Take
 from ipoa_mission.studio.survey_view import in_words, numbers_in_full, ring_name
 from ipoa_mission.studio.view import fences_drawn, without_folders
 from ipoa_mission.studio.vocabulary import as_on_map
 from ipoa_mission.survey.sight import sight_of
+from ipoa_mission.survey.survey_area import parts_of
+from ipoa_mission.survey.survey_section import survey_of
 from ipoa_mission.survey.survey_task import SPARE, expect_survey, keep_out, survey_bound
 
 
 def plan_trouble(error: MissionError, scenario: Scenario, of: Literal["plan", "sketch"] = "plan") -> Trouble:
-    if scenario.survey is None:
+    if survey_of(scenario) is None:
         of_kind = (*_higher(error, scenario), *_return_remedies(error, scenario))
     else:
         of_kind = tuple(_survey_remedies(error, scenario))
@@ -142,7 +143,7 @@ def _survey_remedies(error: MissionError, scenario: Scenario) -> Iterator[Remedy
 
 
 def _wider_bounds(scenario: Scenario) -> Iterator[Remedy]:
-    corners, height = scenario.survey_reach
+    corners, height = scenario.added_reach
     ground = scenario.airspace.ground(corners)
     west, south = corners.min(axis=0).tolist()
     east, north = corners.max(axis=0).tolist()
@@ -159,7 +160,7 @@ def _wider_bounds(scenario: Scenario) -> Iterator[Remedy]:
 
 
 def _at_height(height: float, words: str, scenario: Scenario) -> Remedy:
-    survey = scenario.survey
+    survey = survey_of(scenario)
     takes: tuple[Change, ...] = (Take(path=("survey", "gsd_cm")),) if survey and survey.gsd_cm is not None else ()
     put = Put(path=("survey", "height_above_ground"), value=float(height))
     return Remedy(label=f"{height:g} m above ground{words}", changes=(*takes, put))

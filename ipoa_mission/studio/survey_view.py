@@ -11,18 +11,18 @@ import shapely
 
 from ipoa_mission import Scenario, Survey
 from ipoa_mission.geodesy import LocalFrame
-from ipoa_mission.scenario.camera import CAMERAS
-from ipoa_mission.scenario.survey_area import depth_of
-from ipoa_mission.scenario.survey_section import SurveySection
 from ipoa_mission.studio import answers
 from ipoa_mission.studio.area_edits import areas_of
 from ipoa_mission.studio.edits import frame_of
 from ipoa_mission.studio.plan_answers import expected
 from ipoa_mission.studio.view import on_map, rings_of, without_folders
 from ipoa_mission.studio.vocabulary import renamed
+from ipoa_mission.survey.camera import CAMERAS
 from ipoa_mission.survey.flown_coverage import Overlap, Overlaps, lines_of_tour, photo_places, smallest_overlaps
 from ipoa_mission.survey.sight import Sight
+from ipoa_mission.survey.survey_area import depth_of
 from ipoa_mission.survey.survey_plan import SurveyPlan
+from ipoa_mission.survey.survey_section import SurveySection, surveyed_area
 from ipoa_mission.survey.survey_task import SurveySketch
 from ipoa_mission.survey.tour import Tour
 
@@ -37,7 +37,7 @@ def area_of(table: Mapping[str, Any], scenario: Scenario | None) -> answers.Surv
             places = _places(survey["line"], frame)
             rings.append(answers.AreaRing(name="corridor", path=("survey", "line"), what="line", places=places))
         rings += _rings(areas_of(survey.get("polygon", [])), frame, is_drawn=True)
-    area = None if rings or scenario is None else scenario.surveyed_area
+    area = None if rings or scenario is None else surveyed_area(scenario)
     if scenario is not None and area is not None:
         parts = ((part.exterior, *part.interiors) for part in shapely.get_parts(area.shape))
         areas = [[shapely.get_coordinates(ring)[:-1] for ring in rings_of_part] for rings_of_part in parts]

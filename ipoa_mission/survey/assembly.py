@@ -19,8 +19,8 @@ from ipoa_mission.planning.path_problem import PathProblem, problem_of
 from ipoa_mission.planning.proof import prove
 from ipoa_mission.routing.build import build_mission, items_of_waypoints
 from ipoa_mission.routing.resample import NoRoute, Route, corridor, push_clear
-from ipoa_mission.scenario.camera import CameraSection
 from ipoa_mission.survey._kernels import NO_WAY
+from ipoa_mission.survey.camera import CameraSection
 from ipoa_mission.survey.free import FreeSpace
 from ipoa_mission.survey.sight import Sight, lift_path
 from ipoa_mission.survey.survey_task import TIGHT_PLACES, expect_survey

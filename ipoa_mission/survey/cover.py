@@ -11,9 +11,9 @@ import shapely
 
 from ipoa_mission import MissionError
 from ipoa_mission.geometry import Plane, Points, Vector, union_of
-from ipoa_mission.scenario.survey_area import ARC, Area
 from ipoa_mission.survey._kernels import NO_WAY, search_order
 from ipoa_mission.survey.free import FreeSpace, Transits, narrow, widen
+from ipoa_mission.survey.survey_area import ARC, Area
 from ipoa_mission.survey.survey_lines import (
     MAX_UNSEEN,
     GapCloser,

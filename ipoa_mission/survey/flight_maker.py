@@ -15,9 +15,9 @@ from ipoa_mission.forecast.contingency.energy_budget import budget_of, refusal_o
 from ipoa_mission.geometry import Plane
 from ipoa_mission.planning.proof import prove
 from ipoa_mission.routing.planned_returns import choose_returns, other_options_hint, why_not_planned
-from ipoa_mission.scenario.moved_home import move_between
-from ipoa_mission.scenario.survey_area import Area
 from ipoa_mission.survey.assembly import assemble_survey
+from ipoa_mission.survey.survey_area import Area
+from ipoa_mission.survey.survey_section import at_start, move_between
 from ipoa_mission.survey.survey_task import SurveyTask, lay_lines
 from ipoa_mission.survey.tour import (
     RouteCost,
@@ -52,7 +52,7 @@ class FlightMaker:
             if longest is not None and longest[0].swaths == tour.swaths:
                 return longest[1]
         else:
-            world = _expect_clear(world.at_start(part.start), part.start)
+            world = _expect_clear(at_start(world, part.start), part.start)
             tour = tour.moved(move_between(self.task.scenario.frame, world.frame))
         return Forecast(assemble_survey(tour, self.task.sight, world, self.growth, self.seed), world)
 
@@ -209,7 +209,7 @@ def _from_starts(tours: Sequence[Tour], make: FlightMaker, starts: Plane) -> tup
             return IMPOSSIBLE_COST
 
     for n in range(len(starts)):
-        _expect_clear(make.task.scenario.at_start(n), n)
+        _expect_clear(at_start(make.task.scenario, n), n)
     sites = StartSites(starts, make.task.times, cost, make.task.sight.piece_overlap)
     best: tuple[Tour, tuple[Sortie, ...]] | None = None
     least = np.inf

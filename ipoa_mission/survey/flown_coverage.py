@@ -14,10 +14,10 @@ from ipoa_mission.forecast.timing.track import THINNING_TOLERANCE, Track
 from ipoa_mission.geodesy import Geodetic, LocalFrame
 from ipoa_mission.geometry import Matrix, Points, Vector
 from ipoa_mission.ground import Ground
-from ipoa_mission.scenario.moved_home import move_between
-from ipoa_mission.scenario.survey_area import ARC, Area
 from ipoa_mission.survey.sight import Sight, lift_path
+from ipoa_mission.survey.survey_area import ARC, Area
 from ipoa_mission.survey.survey_lines import union_along
+from ipoa_mission.survey.survey_section import move_between
 from ipoa_mission.survey.tour import Swath, Tour
 
 

@@ -11,8 +11,8 @@ import shapely
 from numpy.typing import NDArray
 
 from ipoa_mission.geometry import Matrix, Plane, Vector, union_of
-from ipoa_mission.scenario.survey_area import INSET
 from ipoa_mission.survey._kernels import DIRECT, NO_WAY, NONE, straight_ways, ways_between
+from ipoa_mission.survey.survey_area import INSET
 from ipoa_mission.survey.times import LegTimes
 
 MAX_TURN = math.radians(60.0)

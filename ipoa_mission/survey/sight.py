@@ -11,8 +11,8 @@ from ipoa_mission import Scenario
 from ipoa_mission.errors import BadInput, Remedy
 from ipoa_mission.geometry import Plane, Points, Vector
 from ipoa_mission.ground import Ground
-from ipoa_mission.scenario.survey_area import Area
-from ipoa_mission.scenario.survey_section import BAND, SurveySection
+from ipoa_mission.survey.survey_area import Area
+from ipoa_mission.survey.survey_section import BAND, SurveySection
 from ipoa_mission.survey.tour import Tour
 
 MIN_TRIGGER = 0.1  # [m]

@@ -26,9 +26,9 @@ from ipoa_mission.routing.planned_returns import return_remarks
 from ipoa_mission.routing.repairs import raise_way_home_remarks, slow_landings_remarks
 from ipoa_mission.scenario.explain import explained
 from ipoa_mission.scenario.scenario_file import read_table, scenario_of
-from ipoa_mission.scenario.survey_section import USUAL_HEIGHT, USUAL_SPACING, SurveySection
 from ipoa_mission.survey.resume import runs_in_order
 from ipoa_mission.survey.survey_plan import SurveyFlight, SurveyPlan, coverage_lines, plan_flights, rest_of
+from ipoa_mission.survey.survey_section import USUAL_HEIGHT, USUAL_SPACING, SurveySection, nearest_start, survey_of
 from ipoa_mission.unread import unread_as_json
 
 #: The system id chooses one vehicle of a log.
@@ -248,7 +248,7 @@ def _paths(flights: Iterable[Sequence[tuple[float, float, float]]], scenario: Sc
     """Yield paths from heights above home."""
     for positions in filter(None, flights):
         latitude, longitude, height = np.array(positions).T
-        home = scenario.nearest_start(Geodetic(*positions[0][:2])).frame.home
+        home = nearest_start(scenario, Geodetic(*positions[0][:2])).frame.home
         yield scenario.frame.to_local(latitude, longitude, home.altitude + height)
 
 
@@ -278,7 +278,7 @@ def _begin(area: Path) -> dict[str, float]:
 
 
 def _with_survey(scenario: Scenario, area: Any, camera: Any, keys: Mapping[str, Any]) -> Scenario:
-    current = scenario.survey if area is None else None
+    current = survey_of(scenario) if area is None else None
     table: dict[str, Any] = {} if current is None else current.model_dump(exclude_unset=True)
     table |= keys
     if camera is not None:

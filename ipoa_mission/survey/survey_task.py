@@ -16,12 +16,12 @@ from ipoa_mission.errors import BadInput, Remedy
 from ipoa_mission.forecast.deviation.kept_limits import NO_DEVIATION, DeviationBound, deviation_bound_of
 from ipoa_mission.forecast.deviation.law import law_of
 from ipoa_mission.geometry import Plane, Vector, union_of
-from ipoa_mission.scenario.survey_area import Area
-from ipoa_mission.scenario.survey_section import SurveySection
 from ipoa_mission.survey.cover import CoverProblem, quickest_tour
 from ipoa_mission.survey.flown_coverage import Coverage, coverage
 from ipoa_mission.survey.free import widen
 from ipoa_mission.survey.sight import Sight, sight_of
+from ipoa_mission.survey.survey_area import Area
+from ipoa_mission.survey.survey_section import SurveySection, survey_of, surveyed_area
 from ipoa_mission.survey.times import LegTimes
 from ipoa_mission.survey.tour import Swath, Tour
 from ipoa_mission.world.obstacles import Obstacle
@@ -81,8 +81,8 @@ def sketch_survey(scenario: Scenario) -> SurveySketch:
 
 
 def expect_survey(scenario: Scenario) -> tuple[SurveySection, Area]:
-    section = scenario.survey
-    area = scenario.surveyed_area
+    section = survey_of(scenario)
+    area = surveyed_area(scenario)
     if section is None or area is None:
         raise BadInput("expected in the scenario, but missing", code="missing", place="survey")
     return section, area

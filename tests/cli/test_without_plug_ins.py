@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 
 from tests.cli.conftest import Outcome
+from tests.cli.test_surveying import SCENARIO
 
 REPOSITORY = Path(__file__).parents[2]
 #: Runs the command of each line of its input, in the folder that the line names.
@@ -77,7 +78,7 @@ def run(tmp_path: Path, without: Callable[[str], subprocess.Popen[str]]) -> Run:
     return run_without
 
 
-@pytest.mark.parametrize("room", ["learn", "paper", "studio"])
+@pytest.mark.parametrize("room", ["learn", "paper", "studio", "survey"])
 def test_a_room_can_be_taken_out(room: str, missions: Path, run: Run) -> None:
     verb = "reproduce" if room == "paper" else room
     plan, check = (f"{verb} {missions / 'sitl.toml'}" for verb in ("plan", "check sitl.plan --scenario"))
@@ -85,3 +86,15 @@ def test_a_room_can_be_taken_out(room: str, missions: Path, run: Run) -> None:
     assert f"│ {verb} " not in usage.out
     assert unknown.code == 2
     assert [(outcome.code, outcome.err) for outcome in others] == [(0, "")] * 3
+
+
+def test_a_survey_is_refused_without_its_room(run: Run, tmp_path: Path) -> None:
+    (tmp_path / "field.toml").write_text(SCENARIO)
+    usage, *refused = run("survey", "plan --help", "plan field.toml", "fly field.toml")
+    assert "--survey" not in usage.out
+    assert "--survey" in run("learn", "plan --help")[0].out
+    for ended in refused:
+        assert (ended.code, ended.out) == (2, "")
+        assert "field.toml: survey: unknown key" in ended.err
+        assert "Traceback" not in ended.err
+    assert [path.name for path in tmp_path.iterdir()] == ["field.toml"]

@@ -7,8 +7,9 @@ import pytest
 
 from ipoa_mission.geodesy import Geodetic, LocalFrame
 from ipoa_mission.scenario import Scenario, parse_scenario
-from ipoa_mission.scenario.camera import CAMERAS
+from ipoa_mission.survey.camera import CAMERAS
 from ipoa_mission.survey.sight import sight_of
+from ipoa_mission.survey.survey_section import surveyed_area
 from ipoa_mission.survey.survey_task import expect_survey
 from tests.refused import refuses
 
@@ -33,7 +34,7 @@ def test_a_survey_takes_the_place_of_start_and_goal() -> None:
 
 @pytest.mark.parametrize("polygon", [[SQUARE, POND], [[SQUARE, POND]]])
 def test_holes_are_inner_rings(polygon: Any) -> None:
-    area = scenario(LINES | {"polygon": polygon}).surveyed_area
+    area = surveyed_area(scenario(LINES | {"polygon": polygon}))
     assert area is not None
     assert area.shape.area == pytest.approx(8000.0 - 200.0)
 
@@ -57,7 +58,7 @@ def test_an_area_comes_from_a_map_with_its_holes(tmp_path: Path) -> None:
     polygons.append({"type": "Polygon", "coordinates": [degrees(far)]})
     geojson(tmp_path / "field.geojson", *polygons)
     text = f"[home]\nlatitude_deg = 47.4\nlongitude_deg = 8.5\naltitude_amsl = 400\n[survey]\n{KEYS}"
-    area = parse_scenario(text, tmp_path / "field.toml").surveyed_area
+    area = surveyed_area(parse_scenario(text, tmp_path / "field.toml"))
     assert area is not None
     assert [part.area for part in area.shape.geoms] == pytest.approx([7800.0, 8000.0], rel=1e-3)
 

@@ -11,6 +11,7 @@ from ipoa_mission import plan_survey
 from ipoa_mission.errors import MissionError
 from ipoa_mission.forecast.contingency.contingencies import Contingencies
 from ipoa_mission.scenario import Scenario, parse_scenario
+from ipoa_mission.survey.survey_section import survey_of, surveyed_area
 from ipoa_mission.survey.survey_task import expect_survey
 from tests.studio.conftest import HOST, MEADOW, TOKEN, Studio
 
@@ -57,7 +58,7 @@ def scenario(*changes: Change) -> Scenario:
 
 
 def area(*changes: Change) -> Any:
-    drawn = scenario(*changes).surveyed_area
+    drawn = surveyed_area(scenario(*changes))
     assert drawn is not None
     return drawn.shape
 
@@ -111,7 +112,7 @@ def test_a_corner_is_moved_and_all_else_stays_byte_for_byte() -> None:
 def test_a_ring_that_is_written_closed_is_open_after_an_edit() -> None:
     closed = Put(path=("survey", "polygon"), value=[[10, 0], [50, 0], [50, 20], [10, 20], [10, 0]])
     for change in (Corner(op="put_corner", path=(*FIRST, 0), place=OUTLINE[0]), Take(path=(*FIRST, 0))):
-        survey = scenario(closed, change).survey
+        survey = survey_of(scenario(closed, change))
         assert survey is not None
         assert survey.polygon is not None
         ((ring,),) = survey.polygon
@@ -322,7 +323,7 @@ def test_start_places_are_shown_and_their_log_is_kept(studio: Studio) -> None:
     use = studio.client.post(f"/{TOKEN}/drop/flight.tlog", content=CAMPUS_LOG.read_bytes(), headers=OWN).json()
     assert (use["kind"], use["file"]) == ("log", "flight.tlog")
     moved = changed(text, [Shift(path=("home",), taken=(8.5, 47.3), put_down=(8.5, 47.3001))])
-    assert parse_scenario(moved, MEADOW).survey.starts[1] == pytest.approx((60.0, -40.0 - 11.117), abs=0.02)  # type: ignore[union-attr,index]
+    assert survey_of(parse_scenario(moved, MEADOW)).starts[1] == pytest.approx((60.0, -40.0 - 11.117), abs=0.02)  # type: ignore[union-attr,index]
 
 
 def test_the_next_flight_on_a_link_waits_for_a_battery_of_the_same_vehicle() -> None:

@@ -2,6 +2,7 @@ from pathlib import Path
 from typing import Any
 
 from ipoa_mission.scenario import read_scenario
+from ipoa_mission.survey.survey_section import survey_of
 from tests.studio import chromium as own
 from tests.studio.chromium import address, browser, own_page, pytestmark, until
 from tests.studio.pointing import Hand, middle_of
@@ -58,7 +59,7 @@ def test_an_area_is_drawn_bent_turned_split_and_flown(own_page: Any, address: tu
     page.get_by_text("written: meadow-1.plan").wait_for()
     page.keyboard.press("Control+s")
     page.locator(".saved").wait_for()
-    survey = read_scenario(address[1]).survey
+    survey = survey_of(read_scenario(address[1]))
     assert survey is not None
     assert survey.flights == 2
     page.locator("summary", has_text="Fly it").click()

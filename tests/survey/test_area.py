@@ -2,7 +2,7 @@ import math
 
 import pytest
 
-from ipoa_mission.scenario.survey_area import Area
+from ipoa_mission.survey.survey_area import Area
 from tests.refused import refuses
 
 SQUARE = [(0.0, 0.0), (100.0, 0.0), (100.0, 100.0), (0.0, 100.0)]

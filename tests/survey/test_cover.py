@@ -13,9 +13,9 @@ from ipoa_mission.autopilot.autopilot import registered
 from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.geometry import Points, polyline_length
 from ipoa_mission.mission.items import Mission
-from ipoa_mission.scenario.survey_area import Area
 from ipoa_mission.survey.cover import CoverProblem, quickest_tour
 from ipoa_mission.survey.flown_coverage import coverage
+from ipoa_mission.survey.survey_area import Area
 from ipoa_mission.survey.times import LegTimes
 from ipoa_mission.survey.tour import Tour
 from tests.examples import examples

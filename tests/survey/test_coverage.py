@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 import shapely
 
-from ipoa_mission.scenario.survey_area import Area
 from ipoa_mission.survey.flown_coverage import coverage
+from ipoa_mission.survey.survey_area import Area
 from ipoa_mission.survey.tour import Swath, Tour
 
 AREA = Area.of([[[(0.0, 0.0), (100.0, 0.0), (100.0, 20.0), (0.0, 20.0)]]])

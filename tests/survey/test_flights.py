@@ -22,10 +22,10 @@ from ipoa_mission.mission.items import Mission
 from ipoa_mission.mission.mission_io import read_mission
 from ipoa_mission.planning.obstruction import NoPath
 from ipoa_mission.scenario import Scenario
-from ipoa_mission.scenario.survey_area import Area
 from ipoa_mission.survey.assembly import assemble_survey
 from ipoa_mission.survey.flown_coverage import lines_of_forecast, smallest_overlaps
 from ipoa_mission.survey.sight import sight_of
+from ipoa_mission.survey.survey_area import Area
 from ipoa_mission.survey.survey_flight import Survey, plan_survey
 from ipoa_mission.survey.survey_report import survey_as_json
 from ipoa_mission.survey.survey_task import expect_survey

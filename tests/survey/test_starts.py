@@ -23,6 +23,7 @@ from ipoa_mission.scenario import Scenario
 from ipoa_mission.survey.flight_maker import _sets_of_starts, nearest_areas
 from ipoa_mission.survey.survey_flight import Survey, plan_survey
 from ipoa_mission.survey.survey_plan import rest_of
+from ipoa_mission.survey.survey_section import at_start, surveyed_area
 from ipoa_mission.survey.survey_task import expect_survey
 from ipoa_mission.survey.times import LegTimes
 from ipoa_mission.survey.tour import RouteCost, Sortie, StartSites, Tour, Unreached, quickest_parts
@@ -63,8 +64,8 @@ def test_another_start_place_moves_nothing_on_the_earth(place: list[float]) -> N
         rally=[{"east": 30.0, "north": 20.0, "up": 40.0}],
         bounds={"east": [-9400.0, 9400.0], "north": [-9400.0, 9400.0]} if place[0] < 0 else {},
     )
-    moved = world.at_start(0)
-    assert world.at_start(0).airspace is moved.airspace  # made once
+    moved = at_start(world, 0)
+    assert at_start(world, 0).airspace is moved.airspace  # made once
     assert np.hypot(*world.frame.local(moved.frame.home)[:2] - place) < 0.01
     assert abs(float(moved.airspace.terrain.height(np.zeros((1, 2)))[0])) < 0.002
     rng = np.random.default_rng(1)
@@ -147,7 +148,7 @@ def test_a_line_that_is_too_long_for_all_is_cut() -> None:
 
 
 def test_areas_nearest_to_each_start_place_are_the_whole_area() -> None:
-    area = scenario(OVER).surveyed_area
+    area = surveyed_area(scenario(OVER))
     assert area is not None
     for starts in ([[0.0, 0.0]], ENDS, [*ENDS, [300.0, -40.0], [-900.0, -900.0]]):
         cells = nearest_areas(area, np.array(starts), 20.0)

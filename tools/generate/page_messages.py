@@ -12,13 +12,14 @@ from pydantic.json_schema import models_json_schema
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.studio.answers import Answer
 from ipoa_mission.studio.requests import Request
+from ipoa_mission.survey.survey_section import SurveySection
 from tools import command_line
 
 
 def schema() -> dict[str, Any]:
     unions = {"Answer": _members(Answer), "Request": _members(Request)}
     kinds = [(kind, "serialization") for members in unions.values() for kind in members]
-    read = [(Scenario, "validation")]
+    read = [(Scenario, "validation"), (SurveySection, "validation")]
     _, definitions = models_json_schema([*kinds, *read])  # type: ignore[list-item]
     for name, members in unions.items():
         definitions["$defs"][name] = {"oneOf": [{"$ref": f"#/$defs/{member.__name__}"} for member in members]}

@@ -1,30 +1,34 @@
 import sys
-from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 import typer
 
-from ipoa_mission.cli.groups import FileOutput, FlyOptions, PlanOptions
+from ipoa_mission.cli.groups import FileOutput
 from ipoa_mission.cli.interrupting import ChangesMade
+from ipoa_mission.cli.planners import FlyJob, FlyOptions, PlanOptions
 from ipoa_mission.errors import OptionConflict
 from ipoa_mission.options import LogSystemOption
 from ipoa_mission.terminal import confirm, print_json, print_lines, print_table
 
 if TYPE_CHECKING:
-    from ipoa_mission.cli.mission_source import FlownJob, Job
     from ipoa_mission.scenario import Scenario
     from ipoa_mission.survey.survey_flight import Survey
 
-#: Flies a job; every frame goes to the log.
-FlyJob: TypeAlias = "Callable[[Job, Path], FlownJob]"
 ONE_BY_ONE = "plan first, then fly the flights one by one: ipoa-mission fly NAME-1.plan --link URL"
 
 
 @dataclass
-class SurveyOptions:
+class SurveyPlanner:
     """A survey replaces start, goal and via."""
+
+    option: ClassVar = "--survey"
+    instead: ClassVar = "an area: --survey AREA"
+    about: ClassVar = """
+    A scenario with a [survey], or `--survey AREA` with or without one, is planned as lines that cover the area. If one
+    battery is not enough there are NAME-1.plan, NAME-2.plan and so on. With `--flown LOG` only the rest is planned, as
+    NAME-rest."""
 
     survey: Annotated[
         Path | None, typer.Option("--survey", metavar="AREA", help="Survey the whole area in this map (GeoJSON, KML).")
@@ -67,7 +71,7 @@ class SurveyOptions:
         return None
 
     def accepts(self, scenario: "Scenario") -> bool:
-        is_survey = scenario.survey is not None
+        is_survey = "survey" in scenario.added
         if self.flown and not is_survey:
             hint = "for the rest of another mission: ipoa-mission fly --from N"
             raise OptionConflict("expected a survey", hint=hint, place="--flown")
