@@ -131,7 +131,7 @@ GLANCES = 100  # at most on a leg between two nodes
 def _ahead(spacing, i, j, k, rules):
     """Return a bound of the cost of these steps."""
     east, north, up = i * spacing[0], j * spacing[1], k * spacing[2]
-    return 0.97 * rules.length * math.sqrt(east * east + north * north + up * up)  # loops cost less
+    return 0.97 * rules.length * math.sqrt(east * east + north * north + up * up)  # detours cost less
 
 
 @njit(cache=True, fastmath=FASTMATH, error_model="numpy")

@@ -12,10 +12,9 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from ipoa_mission.geometry import Plane, Points, Vector, arc_lengths
-from ipoa_mission.planning.loops import lift, with_loops
+from ipoa_mission.geometry import Plane, Points, Vector, arc_lengths, leg_lengths
 from ipoa_mission.planning.obstacle_grid import UNLIMITED, Nodes
-from ipoa_mission.planning.problem import Candidate, PreparedProblem, follow
+from ipoa_mission.planning.problem import Candidate, PreparedProblem, follow, via_indices
 from ipoa_mission.world.airspace import Airspace
 
 REACH_BEYOND = 1.5  # behind a gap, in cells
@@ -91,10 +90,12 @@ class LatticeDetails(NamedTuple):
     """`LatticeStrategy` has the numbers that vary."""
 
     max_control_points: int = 500
-    loop_radius: float = 20.0  # [m]
+    detour_radius: float = 20.0  # [m]
     least_price: float = 0.1  # per meter, that divides the price of turns
-    loop_discount: float = 0.98  # against flying to and fro
+    detour_discount: float = 0.98  # against flying to and fro
     long_detour: float = 0.5  # of a climb's distance
+    shortest_detour: float = 0.5  # [m]
+    lift_slope_share: float = 0.97  # of the steepest
     samples_per_leg: int = 10
     gap_slack: float = 0.05  # that its neighbors lack, in steps
     widest_gap: float = 1.5  # beyond the required width, in steps
@@ -120,13 +121,13 @@ class Lattice:
     slack: NDArray[np.float64]
     price: NDArray[np.float64]
     steepest: tuple[float, float]  # slopes of climb and descent
-    loop_cost: float  # extra cost of a meter of loops against a straight meter
+    detour_cost: float  # extra cost of a meter of detours against a straight meter
     strategy: LatticeStrategy
 
     def steps(self, backwards: bool = False) -> tuple[NDArray[np.int64], Vector]:
         """Return the steps (s, 3) and their lengths (s,) [m].
 
-        A step that is too steep has the length of its loops. Height costs slightly less in loops: no route flies to and
+        A step that is too steep has the length of its detour. Height costs slightly less there: no route flies to and
         fro.
         """
         strides = STRIDES * self.spacing
@@ -135,8 +136,8 @@ class Lattice:
         climb, descent = self.steepest[::-1] if backwards else self.steepest
         needed = np.maximum(rise / climb, -rise / descent)
         too_steep = needed > (1 + 1e-6) * level
-        lengths = np.hypot(np.where(too_steep, needed, level), rise) + self.loop_cost * needed
-        return STRIDES, np.where(too_steep, DETAILS.loop_discount * lengths, lengths)
+        lengths = np.hypot(np.where(too_steep, needed, level), rise) + self.detour_cost * needed
+        return STRIDES, np.where(too_steep, DETAILS.detour_discount * lengths, lengths)
 
 
 @dataclass(frozen=True, eq=False)
@@ -175,15 +176,59 @@ def guesses(problem: PreparedProblem, coarsest: int, strategy: LatticeStrategy =
 
 
 def _climbing(routes: list[Points], inner: int, problem: PreparedProblem, step: float, both: bool) -> Iterator[Guess]:
-    """Yield guesses that climb within limits; in loops if a detour is long or blocked, or `both`."""
+    """Yield guesses that climb within limits; as steep as the route if a detour is long or blocked, or `both`."""
     for route in routes:
         detour = np.inf
         if problem.climbs_limited:
-            lifted, detour = lift(route, problem, step)
+            lifted, detour = lift_to_slopes(route, problem, step)
             if detour < DETAILS.long_detour:
                 yield Guess(lifted, None, inner)
         if both or detour >= DETAILS.long_detour:
-            yield Guess(*with_loops(route, inner, problem, step), inner)
+            way = _without_detours(route, problem)
+            legs = leg_lengths(way)
+            yield Guess(way, inner * legs / max(float(legs.sum()), DETAILS.shortest_detour), inner)
+
+
+def lift_to_slopes(way: Points, problem: PreparedProblem, step: float) -> tuple[Points, float]:
+    """Return the route (k, 3) lifted to keep the slope limits, and the longest detour it needs.
+
+    A detour is a share of the distance of the climb; infinite if the lifted route is not free.
+    """
+    lifted = way.copy()
+    longest = 0.0
+    climb_slope = DETAILS.lift_slope_share * problem.rules.climb
+    descent_slope = DETAILS.lift_slope_share * problem.rules.descent
+    traveled = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(way[:, :2], axis=0).T))])
+    for first, last in pairwise([0, *via_indices(way, problem.task.places[1:-1]), len(way) - 1]):
+        along = traveled[first : last + 1] - traveled[first]
+        height = way[first : last + 1, 2]
+        climb, descent = climb_slope * along, descent_slope * along
+        after = np.maximum.accumulate(height + descent) - descent  # no lower than a descent from behind
+        before = np.maximum.accumulate((after - climb)[::-1])[::-1]  # and than a climb to what is ahead
+        lifted[first + 1 : last, 2] = (before + climb)[1:-1]
+        for missing, slope, within in (
+            (before[0] - height[0], problem.rules.climb, along[np.argmax(after - climb)]),
+            (after[-1] - height[-1], problem.rules.descent, along[-1] - along[np.argmax(height + descent)]),
+        ):
+            if missing > 2 * step:
+                longest = max(longest, float(missing / slope / max(within, DETAILS.shortest_detour)))
+    return lifted, longest if _free(lifted, problem) else np.inf
+
+
+def _without_detours(way: Points, problem: PreparedProblem) -> Points:
+    """Return the route without nodes next to places, which may be behind them."""
+    stops = {tuple(place) for place in problem.task.places}
+    kept = np.ones(len(way), bool)
+    for k in range(1, len(way) - 1):
+        beside = tuple(way[k - 1]) in stops or tuple(way[k + 1]) in stops
+        if beside and tuple(way[k]) not in stops and kept[k - 1]:
+            kept[k] = not _free(way[[k - 1, k + 1]], problem)
+    return way[kept]
+
+
+def _free(way: Points, problem: PreparedProblem) -> bool:
+    spots = np.vstack([way[1:-1], (way[1:] + way[:-1]) / 2])
+    return bool((problem.survey(spots)[0] >= -0.5 * problem.rules.clearance).all())
 
 
 def lay_lattice(problem: PreparedProblem, fineness: float = 1.0, strategy: LatticeStrategy = USUAL_LATTICE) -> Lattice:
@@ -210,11 +255,11 @@ def lay_lattice(problem: PreparedProblem, fineness: float = 1.0, strategy: Latti
     between = np.nonzero(_in_gaps(slack.reshape(count), spacing).ravel())[0]
     nodes[between] = _centered(nodes[between], spacing, problem)
     slack[between], threat[between] = problem.survey(nodes[between])
-    radius = min(DETAILS.loop_radius, float(size[:2].min()) / 4)
-    loop_cost = problem.rules.turning / max(problem.rules.length, DETAILS.least_price) / radius
+    radius = min(DETAILS.detour_radius, float(size[:2].min()) / 4)
+    detour_cost = problem.rules.turning / max(problem.rules.length, DETAILS.least_price) / radius
     _occupy_gaps(nodes, (slack, threat), lower, spacing, problem)
     price = np.where(slack >= 0, problem.rules.length + threat, np.inf)
-    return Lattice(spacing, nodes, slack.reshape(count), price.reshape(count), steepest, loop_cost, strategy)
+    return Lattice(spacing, nodes, slack.reshape(count), price.reshape(count), steepest, detour_cost, strategy)
 
 
 def find_routes(lattice: Lattice, problem: PreparedProblem, most: int, looking: bool = True) -> list[Points]:

@@ -89,7 +89,7 @@ def polish_until_proved(
 ) -> tuple[Candidate, Proof]:
     """Polish the curve until its proof holds, or nearly; return it unpolished if only that proof holds.
 
-    With limited climbs it restarts for more room: a curve that must become longer at once would make loops.
+    With limited climbs it restarts for more room: a curve that must become longer at once would turn in circles.
     """
     rough = candidate
     stages = descent.stages

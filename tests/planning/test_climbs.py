@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 from ipoa_mission import Airspace, Bounds, Limits, PathProblem, plan_path
-from ipoa_mission.planning.lattice import LatticeStrategy
-from ipoa_mission.planning.loops import LOOPS, lift
+from ipoa_mission.planning.lattice import DETAILS, LatticeStrategy, lift_to_slopes
 from ipoa_mission.planning.problem import prepare
 from ipoa_mission.world.terrain import Grid
 from tests.quick_search import QUICK
@@ -40,14 +39,14 @@ def test_a_lifted_way_climbs_and_descends_as_it_may_and_is_no_lower() -> None:
     start, goal = problem.task.places
     path = np.array([start, (250.0, 250.0, 60.0), (250.0, 250.0, 290.0), (450.0, 450.0, 290.0), goal])
     path[-2:, :2] = (1900.0, 600.0), (1200.0, 1300.0)
-    lifted, _ = lift(path, problem, STEP)
+    lifted, _ = lift_to_slopes(path, problem, STEP)
     np.testing.assert_array_equal(lifted[:, :2], path[:, :2])
     np.testing.assert_array_equal(lifted[[0, -1]], path[[0, -1]])
     assert (lifted[:, 2] >= path[:, 2]).all()
     step = np.diff(lifted[1:-1], axis=0)
     level = np.hypot(step[:, 0], step[:, 1])
-    assert (step[:, 2] <= LOOPS.lift_slope_share * np.tan(CLIMB) * level + 1e-9).all()
-    assert (-step[:, 2] <= LOOPS.lift_slope_share * np.tan(DESCENT) * level + 1e-9).all()
+    assert (step[:, 2] <= DETAILS.lift_slope_share * np.tan(CLIMB) * level + 1e-9).all()
+    assert (-step[:, 2] <= DETAILS.lift_slope_share * np.tan(DESCENT) * level + 1e-9).all()
     assert lifted[1, 2] == pytest.approx(290.0)  # went straight up
 
 
@@ -57,7 +56,7 @@ def test_a_descent_that_is_too_short_for_its_height_needs_a_detour(distance: flo
     start, goal = problem.task.places
     height = 250.0
     crest = np.array([goal[0] - distance, goal[1], height])
-    _, detour = lift(np.array([start, (0.0, 700.0, height), crest, goal]), problem, STEP)
-    within = distance * LOOPS.lift_slope_share
+    _, detour = lift_to_slopes(np.array([start, (0.0, 700.0, height), crest, goal]), problem, STEP)
+    within = distance * DETAILS.lift_slope_share
     missing = (height - goal[2]) / np.tan(DESCENT) - within
     assert detour == pytest.approx(max(missing, 0.0) / distance if long else 0.0, abs=0.02)

@@ -2,7 +2,6 @@ import numpy as np
 import pytest
 
 from ipoa_mission.planning.lattice import LatticeStrategy, _mend, find_routes, guesses, lay_lattice
-from ipoa_mission.planning.loops import with_loops
 from ipoa_mission.planning.problem import prepare
 from tests.examples import some
 from tests.planning.conftest import Make
@@ -69,26 +68,6 @@ def test_lattice_finds_paths_around_a_too_narrow_gap(scenario: Make) -> None:
     for path in others:
         assert problem.task.airspace.obstacle_clearance(path).distance > -0.5
         assert not (path == before).all(axis=1).any()
-
-
-@pytest.mark.parametrize(("climb", "descent"), [(30, 20), (8, 45)])
-def test_lattice_paths_climb_within_the_limit_and_add_loops_where_needed(
-    scenario: Make, climb: float, descent: float
-) -> None:
-    limits = {"max_climb_angle_deg": climb, "max_descent_angle_deg": descent}
-    low_wall = FULL | {"name": "wall", "depth": 300, "height": 50}
-    problem = prepare(scenario(obstacles=[low_wall], planning=limits))
-    lattice = lay_lattice(problem)
-    path = find_routes(lattice, problem, 1)[0]
-    guide, shares = with_loops(path, 8, problem, lattice.spacing[2])
-    assert len(shares) == len(guide) - 1
-    np.testing.assert_array_equal(guide[[0, -1]], path[[0, -1]])
-    steps = np.diff(guide, axis=0)
-    level, rise = np.hypot(steps[:, 0], steps[:, 1]), steps[:, 2]
-    too_steep = (rise > 1.3 * np.tan(np.radians(climb)) * level) | (-rise > 1.3 * np.tan(np.radians(descent)) * level)
-    assert np.abs(rise[too_steep]).sum() < 3
-    legs = np.linspace(guide[:-1], guide[1:], 9).reshape(-1, 3)
-    assert problem.task.airspace.obstacle_distance(legs).min() > 0.5 * problem.limits.obstacle_distance
 
 
 @pytest.mark.parametrize("fineness", [1.0, 2.0])

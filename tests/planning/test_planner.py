@@ -154,14 +154,6 @@ def test_over_the_wall_where_that_is_the_only_way(scenario: Make) -> None:
     assert plan.curve.sample(500)[:, 2].max() > 60
 
 
-def test_out_of_a_courtyard_in_loops_where_climbs_are_limited(scenario: Make) -> None:
-    steep = {"max_climb_angle_deg": 12, "max_descent_angle_deg": 45}
-    job = scenario(start=(100, 0, 20), goal=(0, 0, 20), obstacles=[fort(60)], planning=steep)
-    plan = plan_path(job, strategy=QUICK)
-    assert plan.proof.is_proved
-    assert plan.cost.turning_deg > 300
-
-
 @pytest.mark.parametrize("thick", some(1, [7.0, 0.3]))
 def test_a_gap_much_narrower_than_the_lattice_is_flown_through(scenario: Make, thick: float) -> None:
     narrow = [wall | {"north": 41.3 + 2 * wall["north"], "width": thick, "depth": 240} for wall in gap(0.22)]
