@@ -94,7 +94,6 @@ class BuiltInAutopilot:
         self.transfers.booted = vehicle.age >= self.profile.start_up.listens_s
         self.flight.advance(vehicle.now)
         vehicle.notice_disarming()
-        vehicle.notice_height()
         self.transfers.tick(vehicle.now)
         vehicle.report_changes()
         for name in self._schedule.due(vehicle.now):

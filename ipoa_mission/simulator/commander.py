@@ -18,7 +18,6 @@ FORCED = 21196.0  # param2 of COMPONENT_ARM_DISARM: stop the motors in flight to
 
 class Commander(MockVehicle):
     _armed_s: float | None = None
-    _takeoff_altitude = math.nan  # PX4: AMSL [m]; NaN: from its parameter
 
     def execute(self, number: int, params: Sequence[float]) -> CommandResult:
         profile = self.profile
@@ -110,8 +109,6 @@ class Commander(MockVehicle):
         self.send_text(INFO, words)
         if not self.profile.runs_on_ground and self.mode == self.mission_mode:
             self._start()
-        elif self.mode == self.profile.takeoff_mode:
-            self._begin_rising()
 
     def notice_disarming(self) -> None:
         """Report a landing that stopped the motors, or stop them after a delay."""
@@ -127,11 +124,6 @@ class Commander(MockVehicle):
     @property
     def will_stop_motors(self) -> bool:
         return self._is_armed_on_ground() and self.parameters[self.profile.disarm_delay] > 0.0
-
-    def notice_height(self) -> None:
-        flight = self.flight
-        if self.mode == self.profile.takeoff_mode and flight.armed and not (flight.on_ground or flight.rising):
-            self.idle_mode = self.profile.modes[FlightMode.HOLD]
 
     def _stop_motors(self, words: str) -> None:
         mode = self.reported_mode
@@ -209,8 +201,6 @@ class Commander(MockVehicle):
             return CommandResult.ACCEPTED
         if self.flight.armed and (refused := self._refuses_mode(custom_mode)) is not None:
             return refused
-        if custom_mode == self.profile.takeoff_mode:
-            return self._rise(math.nan)
         modes = {number: mode for mode, number in self.profile.modes.items()}
         mode = modes.get(custom_mode, FlightMode.HOLD)
         if mode is FlightMode.RETURN or mode is FlightMode.LAND:
@@ -280,42 +270,17 @@ class Commander(MockVehicle):
         return CommandResult.ACCEPTED
 
     def _climb(self, height: float) -> CommandResult:
-        """Command 22: ArduPilot climbs in GUIDED to a height above home, PX4 to one AMSL."""
-        if self.profile.takeoff_mode is not None:
-            return self._rise(height)
+        """Command 22: ArduPilot climbs in GUIDED to a height above home."""
         if self.mode != GUIDED or not self._is_armed_on_ground() or not 0.0 < height < math.inf:
             return CommandResult.FAILED
         self.flight.climb(height)
         return CommandResult.ACCEPTED
 
-    def _rise(self, altitude: float) -> CommandResult:
-        self.flight.hold()
-        self.idle_mode = self.profile.takeoff_mode or 0
-        self._takeoff_altitude = altitude
-        if self.flight.armed:
-            self._begin_rising()
-        return CommandResult.ACCEPTED
-
-    def _begin_rising(self) -> None:
-        here = float(self.flight.local[2])
-        height = self._takeoff_altitude - self.flight.home.altitude
-        if not math.isfinite(height):
-            default = self.parameters["MIS_TAKEOFF_ALT"]
-            self.send_text(INFO, f"Using default takeoff altitude: {default:.1f} m\t")
-            height = here + default
-        if height < here:
-            self.send_text(CRITICAL, "Already higher than takeoff altitude\t")
-        self.flight.climb(max(height, here))
-        self._takeoff_altitude = math.nan
-
     def _reposition(self, params: Sequence[float]) -> CommandResult:
-        """Command 192 of PX4: hold, or go there; altitude AMSL in every frame."""
+        """Command 192 of PX4: hold; the place has no effect."""
         if as_integer(params[1]) != MAV_DO_REPOSITION_CHANGE_MODE:
             return CommandResult.UNSUPPORTED
-        self.set_mode(self.profile.modes[FlightMode.HOLD])
-        if self.flight.armed and not self.flight.on_ground:
-            self.flight.go_to(params[4], params[5], params[6], params[0])
-        return CommandResult.ACCEPTED
+        return self.set_mode(self.profile.modes[FlightMode.HOLD])
 
     def _reboot(self, order: float) -> CommandResult:
         """Command 246: ArduPilot restarts unless armed; PX4 in simulation does not."""

@@ -55,12 +55,6 @@ class FlightController(Protocol):
     def climb(self, height: float) -> None:
         """Take off to a height above home [m], and hold."""
 
-    @property
-    def rising(self) -> bool: ...
-
-    def go_to(self, east: float, north: float, up: float, speed: float) -> None:
-        """Fly there and hold; NaN: the present target, height or default speed."""
-
     def step(self) -> None:
         """Fly for `STEP_S`; not armed in the air, it falls."""
 
@@ -107,7 +101,6 @@ class MockProfile:
     first_mode: int  # after power-up
     placed_modes: frozenset[int]
     armable_modes: frozenset[int]
-    takeoff_mode: int | None = None  # of the take-off command, left at the top
     mission_arms: bool = False  # by MISSION_START
     reports_prearm: bool = False
     prearm_every_s: float = 0.0  # the reported result may be this old [s]

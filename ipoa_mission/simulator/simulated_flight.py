@@ -152,17 +152,6 @@ class SimulatedFlight(Situation):
         self.mode = FlightMode.HOLD
         self._controller.climb(height)
 
-    @property
-    def rising(self) -> bool:
-        return self._controller.rising
-
-    def go_to(self, latitude_deg: float, longitude_deg: float, altitude: float, speed: float) -> None:
-        self.mode = FlightMode.HOLD
-        east = north = math.nan
-        if math.isfinite(latitude_deg) and math.isfinite(longitude_deg):
-            east, north, _ = map(float, self.frame.local(Geodetic(latitude_deg, longitude_deg, self.home.altitude)))
-        self._controller.go_to(east, north, altitude - self.home.altitude, speed)
-
     def advance(self, to_s: float) -> None:
         while self.time_s + STEP_S <= to_s + 1e-9:
             self._controller.step()

@@ -116,13 +116,6 @@ class StraightController:
     def climb(self, height: float) -> None:
         self.ahead = [(*self.body.place[:2], height)]
 
-    def go_to(self, east: float, north: float, up: float, speed: float) -> None:
-        self.ahead = [(east, north, up)]
-
-    @property
-    def rising(self) -> bool:
-        return False
-
     def step(self) -> None:
         if not (self.now.armed and self.goes):
             return
@@ -272,7 +265,6 @@ def toy(monkeypatch: pytest.MonkeyPatch) -> Autopilot:
         first_mode=1,
         placed_modes=frozenset({2, 3, 4}),
         armable_modes=frozenset({1, 2}),
-        takeoff_mode=None,
         disarm_delay="TOY_WAIT",
     )
     monkeypatch.setattr(Toy, "parts", {**Toy.parts, "MockProfile": spoken})

@@ -3,7 +3,7 @@ import math
 import pytest
 
 from ipoa_mission.autopilot.autopilot import Autopilot, registered
-from ipoa_mission.autopilot.commands import Command, VehicleCommand
+from ipoa_mission.autopilot.commands import VehicleCommand
 from ipoa_mission.autopilot.guidance_profile import mode_number
 from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.link.definitions import message_number
@@ -12,7 +12,6 @@ from ipoa_mission.link.messages import (
     BatteryStatus,
     ClearAll,
     CommandAck,
-    CommandInt,
     CommandLong,
     CommandResult,
     Gps,
@@ -29,7 +28,6 @@ from ipoa_mission.link.messages import (
     TimeSync,
 )
 from ipoa_mission.link.orders import parameter_value
-from ipoa_mission.link.wire import INT32_MAX
 from ipoa_mission.mission.items import waypoint
 from tests.link_pair import HOME
 from tests.simulator.flown import Flown
@@ -119,64 +117,6 @@ HOLD, TAKEOFF, MISSION = (mode_number(4, sub) for sub in (3, 2, 4))
 NAN = math.nan
 
 
-def climbed(height: float = 15.0) -> Flown:
-    """A PX4 that has taken off as QGroundControl does: the order first, arming then."""
-    flown = Flown(PX4, [])
-    assert flown.command(Command.NAV_TAKEOFF, -1.0, 0.0, 0.0, NAN, NAN, NAN, HOME.altitude + height) == OK
-    assert (flown.mock.vehicle.mode, flown.mock.flight.armed) == (TAKEOFF, False)
-    assert flown.command(Command.COMPONENT_ARM_DISARM, 1.0) == OK
-    flown.fly(3.0)
-    assert flown.mock.vehicle.mode == TAKEOFF
-    flown.fly(15.0)
-    return flown
-
-
-def test_px4_takes_off_by_command_and_holds_up_there() -> None:
-    flown = climbed()
-    assert flown.mock.vehicle.mode == HOLD
-    flown.fly(5.0)
-    assert flown.mock.flight.local == pytest.approx([0.0, 0.0, 15.0], abs=1.5)
-    assert flown.command(Command.NAV_TAKEOFF, -1.0, 0.0, 0.0, NAN, NAN, NAN, HOME.altitude + 25.0) == OK
-    assert flown.mock.vehicle.mode == TAKEOFF  # in the air it climbs on
-    flown.fly(12.0)
-    assert (flown.mock.vehicle.mode, flown.mock.flight.local[2]) == (HOLD, pytest.approx(25.0, abs=1.5))
-    assert flown.command(Command.NAV_TAKEOFF, -1.0, 0.0, 0.0, NAN, NAN, NAN, HOME.altitude + 5.0) == OK
-    messages = flown.fly(5.0)
-    assert flown.mock.flight.local[2] == pytest.approx(25.0, abs=1.5), "it does not go down"
-    assert not any(isinstance(message, CommandAck) for message in messages)
-
-
-def test_px4_takes_off_to_its_parameters_height_where_none_is_given() -> None:
-    flown = Flown(PX4, [])
-    assert flown.command(VehicleCommand.DO_SET_MODE, 1.0, 4.0, 2.0) == OK
-    messages = flown.hear(CommandLong(Command.COMPONENT_ARM_DISARM, (1.0, *(0.0,) * 6)))
-    assert any(isinstance(each, Text) and each.text == "Using default takeoff altitude: 2.5 m\t" for each in messages)
-    flown.fly(10.0)
-    assert (flown.mock.vehicle.mode, flown.mock.flight.local[2]) == (HOLD, pytest.approx(2.5, abs=1.2))
-
-
-def test_px4_goes_where_it_is_sent_and_stops_on_the_way() -> None:
-    flown = climbed()
-    go = (-1.0, 1.0, 0.0, NAN)
-    assert flown.command(VehicleCommand.DO_REPOSITION, *go, NAN, NAN, HOME.altitude + 25.0) == OK
-    flown.fly(12.0)
-    assert flown.mock.flight.local == pytest.approx([0.0, 0.0, 25.0], abs=1.5)
-    north = round((HOME.latitude_deg + 0.0005) * 1e7)  # 55.6 m
-    place = CommandInt(VehicleCommand.DO_REPOSITION, 0, go, north, round(HOME.longitude_deg * 1e7), NAN)
-    assert CommandAck(VehicleCommand.DO_REPOSITION, OK) in flown.hear(place)
-    flown.fly(30.0)
-    assert flown.mock.flight.local == pytest.approx([0.0, 55.6, 25.0], abs=1.5)
-    away = CommandInt(VehicleCommand.DO_REPOSITION, 0, go, north + 20_000, round(HOME.longitude_deg * 1e7), NAN)
-    flown.hear(away)
-    flown.fly(15.0)
-    assert flown.mock.flight.velocity[1] > 3.0
-    nowhere = CommandInt(VehicleCommand.DO_REPOSITION, 0, go, INT32_MAX, INT32_MAX, NAN)
-    assert CommandAck(VehicleCommand.DO_REPOSITION, OK) in flown.hear(nowhere)
-    flown.fly(6.0)
-    assert flown.mock.flight.velocity[:2] == pytest.approx([0.0, 0.0], abs=0.7)
-    assert 80.0 < flown.mock.flight.local[1] < 200.0
-
-
 @pytest.mark.parametrize(
     ("autopilot", "flags", "result"),
     [
@@ -199,8 +139,10 @@ def test_vehicle_on_the_ground_goes_nowhere(autopilot: Autopilot, flags: float, 
 
 def test_px4_without_a_mission_accepts_its_mode_and_then_refuses_it() -> None:
     """Two answers to one order: the first is only that it was heard."""
-    flown = climbed()
-    flown.upload([waypoint(Geodetic(HOME.latitude_deg + 0.002, HOME.longitude_deg), 20.0)])
+    flown = Flown(PX4, [waypoint(Geodetic(HOME.latitude_deg + 0.002, HOME.longitude_deg), 20.0)])
+    assert flown.command(VehicleCommand.MISSION_START) == OK
+    flown.fly(15.0)
+    flown.command(VehicleCommand.DO_SET_MODE, 1.0, 4.0, 3.0)
     assert flown.command(VehicleCommand.DO_SET_MODE, 1.0, 4.0, 4.0) == OK
     assert flown.mock.vehicle.mode == MISSION
     flown.command(VehicleCommand.DO_SET_MODE, 1.0, 4.0, 3.0)

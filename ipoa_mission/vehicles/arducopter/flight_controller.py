@@ -61,19 +61,12 @@ class ArduCopterController:
         if self._on_arrival == self._begin_hold and before[ahead] != after[ahead] and now < len(after):
             self._begin_after(now - 1)
 
-    def go_to(self, east: float, north: float, up: float, speed: float) -> None:
-        """ArduCopter has no such command."""
-
     def _return(self) -> None:
         goal = self._now.goal_of_return(self._copter.place, self._parameters)
         self._fly(procedures.return_home(self._copter, goal), self._touch)
 
     def climb(self, height: float) -> None:
         self._take_off(height, self._stay)
-
-    @property
-    def rising(self) -> bool:
-        return self._flying and self._on_arrival == self._stay
 
     def step(self) -> None:
         lifting = self._now.armed and self._now.time_s - self._now.armed_s >= self._lift_s

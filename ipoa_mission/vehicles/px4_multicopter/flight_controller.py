@@ -58,28 +58,7 @@ class Px4Controller:
         self._begin_after(self._now.current - 1)
 
     def climb(self, height: float) -> None:
-        here = self._over_home()
-        limits = self._limits
-        top = self._here = here._replace(up=height)
-        rise = navigator.leg(limits, here, top)
-        if self._now.landed:
-            rise = navigator.take_off(top, limits)
-        self._carry_out([rise, *navigator.stay(top, limits, math.inf)])
-
-    def go_to(self, east: float, north: float, up: float, speed: float) -> None:
-        if math.isnan(east) and math.isnan(up):
-            self._brake()
-            return
-        level = self._here if math.isnan(east) else Enu(east, north, 0.0)
-        height = self._state.body.place.up if math.isnan(up) else up
-        self._here = Enu(level.east, level.north, max(height, self._ground.at(level.east, level.north)))
-        cruise = speed if speed > 0.0 else self._cruise
-        order = navigator.leg(self._limits, self._state.body.place, self._here, cruise=cruise)
-        self._carry_out([order._replace(hold_s=math.inf, follows_home=False)])
-
-    @property
-    def rising(self) -> bool:
-        return self._now.mode is FlightMode.HOLD and len(self._orders) > 1
+        """Refused before: `MOCK_PROFILE.unsupported`."""
 
     def step(self) -> None:
         now = self._now
@@ -242,7 +221,7 @@ MOCK_PROFILE = MockProfile(
     no_item_text="WPM: WP CURR CMD: Not in list\t",
     restores_mode=True,
     unsupported=frozenset({
-        Command.DO_FENCE_ENABLE, Command.DO_PAUSE_CONTINUE, VehicleCommand.DO_SET_MISSION_CURRENT,
+        Command.NAV_TAKEOFF, Command.DO_FENCE_ENABLE, Command.DO_PAUSE_CONTINUE, VehicleCommand.DO_SET_MISSION_CURRENT,
     }),
     start_up=StartUp(0.5, 1.0, 1.5, 1.5, *(3 * ("Resolve system health failures first",))),
     modes={
@@ -254,7 +233,6 @@ MOCK_PROFILE = MockProfile(
     first_mode=mode_number(4, 3),
     placed_modes=frozenset(mode_number(4, sub) for sub in range(2, 7)),
     armable_modes=frozenset({mode_number(4, 2), mode_number(4, 3), mode_number(4, 4)}),
-    takeoff_mode=mode_number(4, 2),
     mission_arms=True,
     refused_arming=CommandResult.TEMPORARILY_REJECTED,
     arm_texts=(
