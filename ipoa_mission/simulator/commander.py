@@ -178,7 +178,8 @@ class Commander(MockVehicle):
             return CommandResult.ACCEPTED
         if params[0] or params[1]:
             return CommandResult.DENIED
-        if self.flight.armed and (refused := self._refuses_mode(self.mission_mode)) is not None:
+        refused = self._refuses_mode(self.mission_mode) if self.flight.armed else None
+        if refused is not None:
             return refused
         result = self.set_mode(self.mission_mode)
         if result == CommandResult.ACCEPTED and self.flight.armed and self.flight.mode is not FlightMode.MISSION:
@@ -199,7 +200,8 @@ class Commander(MockVehicle):
             return CommandResult.FAILED
         if custom_mode == self.mode:
             return CommandResult.ACCEPTED
-        if self.flight.armed and (refused := self._refuses_mode(custom_mode)) is not None:
+        refused = self._refuses_mode(custom_mode) if self.flight.armed else None
+        if refused is not None:
             return refused
         modes = {number: mode for mode, number in self.profile.modes.items()}
         mode = modes.get(custom_mode, FlightMode.HOLD)

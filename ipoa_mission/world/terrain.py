@@ -61,10 +61,12 @@ class Flat:
 
     def least_height(self, points: Points, enough: float = np.inf) -> Spot:
         """Return the least height of legs between `points`; `enough` has no effect."""
-        return _end(heights := points[:, 2] - self.level, int(np.argmin(heights)))
+        heights = points[:, 2] - self.level
+        return _end(heights, int(np.argmin(heights)))
 
     def greatest_height(self, points: Points) -> Spot:
-        return _end(heights := points[:, 2] - self.level, int(np.argmax(heights)))
+        heights = points[:, 2] - self.level
+        return _end(heights, int(np.argmax(heights)))
 
     def legs_height(self, starts: Points, ends: Points) -> Vector:
         """Return the least heights of legs from `starts` to `ends`, (n,) [m]."""
@@ -118,7 +120,8 @@ class SeaLevel(NamedTuple):
         return np.asarray(spots[:, 2] - self.height(spots)), lowest
 
     def greatest_height(self, points: Points) -> Spot:
-        return _end(heights := points[:, 2] - self.height(points), int(np.argmax(heights)))
+        heights = points[:, 2] - self.height(points)
+        return _end(heights, int(np.argmax(heights)))
 
     @property
     def _bends(self) -> Vector:
@@ -155,8 +158,10 @@ class Grid:
         rows, columns = self.heights.shape
         x = np.clip((points[:, 0] - self.east) / self.spacing, 0.0, columns - 1.0)
         y = np.clip((points[:, 1] - self.north) / self.spacing, 0.0, rows - 1.0)
-        column, row = np.minimum(x.astype(int), columns - 2), np.minimum(y.astype(int), rows - 2)
-        x, y = x - column, y - row
+        column = np.minimum(x.astype(int), columns - 2)
+        row = np.minimum(y.astype(int), rows - 2)
+        x = x - column
+        y = y - row
         south = (1 - x) * self.heights[row, column] + x * self.heights[row, column + 1]
         north = (1 - x) * self.heights[row + 1, column] + x * self.heights[row + 1, column + 1]
         return np.asarray((1 - y) * south + y * north)
