@@ -1,4 +1,4 @@
-"""Compiled search for the fewest straight legs near a curve."""
+"""Compiled search for the fewest straight legs near a curve, and for the points of a path far from a line."""
 
 # mypy: disable-error-code="no-untyped-def,misc"
 
@@ -59,3 +59,28 @@ def fewest_legs(samples, spots, last, tolerance):
                 break
             first, end = end, min(end + (end - i) // 2, n)
     return before
+
+
+@njit(cache=True, error_model="numpy")
+def far_points(points, line, most):
+    """Return 1 for each of points (n, 2) that is farther than `most` [m] from a line (k, 2), else 0, (n,).
+
+    Legs are tried outwards from the one that was near the point before.
+    """
+    far = np.ones(len(points), np.int8)
+    legs = len(line) - 1
+    at = 0
+    for i in range(len(points)):
+        x, y = points[i, 0], points[i, 1]
+        for k in range(2 * legs):
+            leg = at + (k + 1) // 2 if k % 2 else at - k // 2
+            if leg < 0 or leg >= legs:
+                continue
+            east, north = line[leg + 1, 0] - line[leg, 0], line[leg + 1, 1] - line[leg, 1]
+            away_e, away_n = x - line[leg, 0], y - line[leg, 1]
+            share = min(max((away_e * east + away_n * north) / max(east * east + north * north, 1e-300), 0.0), 1.0)
+            if (away_e - share * east) ** 2 + (away_n - share * north) ** 2 <= most * most:
+                far[i] = 0
+                at = leg
+                break
+    return far

@@ -178,10 +178,10 @@ def strays(path: Points, curve: Spline, most: float) -> bool:
 
 def is_far(points: Points, line: Points, most: float) -> NDArray[np.bool_]:
     """Return which points (n, 2 or 3) are farther than `most` [m] from a line (k, 2 or 3), seen from above."""
-    legs = shapely.linestrings(np.stack([line[:-1, :2], line[1:, :2]], axis=1))
-    far = np.ones(len(points), dtype=bool)
-    far[shapely.STRtree(legs).query(shapely.points(points[:, :2]), "dwithin", most)[0]] = False
-    return far
+    from ipoa_mission.routing._corridor import far_points
+
+    level, legs = (np.ascontiguousarray(places[:, :2]) for places in (points, line))
+    return far_points(level, legs, most).astype(bool)  # type: ignore[no-any-return]
 
 
 def through(samples: Points, via: Points) -> tuple[Points, list[int]]:
