@@ -65,6 +65,8 @@ def push_clear(waypoints: Points, task: PathTask) -> Points:
                 continue
             moved_legs.remove(leg)
             ends = moved[leg : leg + 2].copy()
+            if _is_clear(ends, task):
+                continue
             for check in _broken(ends, task):
                 _push(moved[leg : leg + 2], is_free[leg : leg + 2], check, task.airspace)
             first, last = (moved[leg : leg + 2] != ends).any(axis=1)
@@ -86,6 +88,18 @@ def _doubtful_legs(waypoints: Points, task: PathTask) -> NDArray[np.intp]:
     margins = airspace.bounds.box_margin(waypoints)
     outside = np.minimum(margins[:-1], margins[1:]) < ROUNDING
     return np.flatnonzero(near | low | outside | (airspace.bounds.footprint is not None))
+
+
+def _is_clear(ends: Points, task: PathTask) -> bool:
+    """Return whether bounds show that a leg (2, 3) keeps all limits."""
+    airspace = task.airspace
+    height = airspace.terrain.legs_height(ends[:1], ends[1:])[0]
+    return bool(
+        airspace.bounds.footprint is None
+        and height >= task.limits.height_above_ground + ROUNDING
+        and airspace.bounds.box_margin(ends).min() >= ROUNDING
+        and not len(airspace.beside_leg(ends[0], ends[1], task.limits.obstacle_distance + ROUNDING))
+    )
 
 
 def _broken(legs: Points, task: PathTask) -> list[Check]:

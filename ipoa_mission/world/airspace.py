@@ -9,9 +9,10 @@ import shapely
 from numpy.typing import NDArray
 
 from ipoa_mission.errors import BadInput
-from ipoa_mission.geometry import Place, Points, Vector, as_place, leg_lengths
+from ipoa_mission.geometry import Place, Plane, Points, Vector, as_place, leg_lengths
 from ipoa_mission.ground import Ground
 from ipoa_mission.world.obstacles import Obstacle, straightened
+from ipoa_mission.world.obstacles.obstacle import Part
 from ipoa_mission.world.polygon import Polygon
 from ipoa_mission.world.terrain import Terrain
 
@@ -34,6 +35,7 @@ class Clearance:
 
 
 ROUNDING = 1e-6  # [m]
+FEW = 8  # points: asked for without an index
 NOTHING_NEAR = Clearance(float("inf"), (float("nan"),) * 3, "nothing")
 
 
@@ -140,11 +142,34 @@ class Airspace:
         least = np.full(len(points), np.inf)
         if not self.obstacles:
             return least
+        if len(points) <= FEW:
+            return self._distance_of_few(points)
         spots = shapely.points(points[:, :2])
         for body, which in _grouped(self._index.query_nearest(spots, all_matches=False)):
             least[which] = self.obstacles[body].distance(points[which])
         for body, which in _grouped(self._index.query(spots, "dwithin", np.maximum(least, 0.0))):
             least[which] = np.minimum(least[which], self.obstacles[body].distance(points[which]))
+        return least
+
+    def beside_leg(self, a: Vector, b: Vector, distance: float) -> NDArray[np.intp]:
+        """Return the obstacles whose circles are within `distance` [m] of the leg `a` to `b`, (k,)."""
+        middles, radii = self._circles
+        step = b[:2] - a[:2]
+        away = middles - a[:2]
+        share = np.clip(away @ step / max(float(step @ step), 1e-12), 0.0, 1.0)
+        away -= share[:, None] * step
+        return np.flatnonzero((away**2).sum(axis=1) <= (radii + max(distance, 0.0)) ** 2)
+
+    def _distance_of_few(self, points: Points) -> Vector:
+        """Return the distances of a few points; a farther circle needs no look at its obstacle."""
+        middles, radii = self._circles
+        least = np.full(len(points), np.inf)
+        floors = np.linalg.norm(middles - points[:, None, :2], axis=2) - radii - ROUNDING
+        lowest = floors.min(axis=0)
+        for body in np.argsort(lowest, kind="stable"):
+            if lowest[body] > least.max():
+                break
+            least = np.minimum(least, self.obstacles[body].distance(points))
         return least
 
     def leg_clearance(self, a: Vector, b: Vector) -> Clearance:
@@ -206,11 +231,8 @@ class Airspace:
         lengths = leg_lengths(points)
         known = within if np.isfinite(within) else float(self.obstacle_distance(points).min())
         reach = known + ROUNDING
-        tracks = shapely.linestrings(np.stack([starts[:, :2], ends[:, :2]], axis=1))
-        upright = (starts[:, :2] == ends[:, :2]).all(axis=1)  # GEOS finds nothing near a line without length
-        tracks[upright] = shapely.points(starts[upright, :2])
         near = list[tuple[float, int, int]]()  # bound, obstacle, leg
-        for body, legs in _grouped(self._index.query(tracks, "dwithin", max(reach, 0.0))):
+        for body, legs in self._beside_legs(starts, ends, reach):
             for parts in (2, 16):  # of each leg
                 away = _sampled_distances(self.obstacles[body], starts[legs], ends[legs], parts)
                 reach = min(reach, float(away.min()) + ROUNDING)
@@ -228,6 +250,17 @@ class Airspace:
             if distance < least.distance:
                 least = _clearance(points, self.obstacles[body].name, distance, leg, where)
         return least
+
+    def _beside_legs(self, starts: Points, ends: Points, reach: float) -> Iterator[tuple[int, NDArray[np.intp]]]:
+        """Yield the obstacles that may be within `reach` [m], with numbers of legs."""
+        if len(starts) == 1:
+            for body in self.beside_leg(starts[0], ends[0], reach).tolist():
+                yield body, np.zeros(1, dtype=np.intp)
+            return
+        tracks = shapely.linestrings(np.stack([starts[:, :2], ends[:, :2]], axis=1))
+        upright = (starts[:, :2] == ends[:, :2]).all(axis=1)  # GEOS finds nothing near a line without length
+        tracks[upright] = shapely.points(starts[upright, :2])
+        yield from _grouped(self._index.query(tracks, "dwithin", max(reach, 0.0)))
 
     def bounds_margin(self, points: Points) -> Clearance:
         box = replace(self.bounds, footprint=None)
@@ -249,6 +282,16 @@ class Airspace:
             if (margin.distance, leg) < (least.distance, least.leg):
                 least = replace(margin, leg=int(leg))
         return least
+
+    @cached_property
+    def _circles(self) -> tuple[Plane, Vector]:
+        """Return middles (k, 2) and radii (k,) of circles that contain the obstacles, seen from above."""
+        corners = np.array([obstacle.bounds[:, :2] for obstacle in self.obstacles])
+        radii = np.linalg.norm(corners[:, 1] - corners[:, 0], axis=1) / 2
+        for n, obstacle in enumerate(self.obstacles):
+            if isinstance(obstacle, Part):
+                radii[n] = obstacle.grid_row().plan_radius
+        return corners.mean(axis=1), radii
 
     @cached_property
     def _heights(self) -> tuple[Vector, Vector]:
