@@ -321,16 +321,17 @@ def _leg_routes(
     steps = lattice.steps(backwards=True)
     back, after = spread(nodes, steps, look, (target, source, ratio), problem.grid, problem.rules)
     routes = list[Points]()
-    courses = list[Points]()
+    courses = np.empty((most, 24, 3))
     for node in [target, *_passages(there + back, there, lattice)]:
         passed = [*_trace(before, node)[::-1], *_trace(after, node)[1:]]
         points = np.vstack([start, lattice.places[passed], goal])
         traveled = arc_lengths(points)
         stations = np.linspace(0, traveled[-1], 24)
         course = np.column_stack([np.interp(stations, traveled, points[:, k]) for k in range(3)])
-        if all(np.linalg.norm(course - other, axis=1).max() > 4 * lattice.spacing[0] for other in courses):
+        apart = np.linalg.norm(course - courses[: len(routes)], axis=2).max(axis=1)
+        if (apart > 4 * lattice.spacing[0]).all():
+            courses[len(routes)] = course
             routes.append(points)
-            courses.append(course)
         if len(routes) == most:
             break
     return routes

@@ -6,6 +6,7 @@ of eqs. (4)-(10). The threat is integrated over arc length; with `form = "nodes"
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -305,10 +306,10 @@ def _by_axis(points: NDArray[np.float64]) -> Matrix:
     return np.ascontiguousarray(points.transpose(0, 2, 1)).reshape(len(points), -1)
 
 
+@lru_cache(maxsize=64)
 def _greville(n: int) -> Vector:
     """Return the Greville abscissae: a straight guide gives an even curve."""
-    knots = knots_of(n)
-    return np.array([knots[i + 1 : i + 1 + DEGREE].mean() for i in range(n)])
+    return np.lib.stride_tricks.sliding_window_view(knots_of(n)[1:-1], DEGREE).mean(axis=1)  # type: ignore[no-any-return]
 
 
 def _axes(control: Points) -> NDArray[np.float64]:
