@@ -31,7 +31,7 @@ from ipoa_mission.forecast.contingency.contingency_samples import SAMPLING
 from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.mission.items import FenceCircle, Item, Mission, land, takeoff, waypoint
 from ipoa_mission.vehicles.arducopter.braking import braking_displacement
-from ipoa_mission.vehicles.px4_multicopter.flight_model import Flights
+from ipoa_mission.vehicles.px4_multicopter.flights import Flights
 from tests.examples import examples
 from tests.refused import refuses
 

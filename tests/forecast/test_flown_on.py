@@ -15,7 +15,7 @@ from ipoa_mission import Forecast, read_mission, read_scenario
 from ipoa_mission.autopilot.returning import TIMED, Contingency
 from ipoa_mission.compiled import jit_if_faster
 from ipoa_mission.forecast.contingency.contingencies import predict_contingency
-from ipoa_mission.vehicles.px4_multicopter.flight_model import Flights, FlownOnce
+from ipoa_mission.vehicles.px4_multicopter.flights import Flights, FlownOnce
 from tests.examples import examples
 
 MISSIONS = Path(__file__).parents[2] / "missions"
@@ -78,7 +78,7 @@ def spans(monkeypatch: pytest.MonkeyPatch) -> list[tuple[float, float, float]]:
 
         return flown
 
-    monkeypatch.setattr("ipoa_mission.vehicles.px4_multicopter.flight_model.jit_if_faster", recording)
+    monkeypatch.setattr("ipoa_mission.vehicles.px4_multicopter.flights.jit_if_faster", recording)
     return recorded
 
 

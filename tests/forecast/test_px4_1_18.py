@@ -14,7 +14,7 @@ from ipoa_mission.autopilot.version import Version
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.geodesy import LocalFrame
 from ipoa_mission.mission.mission_io import read_mission
-from ipoa_mission.vehicles.px4_multicopter.flight_model import Flights
+from ipoa_mission.vehicles.px4_multicopter.flights import Flights
 from tests.refused import refuses
 
 AWAY = Path(__file__).parents[1] / "data" / "flyaway" / "h6_rally-px4.plan"

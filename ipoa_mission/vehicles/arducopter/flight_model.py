@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterator
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -47,6 +48,8 @@ class TimeUncertainty(NamedTuple):
 
 
 UNCERTAINTY = TimeUncertainty()
+CONTINUED_FLIGHTS = 4  # the latest, kept for others with the same first items
+CONTINUED_VISITS = 400  # at most in each
 
 
 class ArduCopterModel(FlightModel):
@@ -55,27 +58,30 @@ class ArduCopterModel(FlightModel):
     scatter = (0.15, 0.01, 0.6)
     is_always_noise_free = True
     simulated_lag = ARDUPILOT_SIMULATOR.lag
+    _recent: "tuple[_Flight, ...]" = ()
 
     def predicted(self, itinerary: Itinerary, wind: Wind, fast: bool | None, noise_free: bool) -> Prediction:
         flight = _Flight(itinerary, wind, fast)
-        times = list[float]()
-        reasons = list[str]()
-        for n, visit in enumerate(itinerary.visits):
+        flight.continue_one_of(self._recent)
+        for n in range(len(flight.moments), len(itinerary.visits)):
             try:
-                reasons.append(flight.visit(n))
+                reason = flight.visit(n)
             except BadInput:
                 raise
             except MissionError as lost:
-                raise lost.at(f"item {visit.seq}") from None
-            times.append(flight.copter.state.time)
+                raise lost.at(f"item {itinerary.visits[n].seq}") from None
+            flight.moments.append(flight.moment(reason))
+        if len(flight.moments) <= CONTINUED_VISITS:
+            self._recent = (flight, *self._recent)[:CONTINUED_FLIGHTS]
         track = Track.joined(flight.samples)
-        done = np.array(times, dtype=np.float64)
+        reasons = tuple(moment.reason for moment in flight.moments)
+        done = np.array([moment.time for moment in flight.moments], dtype=np.float64)
         first_legs = np.array([UNCERTAINTY.first_leg(visit.item) for visit in itinerary.visits]).reshape(-1, 2)
         early, late = np.maximum.accumulate(first_legs).T
         doubt = UNCERTAINTY.flight_s + UNCERTAINTY.flight_share * done
         low = done - np.hypot(doubt, early)
         high = done + np.hypot(doubt, late)
-        return Prediction(done, low, high, tuple(reasons), track, tuple(flight.remarks))
+        return Prediction(done, low, high, reasons, track, tuple(flight.remarks))
 
     def predict_contingency(
         self, itinerary: Itinerary, wind: Wind, contingency: Contingency, time: float
@@ -114,6 +120,21 @@ class ArduCopterModel(FlightModel):
         return ARDUPILOT_SIMULATOR.at_altitude(altitude)
 
 
+class _Moment(NamedTuple):
+    """A flight after a visit, with numbers of its samples and remarks until then."""
+
+    copter: Copter
+    airborne: bool
+    touched: float
+    samples: int
+    remarks: int
+    reason: str
+
+    @property
+    def time(self) -> float:
+        return self.copter.state.time
+
+
 class _Flight:
     def __init__(self, itinerary: Itinerary, wind: Wind, fast: bool | None) -> None:
         mission = itinerary.mission
@@ -129,7 +150,50 @@ class _Flight:
         self.touched = math.nan
         self.remarks: list[str] = []
         self.samples: list[Samples] = []
+        self.moments: list[_Moment] = []
         self.note()
+
+    def continue_one_of(self, flights: "tuple[_Flight, ...]") -> None:
+        """Continue the flight with the most visits in common after them."""
+        shared = [self._visits_shared(flight) for flight in flights]
+        most = max(shared, default=0)
+        if most == 0:
+            return
+        other = flights[shared.index(most)]
+        last = other.moments[most - 1]
+        self.copter = last.copter.copied()
+        self.airborne = last.airborne
+        self.touched = last.touched
+        self.samples = other.samples[: last.samples]
+        self.remarks = other.remarks[: last.remarks]
+        self.moments = other.moments[:most]
+
+    def _visits_shared(self, other: "_Flight") -> int:
+        """Return how many visits another flight made likewise; a visit depends on the next two places."""
+        if self._conditions != other._conditions:
+            return 0
+        visits = self.itinerary.visits
+        others = other.itinerary.visits
+        pairs = zip(visits, others, strict=False)
+        equal = next((n for n, (one, another) in enumerate(pairs) if one != another), min(len(visits), len(others)))
+        if equal == len(visits) == len(others):
+            return equal
+        moving = [n for n in range(equal) if visits[n].item.moves]
+        return moving[-2] if len(moving) > 1 else 0
+
+    @cached_property
+    def _conditions(self) -> tuple[object, ...]:
+        mission = self.itinerary.mission
+        ground = self.itinerary.ground
+        height = self.itinerary.start_height
+        return (
+            *(self.limits, self.airframe, self.wind, height, id(ground.terrain), ground.datum, ground.earth_radius),
+            *(mission.home, mission.rally, mission.parameters, mission.firmware_version, mission.autopilot),
+        )
+
+    def moment(self, reason: str) -> _Moment:
+        numbers = len(self.samples), len(self.remarks)
+        return _Moment(self.copter.copied(), self.airborne, self.touched, *numbers, reason)
 
     @property
     def is_aborted(self) -> bool:

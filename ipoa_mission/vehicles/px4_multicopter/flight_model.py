@@ -4,63 +4,29 @@ A run without noise gives the path, many with noise mean and spread.
 """
 
 import math
-from bisect import bisect_right
 from collections.abc import Callable
-from typing import Any, NamedTuple, Protocol
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ipoa_mission.autopilot.commands import MULTICOPTER_LANDINGS, Command
+from ipoa_mission.autopilot.commands import MULTICOPTER_LANDINGS
 from ipoa_mission.autopilot.parameters import Parameters
 from ipoa_mission.autopilot.returning import Contingency, ReturnBy
-from ipoa_mission.compiled import jit_if_faster, records
+from ipoa_mission.compiled import records
 from ipoa_mission.errors import MissionError, NotModeled
 from ipoa_mission.forecast.deviation.law import DeviationLaw, Quantiles
 from ipoa_mission.forecast.itinerary.itinerary import Itinerary
 from ipoa_mission.forecast.timing.bound import Kinematics
-from ipoa_mission.forecast.timing.flight_model import (
-    FlightModel,
-    LegSpeeds,
-    Missed,
-    Prediction,
-    SlowedByAir,
-    corner_deg,
-)
+from ipoa_mission.forecast.timing.flight_model import FlightModel, Missed, Prediction, SlowedByAir
 from ipoa_mission.forecast.timing.track import Track
-from ipoa_mission.geometry import Matrix, Points, Samples, Vector
-from ipoa_mission.vehicles.px4_multicopter.dynamics import navigator, state
-from ipoa_mission.vehicles.px4_multicopter.dynamics.flight import at_start, fly
-from ipoa_mission.vehicles.px4_multicopter.dynamics.guidance import speed_to
+from ipoa_mission.geometry import Matrix, Points, Vector
+from ipoa_mission.vehicles.px4_multicopter.dynamics import state
 from ipoa_mission.vehicles.px4_multicopter.dynamics.navigator import HELD_OR_REACHED
 from ipoa_mission.vehicles.px4_multicopter.dynamics.state import Order
-from ipoa_mission.vehicles.px4_multicopter.limits import LEAST_HOLD, px4_limits
-from ipoa_mission.wind import CALM, Wind
-
-
-class NoisyRuns(NamedTuple):
-    """Runs with sensor noise, and the uncertainty of the model (docs/lab/flight-time.md)."""
-
-    least: int = 3
-    most: int = 90
-    of_median: int = 8  # always the same seeds
-    step_s: float = 0.04
-    sample_steps: int = 3  # between samples
-    batch: int = 6  # runs between checks
-    known_share: float = 0.003  # relative standard error of the mean
-    contingency_share: float = 0.008  # for a contingency
-    doubt_s: float = 0.8  # standard deviation of the model, its constant part
-    doubt_share: float = 0.0125  # and its part by time
-    landing_s: float = 1.6  # more for landings, as recorded
-    interval_deviations: float = 1.645  # half width of the 90 % interval
-    late_quantile: float = 0.93
-    contingency_deviations: float = 2.3  # for contingencies, fitted in docs/lab/returns.md
-    missed_s: float = 3.0  # later than the median: missed
-    nearest_s: float = 1.6  # before or after, for the nearest place of another run
-    usual_spread: tuple[float, float] = (0.6, 1.0)  # to a side and in height [m]: the deviation law has it
-
-
-RUNS = NoisyRuns()
+from ipoa_mission.vehicles.px4_multicopter.flights import RUNS, Flights, LatestFlights
+from ipoa_mission.vehicles.px4_multicopter.limits import px4_limits
+from ipoa_mission.wind import Wind
 
 
 class Px4Model(FlightModel):
@@ -69,20 +35,23 @@ class Px4Model(FlightModel):
     scatter = (0.7, 0.02, 2.0)
     simulated_lag = state.SIH.lag
 
+    def __init__(self) -> None:
+        self._latest = LatestFlights()
+        self._latest_noisy: tuple[_NoisyTimes, ...] = ()
+
     def predicted(self, itinerary: Itinerary, wind: Wind, fast: bool | None, noise_free: bool) -> Prediction:
         flights = Flights(itinerary, wind, state.NOISE_FREE if noise_free else state.SIH_SENSORS)
-        orders = flights.mission_orders.orders
         ends = list(flights.mission_orders.done)
         remarks = list(flights.mission_orders.remarks)
 
-        exact_run = flights.simulation(orders, noisy=False, fast=fast)(flights.at_start(0))
+        exact_run = self._latest.fly(flights, fast)
         exact_times = exact_run.done[ends]
         samples = exact_run.samples
         times = exact_times[None, :]
         if itinerary.visits and not noise_free:
-            steps = RUNS.most * samples[-1, 0] / RUNS.step_s
-            fly_noisy = flights.simulation(orders, noisy=True, fast=fast, steps=steps)
-            times = _noisy_times(lambda seed: fly_noisy(flights.at_start(seed)).done[ends], RUNS.known_share, remarks)
+            noisy = self._noisy_times(flights, RUNS.most * samples[-1, 0] / RUNS.step_s, fast)
+            times = noisy.times
+            remarks += noisy.remarks
         done = times.mean(axis=0)
         low, high = _interval(itinerary, times)
 
@@ -90,6 +59,21 @@ class Px4Model(FlightModel):
         clock = np.ascontiguousarray(samples[:, 0])
         reasons = tuple(flights.why_slow(n, exact_times, clock, samples) for n in range(len(itinerary.visits)))
         return Prediction(done, low, high, reasons, track, tuple(remarks), _missed(itinerary, times))
+
+    def _noisy_times(self, flights: Flights, steps: float, fast: bool | None) -> "_NoisyTimes":
+        """Return the times of the visits with noise, kept from the latest equal flights."""
+        planned = flights.mission_orders
+        ends = list(planned.done)
+        constants = flights.noise_free_constants.senses, flights.conditions
+        inputs = *constants, records(planned.orders, Order).tobytes(), planned.done
+        kept = next((one for one in self._latest_noisy if one.inputs == inputs), None)
+        if kept is None:
+            fly_noisy = flights.simulation(planned.orders, noisy=True, fast=fast, steps=steps)
+            remarks = list[str]()
+            times = _noisy_times(lambda seed: fly_noisy(flights.at_start(seed)).done[ends], RUNS.known_share, remarks)
+            kept = _NoisyTimes(inputs, times, remarks)
+            self._latest_noisy = (kept, *self._latest_noisy)[: LatestFlights.kept]
+        return kept
 
     def predict_contingency(
         self, itinerary: Itinerary, wind: Wind, contingency: Contingency, time: float
@@ -168,6 +152,12 @@ class Px4Model(FlightModel):
         ends = list(flights.mission_orders.done)
         starts = map(flights.at_start, range(1, RUNS.of_median + 1))
         return np.asarray(np.median([fly_on(start).done[ends] for start in starts], axis=0))
+
+
+class _NoisyTimes(NamedTuple):
+    inputs: tuple[object, ...]
+    times: Matrix  # of runs and visits [s]
+    remarks: list[str]
 
 
 def _noisy_times(once: Callable[[int], Vector], share: float, remarks: list[str]) -> Matrix:
@@ -259,123 +249,6 @@ def spread_of(path: Track, runs: list[Matrix]) -> Points:
     wider, higher = np.maximum(2.0 * offsets.std(axis=0) - RUNS.usual_spread, 0.0).T
     beyond = (np.abs(side) + wider, np.maximum(higher - up, 0.0), np.maximum(higher + up, 0.0))
     return np.column_stack([np.interp(path.times, clock, column) for column in beyond])
-
-
-class FlownOnce(NamedTuple):
-    done: Vector  # times at the start and after each order (n + 1,) [s]
-    samples: Samples
-    progress: state.FlightProgress
-
-
-class FlyOn(Protocol):
-    def __call__(self, flight: FlownOnce, until: float = math.inf) -> FlownOnce: ...  # to its end, or until then [s]
-
-
-class Flights:
-    def __init__(self, itinerary: Itinerary, wind: Wind = CALM, senses: state.SensorModel = state.SIH_SENSORS) -> None:
-        mission = itinerary.mission
-        self.itinerary = itinerary
-        self.airframe = navigator.airframe_of(mission.vehicle)
-        self.wind = wind
-        limits = px4_limits(mission.parameters, mission.firmware_version)
-        self.limits = limits._replace(spool_up=max(limits.spool_up + self.airframe.lift_delay, 0.0))
-        self.mission_orders = navigator.orders_of_itinerary(itinerary, self.limits, self.airframe.landing_delay)
-        turns = self.limits.turns_first or any(not math.isnan(order.heading) for order in self.mission_orders.orders)
-        with_noise = navigator.simulation_constants(self.limits, self.airframe, senses, wind, RUNS.step_s)
-        self.noise_free_constants = with_noise._replace(noisy=False, turns=turns)
-
-    def flown_with(self, contingency: Contingency, time: float, seed: int | None) -> tuple[FlownOnce, FlownOnce]:
-        """Return a flight at an order and at its end, with a seed's noise or none."""
-        noisy = seed is not None
-        steps = RUNS.most * time / RUNS.step_s
-        fly_mission = self.simulation(self.mission_orders.orders, noisy=noisy, steps=steps, sampled=True)
-        until = fly_mission(self.at_start(seed or 0), time)
-        onward = navigator.contingency_orders(contingency, until.samples[-1], self.itinerary, self.limits)
-        orders = tuple(navigator.with_patience(onward, onward[0].start, self.limits, self.airframe.landing_delay))
-        begins = until._replace(done=until.done[-1:], progress=until.progress._replace(steps=state.NOT_BEGUN))
-        return until, self.simulation(orders, noisy=noisy, steps=steps)(begins)
-
-    def simulation(
-        self,
-        orders: tuple[Order, ...],
-        *,
-        noisy: bool,
-        fast: bool | None = None,
-        steps: float = 0.0,
-        sampled: bool = False,
-    ) -> FlyOn:
-        """Return a function that flies `orders` on; `sampled` or noise-free it records samples.
-
-        `steps`: expected number. It raises MissionError without progress.
-        """
-        machine = jit_if_faster(fly, fast, steps)
-        constants = [self.noise_free_constants._replace(noisy=noisy)]
-        inputs: Any = orders
-        if machine is not fly:
-            inputs = records(orders, Order)
-            constants = records(constants, state.SimulationConstants)
-
-        every = RUNS.sample_steps if sampled or not noisy else 0
-
-        def fly_on(flight: FlownOnce, until: float = math.inf) -> FlownOnce:
-            left = inputs[len(flight.done) - 1 :]
-            times, places, (last, of_order, touched) = machine(left, constants, flight.progress, until, every)
-            done = np.append(flight.done, times)
-            progress = state.FlightProgress(state.State(*last), of_order, touched)
-            if len(done) > len(orders) or progress.state.time >= until:
-                return FlownOnce(done, np.vstack([flight.samples, places]), progress)
-            raise MissionError(
-                f"the vehicle does not reach {self._goal_words(orders, len(done) - 1)}",
-                hint="set a hold of 0.1 s (param1) at its waypoints, or name its version (--firmware-version). "
-                "Other causes: too strong a wind, or too small an acceptance radius",
-                code="unreachable",
-            )
-
-        return fly_on
-
-    def _goal_words(self, orders: tuple[Order, ...], n: int) -> str:
-        goal = orders[n].goal
-        place = f"{round(goal.east)} m east and {round(goal.north)} m north of home"
-        if orders is not self.mission_orders.orders:  # a contingency's
-            return place
-        return f"item {self.itinerary.visits[bisect_right(self.mission_orders.done, n)].seq}, {place}"
-
-    def at_start(self, seed: int) -> FlownOnce:
-        height = self.itinerary.start_height or 0.0
-        return FlownOnce(np.zeros(1), np.array([[0.0, 0.0, 0.0, height, 0.0, 0.0, 0.0]]), at_start(height, seed))
-
-    def why_slow(self, n: int, done: Vector, clock: Vector, samples: Samples) -> str:
-        """Return why visit n was slow, by samples at these times (m,) [s]."""
-        command = self.itinerary.visits[n].item.command
-        params = self.itinerary.visits[n].item.params
-        if command == Command.NAV_DELAY:
-            return "hold" if params[0] > 0 else ""
-        if command not in HELD_OR_REACHED:
-            return ""
-        order = self.mission_orders.orders[self.mission_orders.done[n] - 1]
-        if order.hold_s > LEAST_HOLD:
-            return "hold"
-        rows = slice(*np.searchsorted(clock, [done[n - 1] if n else 0.0, done[n]], side="right"))
-        length = math.dist(order.start[:2], order.goal[:2])
-        limits = self.limits
-        stop = speed_to(length / 2, 0.0, limits.accel, limits.jerk)
-        wind = self.wind.along(order.goal.east - order.start.east, order.goal.north - order.start.north)
-        return LegSpeeds(
-            planned=min(stop, order.cruise) if length > 1.0 else None,
-            allowed=self.allowed(order),
-            asked=order.cruise,
-            top=self.airframe.top_speed(limits.lean) + wind,
-            flown=float(np.hypot(samples[rows, 4], samples[rows, 5]).max(initial=0.0)),
-            corner=corner_deg(order.start, order.goal, order.beyond),
-            stops=order.beyond == order.goal,
-        ).why_slow()
-
-    def allowed(self, order: Order) -> float:
-        """Return the level speed that climb or descent allows [m/s]."""
-        length = math.dist(order.start[:2], order.goal[:2])
-        rise = order.goal.up - order.start.up
-        rate = self.limits.climb if rise > 0 else self.limits.descent
-        return min(order.cruise, rate * length / abs(rise)) if rise else order.cruise
 
 
 MODEL = Px4Model()

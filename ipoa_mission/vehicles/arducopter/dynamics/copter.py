@@ -1,6 +1,7 @@
 """An ArduCopter in flight; the estimate calls `run`, the built-in autopilot `step`."""
 
 import math
+from copy import copy
 from typing import Any
 
 import numpy as np
@@ -111,6 +112,11 @@ class Copter:
     def start_at(self, here: Place) -> None:
         self.state = _at_rest(here, 0.0)
         self.this = legs.hold_leg(here, 0.0)
+
+    def copied(self) -> "Copter":
+        copied = copy(self)
+        copied.state = copy(self.state)
+        return copied
 
     @property
     def place(self) -> Place:

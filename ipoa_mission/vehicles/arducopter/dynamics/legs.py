@@ -102,10 +102,13 @@ def join(this: CopterLeg, following: CopterLeg, copter: CopterLimits, left: floa
     """Return `this`, its end speed matched to an adjacent spline; `left`: leave speed of the last spline [m/s]."""
     if this.kind == following.kind == Kind.STRAIGHT:
         return this
-    speed = _speed_at(following, 0.0)
-    if following.kind == Kind.SPLINE:
-        brakes = along_limit(bend(following, 0.0)[1], following.accel)
-        speed = min(speed, math.sqrt(2 * brakes * following.length + left**2))
+    speed = following.profile.peak
+    if following.kind != Kind.STRAIGHT:
+        _, direction, _, fastest = bend(following, 0.0)
+        speed = float(fastest)
+        if following.kind == Kind.SPLINE:
+            brakes = along_limit(direction, following.accel)
+            speed = min(speed, math.sqrt(2 * brakes * following.length + left**2))
     if this.kind == Kind.SPLINE:
         return this._replace(leave=min(speed, _speed_at(this, 1.0)))
     return straight_leg(this.origin, this.target, this.speeds, copter, Course(leave=speed, turn=this.turn))

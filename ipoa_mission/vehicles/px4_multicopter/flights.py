@@ -1,0 +1,237 @@
+"""Fly the orders of an itinerary as PX4, once or with sensor noise; flights share their first orders."""
+
+import math
+from bisect import bisect_right
+from typing import Any, NamedTuple, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ipoa_mission.autopilot.commands import Command
+from ipoa_mission.autopilot.returning import Contingency
+from ipoa_mission.compiled import jit_if_faster, records
+from ipoa_mission.errors import MissionError
+from ipoa_mission.forecast.itinerary.itinerary import Itinerary
+from ipoa_mission.forecast.timing.flight_model import LegSpeeds, corner_deg
+from ipoa_mission.geometry import Samples, Vector
+from ipoa_mission.vehicles.px4_multicopter.dynamics import navigator, state
+from ipoa_mission.vehicles.px4_multicopter.dynamics.flight import at_start, fly
+from ipoa_mission.vehicles.px4_multicopter.dynamics.guidance import speed_to
+from ipoa_mission.vehicles.px4_multicopter.dynamics.navigator import HELD_OR_REACHED
+from ipoa_mission.vehicles.px4_multicopter.dynamics.state import Order
+from ipoa_mission.vehicles.px4_multicopter.limits import LEAST_HOLD, Px4Return, px4_limits
+from ipoa_mission.wind import CALM, Wind
+
+
+class NoisyRuns(NamedTuple):
+    """Runs with sensor noise, and the uncertainty of the model (docs/lab/flight-time.md)."""
+
+    least: int = 3
+    most: int = 90
+    of_median: int = 8  # always the same seeds
+    step_s: float = 0.04
+    sample_steps: int = 3  # between samples
+    batch: int = 6  # runs between checks
+    known_share: float = 0.003  # relative standard error of the mean
+    contingency_share: float = 0.008  # for a contingency
+    doubt_s: float = 0.8  # standard deviation of the model, its constant part
+    doubt_share: float = 0.0125  # and its part by time
+    landing_s: float = 1.6  # more for landings, as recorded
+    interval_deviations: float = 1.645  # half width of the 90 % interval
+    late_quantile: float = 0.93
+    contingency_deviations: float = 2.3  # for contingencies, fitted in docs/lab/returns.md
+    missed_s: float = 3.0  # later than the median: missed
+    nearest_s: float = 1.6  # before or after, for the nearest place of another run
+    usual_spread: tuple[float, float] = (0.6, 1.0)  # to a side and in height [m]: the deviation law has it
+
+
+RUNS = NoisyRuns()
+
+
+class FlownOnce(NamedTuple):
+    done: Vector  # times at the start and after each order (n + 1,) [s]
+    samples: Samples
+    progress: state.FlightProgress
+
+
+class FlyOn(Protocol):
+    def __call__(self, flight: FlownOnce, until: float = math.inf, to: int | None = None) -> FlownOnce: ...
+
+    """Fly on to the end of all orders or of the first `to`, or until a time [s]."""
+
+
+class Flights:
+    def __init__(self, itinerary: Itinerary, wind: Wind = CALM, senses: state.SensorModel = state.SIH_SENSORS) -> None:
+        mission = itinerary.mission
+        self.itinerary = itinerary
+        self.airframe = navigator.airframe_of(mission.vehicle)
+        self.wind = wind
+        limits = px4_limits(mission.parameters, mission.firmware_version)
+        self.limits = limits._replace(spool_up=max(limits.spool_up + self.airframe.lift_delay, 0.0))
+        self.mission_orders = navigator.orders_of_itinerary(itinerary, self.limits, self.airframe.landing_delay)
+        turns = self.limits.turns_first or any(not math.isnan(order.heading) for order in self.mission_orders.orders)
+        with_noise = navigator.simulation_constants(self.limits, self.airframe, senses, wind, RUNS.step_s)
+        self.noise_free_constants = with_noise._replace(noisy=False, turns=turns)
+
+    @property
+    def conditions(self) -> bytes:
+        """All that a noise-free flight depends on, but for its orders; only LAND senses the ground."""
+        limits = self.limits._replace(returning=Px4Return(0.0, 0.0, 0.0, 0.0))
+        constants = self.noise_free_constants._replace(limits=limits, senses=state.NOISE_FREE)
+        packed: bytes = records([constants], state.SimulationConstants).tobytes()
+        return packed + self.at_start(0).samples.tobytes()
+
+    def flown_with(self, contingency: Contingency, time: float, seed: int | None) -> tuple[FlownOnce, FlownOnce]:
+        """Return a flight at an order and at its end, with a seed's noise or none."""
+        noisy = seed is not None
+        steps = RUNS.most * time / RUNS.step_s
+        fly_mission = self.simulation(self.mission_orders.orders, noisy=noisy, steps=steps, sampled=True)
+        until = fly_mission(self.at_start(seed or 0), time)
+        onward = navigator.contingency_orders(contingency, until.samples[-1], self.itinerary, self.limits)
+        orders = tuple(navigator.with_patience(onward, onward[0].start, self.limits, self.airframe.landing_delay))
+        begins = until._replace(done=until.done[-1:], progress=until.progress._replace(steps=state.NOT_BEGUN))
+        return until, self.simulation(orders, noisy=noisy, steps=steps)(begins)
+
+    def simulation(
+        self,
+        orders: tuple[Order, ...],
+        *,
+        noisy: bool,
+        fast: bool | None = None,
+        steps: float = 0.0,
+        sampled: bool = False,
+    ) -> FlyOn:
+        """Return a function that flies `orders` on; `sampled` or noise-free it records samples.
+
+        `steps`: expected number. It raises MissionError without progress.
+        """
+        machine = jit_if_faster(fly, fast, steps)
+        constants = [self.noise_free_constants._replace(noisy=noisy)]
+        inputs: Any = orders
+        if machine is not fly:
+            inputs = records(orders, Order)
+            constants = records(constants, state.SimulationConstants)
+
+        every = RUNS.sample_steps if sampled or not noisy else 0
+
+        def fly_on(flight: FlownOnce, until: float = math.inf, to: int | None = None) -> FlownOnce:
+            left = inputs[len(flight.done) - 1 : to]
+            times, places, (last, of_order, touched) = machine(left, constants, flight.progress, until, every)
+            done = np.append(flight.done, times)
+            progress = state.FlightProgress(state.State(*last), of_order, touched)
+            if len(done) > (len(orders) if to is None else to) or progress.state.time >= until:
+                return FlownOnce(done, np.vstack([flight.samples, places]), progress)
+            raise MissionError(
+                f"the vehicle does not reach {self._goal_words(orders, len(done) - 1)}",
+                hint="set a hold of 0.1 s (param1) at its waypoints, or name its version (--firmware-version). "
+                "Other causes: too strong a wind, or too small an acceptance radius",
+                code="unreachable",
+            )
+
+        return fly_on
+
+    def _goal_words(self, orders: tuple[Order, ...], n: int) -> str:
+        goal = orders[n].goal
+        place = f"{round(goal.east)} m east and {round(goal.north)} m north of home"
+        if orders is not self.mission_orders.orders:  # a contingency's
+            return place
+        return f"item {self.itinerary.visits[bisect_right(self.mission_orders.done, n)].seq}, {place}"
+
+    def at_start(self, seed: int) -> FlownOnce:
+        height = self.itinerary.start_height or 0.0
+        return FlownOnce(np.zeros(1), np.array([[0.0, 0.0, 0.0, height, 0.0, 0.0, 0.0]]), at_start(height, seed))
+
+    def why_slow(self, n: int, done: Vector, clock: Vector, samples: Samples) -> str:
+        """Return why visit n was slow, by samples at these times (m,) [s]."""
+        command = self.itinerary.visits[n].item.command
+        params = self.itinerary.visits[n].item.params
+        if command == Command.NAV_DELAY:
+            return "hold" if params[0] > 0 else ""
+        if command not in HELD_OR_REACHED:
+            return ""
+        order = self.mission_orders.orders[self.mission_orders.done[n] - 1]
+        if order.hold_s > LEAST_HOLD:
+            return "hold"
+        rows = slice(*np.searchsorted(clock, [done[n - 1] if n else 0.0, done[n]], side="right"))
+        length = math.dist(order.start[:2], order.goal[:2])
+        limits = self.limits
+        stop = speed_to(length / 2, 0.0, limits.accel, limits.jerk)
+        wind = self.wind.along(order.goal.east - order.start.east, order.goal.north - order.start.north)
+        return LegSpeeds(
+            planned=min(stop, order.cruise) if length > 1.0 else None,
+            allowed=self.allowed(order),
+            asked=order.cruise,
+            top=self.airframe.top_speed(limits.lean) + wind,
+            flown=float(np.hypot(samples[rows, 4], samples[rows, 5]).max(initial=0.0)),
+            corner=corner_deg(order.start, order.goal, order.beyond),
+            stops=order.beyond == order.goal,
+        ).why_slow()
+
+    def allowed(self, order: Order) -> float:
+        """Return the level speed that climb or descent allows [m/s]."""
+        length = math.dist(order.start[:2], order.goal[:2])
+        rise = order.goal.up - order.start.up
+        rate = self.limits.climb if rise > 0 else self.limits.descent
+        return min(order.cruise, rate * length / abs(rise)) if rise else order.cruise
+
+
+class _Stop(NamedTuple):
+    """A flight after some orders, with the number of its samples."""
+
+    orders: int
+    samples: int
+    progress: state.FlightProgress
+
+
+class _Flight(NamedTuple):
+    conditions: bytes
+    orders: NDArray[np.void]  # (n,)
+    flown: FlownOnce
+    stops: list[_Stop]
+
+    def shared_with(self, conditions: bytes, orders: NDArray[np.void]) -> int:
+        """Return how many orders another flight has in common, before a LAND."""
+        if conditions != self.conditions:
+            return 0
+        count = min(len(orders), len(self.orders))
+        both = (np.frombuffer(rows[:count].tobytes(), np.uint8) for rows in (orders, self.orders))
+        rows, others = (each.reshape(count, -1) for each in both)
+        differ = (rows != others).any(axis=1) | (orders["kind"][:count] == state.LAND)
+        return int(np.argmax(differ)) if differ.any() else count
+
+
+class LatestFlights:
+    """The latest noise-free flights: another one continues that with the most orders in common, to equal bits."""
+
+    kept = 4
+    most_stops = 16
+    least_orders = 4  # between stops
+
+    def __init__(self) -> None:
+        self._flights: tuple[_Flight, ...] = ()
+
+    def fly(self, flights: Flights, fast: bool | None) -> FlownOnce:
+        """Return the noise-free flight of all orders; raises as `Flights.simulation`."""
+        orders = flights.mission_orders.orders
+        fly_on = flights.simulation(orders, noisy=False, fast=fast)
+        flown = flights.at_start(0)
+        if jit_if_faster(fly, fast, 0.0) is fly or not orders:
+            return fly_on(flown)
+        conditions = flights.conditions
+        rows = records(orders, Order)
+        shared = [flight.shared_with(conditions, rows) for flight in self._flights]
+        most = max(shared, default=0)
+        stops = list[_Stop]()
+        if most > 0:
+            other = self._flights[shared.index(most)]
+            stops = [stop for stop in other.stops if stop.orders <= most]
+        if stops:
+            last = stops[-1]
+            before = other.flown
+            flown = FlownOnce(before.done[: last.orders + 1], before.samples[: last.samples], last.progress)
+        step = max(self.least_orders, math.ceil(len(orders) / self.most_stops))
+        while len(flown.done) <= len(orders):
+            flown = fly_on(flown, to=min(len(flown.done) - 1 + step, len(orders)))
+            stops.append(_Stop(len(flown.done) - 1, len(flown.samples), flown.progress))
+        self._flights = (_Flight(conditions, rows, flown, stops), *self._flights)[: self.kept]
+        return flown
