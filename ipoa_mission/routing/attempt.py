@@ -11,6 +11,7 @@ from ipoa_mission.forecast.deviation.kept_limits import clearance_task
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.itinerary.flown_legs import join
 from ipoa_mission.forecast.timing.estimate import kinematics
+from ipoa_mission.forecast.timing.flight_model import Prediction
 from ipoa_mission.forecast.timing.track import Track, pieces_of, thinned
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.planning.planner import Plan
@@ -107,13 +108,25 @@ class Attempt:
 
     @cached_property
     def prediction(self) -> "RoutePrediction":
-        return _predict(self, self.draft, noise_free=False)
+        return _predict(self, self.draft, self.draft.expected)
 
     @cached_property
     def quick_prediction(self) -> "RoutePrediction":
         """Fly without noise, only to the goal."""
         mission = self.draft.mission_as_read
-        return _predict(self, Forecast(replace(mission, items=mission.items[:-1]), self.scenario), noise_free=True)
+        forecast = Forecast(replace(mission, items=mission.items[:-1]), self.scenario)
+        return _predict(self, forecast, forecast.predicted(noise_free=True, fast=True))
+
+    def seconds_until(self, waypoint: int) -> float:
+        """Fly without noise until a waypoint; return its time from the start [s].
+
+        The mission ends two waypoints later: the time depends on no later one.
+        """
+        items = items_of_waypoints(self.route)
+        mission = self.draft.mission_as_read
+        begun = replace(mission, items=mission.items[: items[waypoint + 2] + 1])
+        done = Forecast(begun, self.scenario).predicted(noise_free=True, fast=True).done
+        return float(done[items[waypoint]] - done[items[0]])
 
 
 @dataclass(frozen=True, eq=False)
@@ -146,8 +159,8 @@ class RoutePrediction:
         return deviation_bound_holds(pieces_of(self.track), clearance_task(self.attempt.scenario))
 
 
-def _predict(attempt: Attempt, forecast: Forecast, noise_free: bool) -> RoutePrediction:
-    prediction, mission = forecast.predicted(noise_free, fast=True), forecast.mission_as_read
+def _predict(attempt: Attempt, forecast: Forecast, prediction: Prediction) -> RoutePrediction:
+    mission = forecast.mission_as_read
     first, *_, last = items = list(items_of_waypoints(attempt.route))
     begin, end = float(prediction.done[first]), float(prediction.done[last])
     track = prediction.track.local()

@@ -263,6 +263,9 @@ class RouteSearch(NamedTuple):
     patience: int = 15  # trials without gain
     step_shares: tuple[float, ...] = (0.5, 0.2)  # of the tolerance
     min_gain_s: float = 0.1
+    settled_s: float = 4.0  # after a changed leg a flight is as before
+    local_share: float = 0.5  # of the waypoints, that a shorter flight may take
+    local_doubt_s: float = 0.06  # of a gain until then
     equal_share: float = 0.005  # of the time, of equally quick routes
     max_delay: float = 1.02  # of the time without noise, to be flown with it
 
@@ -337,7 +340,8 @@ def _improve(attempt: Attempt) -> Attempt:
             candidate = attempt.along(changes[at % len(changes)])
             tried.add(candidate.route.points.tobytes())
             if (
-                candidate.quick_prediction.seconds < attempt.quick_prediction.seconds - SEARCH.min_gain_s
+                _may_gain(candidate, attempt)
+                and candidate.quick_prediction.seconds < attempt.quick_prediction.seconds - SEARCH.min_gain_s
                 and candidate.is_fit
             ):
                 attempt, in_vain = candidate, 0
@@ -345,6 +349,21 @@ def _improve(attempt: Attempt) -> Attempt:
             else:
                 at, in_vain = at + 1, in_vain + 1
     return attempt
+
+
+def _may_gain(candidate: Attempt, attempt: Attempt) -> bool:
+    """Return whether a flight until it has settled behind the change, and no further, gains enough."""
+    points, others = attempt.route.points, candidate.route.points
+    common = min(len(points), len(others))
+    differs = (points[-common:] != others[-common:]).any(axis=1)
+    behind = len(points) - common + int(np.flatnonzero(differs)[-1]) + 1  # first waypoint of the unchanged end
+    reached = attempt.quick_prediction.reached
+    after = reached[min(behind + 1, len(points) - 1)] + SEARCH.settled_s
+    settled = max(behind + 2, int(np.searchsorted(reached, after)))
+    if settled >= min(SEARCH.local_share * len(points), len(points) - 2):
+        return True
+    lasts = candidate.seconds_until(settled + len(others) - len(points))
+    return bool(lasts < reached[settled] - reached[0] - SEARCH.min_gain_s + SEARCH.local_doubt_s)
 
 
 def _changes(points: Points, step: float, via: Points, tried: set[bytes]) -> Iterator[Points]:
