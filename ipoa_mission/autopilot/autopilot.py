@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from ipoa_mission.geometry import Points, Vector
 
 Part = TypeVar("Part")
+_resolved = cache(resolve_name)
 STATIONARY_SPEED = 0.1  # [m/s]
 
 
@@ -76,7 +77,7 @@ class Autopilot(metaclass=_ByName):
         if not self.has(interface):
             raise NotModeled(f"{self.model} has no {re.sub('(?<=[a-z])(?=[A-Z])', ' ', interface.__name__).lower()}")
         address = self.parts[interface.__name__]
-        part = resolve_name(address) if isinstance(address, str) else address
+        part = _resolved(address) if isinstance(address, str) else address
         assert isinstance(part, interface), f"{address} is no {interface.__name__}"
         return part
 

@@ -200,7 +200,7 @@ class PreparedProblem:
         """Return the cost of one finely sampled curve; slight breaches are forgiven."""
         from ipoa_mission.planning._kernels import path_costs
 
-        nodes = candidate.curve.points(np.linspace(0.0, 1.0, COMPARING_FACTOR * self.nodes))
+        nodes = candidate.curve.even_points(COMPARING_FACTOR * self.nodes)
         legs = leg_lengths(nodes)
         lenience = LENIENCE * self.scale
         longest = max(1.5 * self.limits.obstacle_distance, GREATEST_LEG * self.scale)

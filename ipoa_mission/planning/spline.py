@@ -6,7 +6,7 @@ from functools import cached_property, lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from ipoa_mission.geometry import Points, Vector
+from ipoa_mission.geometry import Matrix, Points, Vector
 
 DEGREE = 3
 ARC_TABLE = 64  # entries per span
@@ -27,16 +27,21 @@ class Spline:
 
     def points(self, u: Vector, order: int = 0) -> Points:
         """Return points at parameters u (k,), or derivatives by u of the given order, (k, 3)."""
-        first, values = local_basis(len(self.control), u, order)
+        return self._combined(*local_basis(len(self.control), u, order))
+
+    def even_points(self, count: int) -> Points:
+        """Return points at `count` even parameters, (count, 3)."""
+        return self._combined(*_even_local_basis(len(self.control), count))
+
+    def _combined(self, first: NDArray[np.intp], values: Matrix) -> Points:
         return np.asarray(np.einsum("kj,kja->ka", values, self.control[first[:, None] + np.arange(DEGREE + 1)]))
 
     @cached_property
     def length(self) -> float:
         """Return the arc length [m], by Gauss-Legendre quadrature."""
-        nodes, weights = np.polynomial.legendre.leggauss(24)
-        u = (np.arange(self.spans)[:, None] + (nodes + 1) / 2).ravel() / self.spans
-        speed = np.linalg.norm(self.points(u, order=1), axis=1)
-        return float(speed @ np.tile(weights, self.spans) / (2 * self.spans))
+        local, weights = _quadrature(len(self.control))
+        speed = np.linalg.norm(self._combined(*local), axis=1)
+        return float(speed @ weights / (2 * self.spans))
 
     def sample(self, n: int) -> Points:
         return self.points(self.parameters(n))
@@ -47,8 +52,8 @@ class Spline:
 
     @cached_property
     def _arcs(self) -> tuple[Vector, Vector]:
-        u = np.linspace(0.0, 1.0, self.spans * ARC_TABLE + 1)
-        speed, middle = (np.linalg.norm(self.points(v, order=1), axis=1) for v in (u, (u[1:] + u[:-1]) / 2))
+        u, *local = _arc_table(len(self.control))
+        speed, middle = (np.linalg.norm(self._combined(*at), axis=1) for at in local)
         arcs = (speed[:-1] + 4 * middle + speed[1:]) / 6 * np.diff(u)  # Simpson
         return u, np.concatenate([[0.0], np.cumsum(arcs)])
 
@@ -67,6 +72,30 @@ class Spline:
         control = np.asarray(np.linalg.lstsq(basis(n, u), self.points(u), rcond=None)[0])
         control[[0, -1]] = self.control[[0, -1]]
         return Spline(control)
+
+
+LocalBasis = tuple[NDArray[np.intp], Matrix]  # as `local_basis` returns
+
+
+@lru_cache(maxsize=32)
+def _even_local_basis(n: int, count: int) -> LocalBasis:
+    return local_basis(n, np.linspace(0.0, 1.0, count))
+
+
+@lru_cache(maxsize=16)
+def _quadrature(n: int) -> tuple[LocalBasis, Vector]:
+    """Return the derivative's basis at the nodes of Gauss and Legendre in each span, and their weights."""
+    nodes, weights = np.polynomial.legendre.leggauss(24)
+    spans = n - DEGREE
+    u = (np.arange(spans)[:, None] + (nodes + 1) / 2).ravel() / spans
+    return local_basis(n, u, 1), np.tile(weights, spans)
+
+
+@lru_cache(maxsize=16)
+def _arc_table(n: int) -> tuple[Vector, LocalBasis, LocalBasis]:
+    """Return the parameters of the arc table, and the derivative's basis there and in the middles."""
+    u = np.linspace(0.0, 1.0, (n - DEGREE) * ARC_TABLE + 1)
+    return u, local_basis(n, u, 1), local_basis(n, (u[1:] + u[:-1]) / 2, 1)
 
 
 @lru_cache(maxsize=64)

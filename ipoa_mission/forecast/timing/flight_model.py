@@ -29,7 +29,7 @@ NEVER_MISSED = Missed(0.0, 0.0)
 
 @dataclass(frozen=True, eq=False)
 class Prediction:
-    """Time of each visit (n,) [s], reason of its slowness, path, and remarks.
+    """Time of each visit (n,) [s], reason of its slowness (perhaps none without noise), path, and remarks.
 
     Nine flights in ten are from `low` to `high` (n,) [s]. `missed`: by visit. `touched`: touchdown of a contingency,
     at the earliest, in the mean and at the latest [s].

@@ -18,7 +18,7 @@ from ipoa_mission.errors import MissionError, NotModeled
 from ipoa_mission.forecast.deviation.law import DeviationLaw, Quantiles
 from ipoa_mission.forecast.itinerary.itinerary import Itinerary
 from ipoa_mission.forecast.timing.bound import Kinematics
-from ipoa_mission.forecast.timing.flight_model import FlightModel, Missed, Prediction, SlowedByAir
+from ipoa_mission.forecast.timing.flight_model import NEVER_MISSED, FlightModel, Missed, Prediction, SlowedByAir
 from ipoa_mission.forecast.timing.track import Track
 from ipoa_mission.geometry import Matrix, Points, Vector
 from ipoa_mission.vehicles.px4_multicopter.dynamics import state
@@ -57,7 +57,8 @@ class Px4Model(FlightModel):
 
         track = Track.of(samples, _in_mean_time(samples[:, 0], exact_times, done))
         clock = np.ascontiguousarray(samples[:, 0])
-        reasons = tuple(flights.why_slow(n, exact_times, clock, samples) for n in range(len(itinerary.visits)))
+        numbers = range(0 if noise_free else len(itinerary.visits))
+        reasons = tuple(flights.why_slow(n, exact_times, clock, samples) for n in numbers)
         return Prediction(done, low, high, reasons, track, tuple(remarks), _missed(itinerary, times))
 
     def _noisy_times(self, flights: Flights, steps: float, fast: bool | None) -> "_NoisyTimes":
@@ -206,6 +207,8 @@ def _interval(itinerary: Itinerary, times: Matrix) -> tuple[Vector, Vector]:
     has_landed = np.maximum.accumulate(lands)
     doubt = RUNS.doubt_s**2 + (RUNS.doubt_share * done) ** 2 + RUNS.landing_s**2 * has_landed
     unsure = RUNS.interval_deviations**2 * doubt
+    if len(times) == 1:
+        return done - np.sqrt(unsure), done + np.sqrt(unsure)
     below = RUNS.interval_deviations * times.std(axis=0)
     above = np.maximum(below, np.quantile(times, RUNS.late_quantile, axis=0) - done)
     return done - np.sqrt(below**2 + unsure), done + np.sqrt(above**2 + unsure)
@@ -220,6 +223,8 @@ def _in_mean_time(clock: Vector, exact_times: Vector, done: Vector) -> Vector:
 
 def _missed(itinerary: Itinerary, runs: Matrix) -> tuple[Missed, ...]:
     """Return the share of runs (m, n) [s] that miss each waypoint, and their mean delay."""
+    if len(runs) == 1:
+        return (NEVER_MISSED,) * len(itinerary.visits)
     lasted = np.diff(runs, axis=1, prepend=0.0)
     longer = lasted - np.median(lasted, axis=0)
     flown_to = np.array([visit.item.command in HELD_OR_REACHED for visit in itinerary.visits], dtype=bool)

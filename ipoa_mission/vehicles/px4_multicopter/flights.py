@@ -2,6 +2,7 @@
 
 import math
 from bisect import bisect_right
+from functools import lru_cache
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
@@ -58,6 +59,9 @@ class FlyOn(Protocol):
     def __call__(self, flight: FlownOnce, until: float = math.inf, to: int | None = None) -> FlownOnce: ...
 
     """Fly on to the end of all orders or of the first `to`, or until a time [s]."""
+
+
+_start = lru_cache(maxsize=128)(at_start)
 
 
 class Flights:
@@ -139,7 +143,7 @@ class Flights:
 
     def at_start(self, seed: int) -> FlownOnce:
         height = self.itinerary.start_height or 0.0
-        return FlownOnce(np.zeros(1), np.array([[0.0, 0.0, 0.0, height, 0.0, 0.0, 0.0]]), at_start(height, seed))
+        return FlownOnce(np.zeros(1), np.array([[0.0, 0.0, 0.0, height, 0.0, 0.0, 0.0]]), _start(height, seed))
 
     def why_slow(self, n: int, done: Vector, clock: Vector, samples: Samples) -> str:
         """Return why visit n was slow, by samples at these times (m,) [s]."""
