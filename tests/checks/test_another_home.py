@@ -5,7 +5,7 @@ import pytest
 
 from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.autopilot.commands import Frame
-from ipoa_mission.autopilot.returning import Contingency
+from ipoa_mission.autopilot.returning import Contingency, ReturnBy
 from ipoa_mission.checks.unsafe import check_start
 from ipoa_mission.flight.post_flight import _from_ground
 from ipoa_mission.forecast.conformance import ConformanceMonitor
@@ -14,7 +14,12 @@ from ipoa_mission.forecast.deviation.clearance_guarantee import KeptLimit
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.geodesy import Geodetic, LocalFrame
 from ipoa_mission.mission.items import Mission
+from ipoa_mission.report.compare import flown_track
+from ipoa_mission.report.drawn_flight import item_legs
 from ipoa_mission.scenario import Scenario
+from ipoa_mission.simulator.fly import fly_built_in
+from ipoa_mission.studio.mission_view import mission_world
+from ipoa_mission.studio.plan_answers import expected
 from tests.checks.test_airspace import WORLD, flight, place, seen, world
 from tests.refused import refuses
 
@@ -170,3 +175,48 @@ def test_a_move_between_frames_is_one_through_degrees_and_back(offset: tuple[flo
     apart_m = np.linalg.norm(points[1, 1] - points[0, 1])
     assert np.linalg.norm(seen_there[1, 1] - seen_there[0, 1]) == pytest.approx(apart_m, abs=1e-6)
     assert here.moved(points, here) is points
+
+
+@pytest.mark.parametrize("autopilot", AUTOPILOTS)
+@pytest.mark.parametrize("home", [PLACE, SIDEWAYS, UP, BOTH])
+def test_returns_lead_to_a_rally_point_at_its_place(autopilot: Autopilot, home: tuple[float, float, float]) -> None:
+    scenario = world()
+    rally = replace(place(scenario, 100.0, -20.0), altitude=10.0)  # above home
+    mission = replace(over_the_hall(scenario, autopilot, ABOVE_HOME), rally=(rally,))
+    forecast = Forecast(moved(mission, scenario, home), scenario)
+    contingencies = Contingencies(forecast)
+    returns = contingencies.at(Contingency.RTL, forecast.estimate.items[2].done_s - 1.0)
+    assert returns.goal == "rally point 1"
+    assert returns.lands == pytest.approx((100.0, -20.0), abs=1e-3)
+    path = contingencies.paths.at(Contingency.RTL, np.array([contingencies.in_air[1] / 2])).paths[0, -1]
+    assert path[-2] == pytest.approx([100.0, -20.0, 36.0 + home[2]], abs=0.2)
+
+
+@pytest.mark.parametrize("home", [SIDEWAYS, UP, BOTH])
+def test_a_return_along_the_mission_ends_at_its_home(home: tuple[float, float, float]) -> None:
+    scenario = world()
+    mission = over_the_hall(scenario, Autopilot.PX4, ABOVE_HOME).with_parameters({"RTL_TYPE": 2.0})
+    ends = []
+    for at in (PLACE, home):
+        forecast = Forecast(moved(mission, scenario, at), scenario)
+        paths = Contingencies(forecast).paths
+        assert paths.routes.kinds == (ReturnBy.MISSION_REVERSED,)
+        time = np.array([forecast.estimate.items[2].done_s - 8.0])
+        ends.append(paths.at(Contingency.RTL, time).paths[0, -1])
+    in_place, there = ends
+    assert there[-3:, :2] - in_place[-3:, :2] == pytest.approx(np.array([[0, 0], home[:2], home[:2]]), abs=0.2)
+    assert there[-3:, 2] - in_place[-3:, 2] == pytest.approx(np.full(3, home[2]), abs=0.2)
+
+
+@pytest.mark.parametrize("home", [SIDEWAYS, BOTH])
+def test_report_and_studio_draw_the_flight_from_its_home(home: tuple[float, float, float]) -> None:
+    scenario = world()
+    forecast = Forecast(moved(over_the_hall(scenario, Autopilot.PX4, ABOVE_HOME), scenario, home), scenario)
+    begins = forecast.mission.home.longitude_deg, forecast.mission.home.latitude_deg
+    assert expected(forecast, "over").course.line.points[0] == pytest.approx(begins, abs=2e-7)
+    assert mission_world(forecast).spots[0].up == pytest.approx(home[2], abs=0.01)
+    assert item_legs(forecast)[0].path[0] == pytest.approx(np.array(home), abs=1e-6)
+    flown = flown_track(forecast, fly_built_in(forecast.mission))
+    assert flown is not None
+    assert flown.points[0] == pytest.approx(np.array(home), abs=0.1)
+    assert float(flown.points[:, 2].max()) == pytest.approx(home[2] + 36.0, abs=1.0)
