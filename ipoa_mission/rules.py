@@ -102,6 +102,8 @@ RULES: Mapping[str, Rule] = {
         "Shorten it, or change the named parameter.", False),
     "terrain-data": Rule("Heights over terrain need terrain data or a range finder on the vehicle.",
         "Load them, or give heights above home.", False),
+    "terrain-clearance": Rule("Over uneven terrain the clearance of flights is unknown: only planned legs are judged.",
+        "Give heights above home.", False),
     "ends-in-the-air": Rule("The last item leaves the vehicle in the air.", "End with a landing or a return.", True),
     "rally-place": Rule("A rally point is not a valid position, or far from home.", "Correct it.", True),
     "rally-height": Rule("A rally point has no height, or an implausible one.", "Give it above home, in meters.", True),

@@ -35,6 +35,9 @@ def check_world(forecast: Forecast, is_flown: bool, before: Iterable[Finding]) -
         for finding in check_clearance(forecast.mission, forecast.world, guarantee):
             if judged.get(finding.seq) not in (Severity.ERROR, finding.severity):  # else the leg's finding says it
                 findings.append(finding)
+    if uneven := forecast.over_uneven_terrain:
+        words = f"{name_items(uneven)}: height over uneven terrain is not modeled; the clearance of flights is unknown"
+        findings.append(Finding("terrain-clearance", Severity.WARNING, uneven[0], words))
     findings += (*check_unread(forecast.world.unread), *check_passed_over(forecast), *check_ground(forecast))
     if is_flown:
         findings += check_wind(forecast)

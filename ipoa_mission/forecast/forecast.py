@@ -21,6 +21,7 @@ from ipoa_mission.forecast.timing.track import Track
 from ipoa_mission.geodesy import LocalFrame
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.ground import Ground
+from ipoa_mission.mission.item_words import name_items
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.mission.landing_ground import known_ground, landing_over
 from ipoa_mission.wind import CALM, Wind
@@ -224,9 +225,17 @@ class Forecast:
         track = self.placed_track(predicted.track.local())
         return clearance_guarantee_of(PredictedFlight(self.itinerary, predicted, track, task, spread))
 
+    @property
+    def over_uneven_terrain(self) -> tuple[int, ...]:
+        """Return the items whose height over terrain is predicted as height over home, though it is not level."""
+        return () if self.ground.is_level else self.itinerary.over_terrain
+
     def expect_known_path(self) -> None:
         if self.unknown:
             raise _refusal(self.unknown[0], "clearance")
+        if self.over_uneven_terrain:
+            words = "its height over uneven terrain is not modeled; the clearance of flights is unknown"
+            raise NotModeled(words, place=name_items(self.over_uneven_terrain))
 
     @property
     def guarantee_if_known(self) -> "ClearanceGuarantee | None":

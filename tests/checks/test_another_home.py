@@ -7,6 +7,7 @@ from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.autopilot.commands import Frame
 from ipoa_mission.autopilot.returning import Contingency, ReturnBy
 from ipoa_mission.checks.unsafe import check_start
+from ipoa_mission.errors import NotModeled
 from ipoa_mission.flight.post_flight import _from_ground
 from ipoa_mission.forecast.conformance import ConformanceMonitor
 from ipoa_mission.forecast.contingency.contingencies import Contingencies
@@ -220,3 +221,19 @@ def test_report_and_studio_draw_the_flight_from_its_home(home: tuple[float, floa
     assert flown is not None
     assert flown.points[0] == pytest.approx(np.array(home), abs=0.1)
     assert float(flown.points[:, 2].max()) == pytest.approx(home[2] + 36.0, abs=1.0)
+
+
+def test_clearance_over_uneven_terrain_is_unknown() -> None:
+    rows = ", ".join(f"[0.0, 0.0, 0.0, {top}, {top}]" for top in (0.0, 10.0, 0.0))
+    hill = f'\n[terrain]\nkind = "grid"\neast = -100.0\nnorth = -100.0\nspacing = 100.0\nheights = [{rows}]\n'
+    for scenario, unknown in ((world(), []), (world(WORLD + hill), ["warning terrain-clearance 2"])):
+        mission = over_the_hall(scenario, Autopilot.ARDUPILOT, OVER_TERRAIN)
+        forecast = Forecast(mission, scenario)
+        assert [code for code in seen(mission, scenario) if "terrain-clearance" in code] == unknown
+        if unknown:
+            with refuses("not-modeled", "items 2 to 3", "uneven terrain", kind=NotModeled):
+                _ = forecast.guarantee
+            with refuses("not-modeled", "items 2 to 3", kind=NotModeled):
+                Contingencies(forecast).rows(Contingency.RTL)
+        else:
+            assert clearance(forecast).guaranteed > 0.0
