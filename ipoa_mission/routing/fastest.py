@@ -340,7 +340,8 @@ def _improve(attempt: Attempt) -> Attempt:
             candidate = attempt.along(changes[at % len(changes)])
             tried.add(candidate.route.points.tobytes())
             if (
-                _may_gain(candidate, attempt)
+                _is_open(candidate, attempt)
+                and _may_gain(candidate, attempt)
                 and candidate.quick_prediction.seconds < attempt.quick_prediction.seconds - SEARCH.min_gain_s
                 and candidate.is_fit
             ):
@@ -351,12 +352,26 @@ def _improve(attempt: Attempt) -> Attempt:
     return attempt
 
 
+def _changed(points: Points, others: Points) -> tuple[int, int]:
+    """Return the numbers of equal waypoints at the start and at the end."""
+    least = min(len(points), len(others))
+    start = int(np.argmax((points[:least] != others[:least]).any(axis=1)))
+    differs = (points[-(least - start) :] != others[-(least - start) :]).any(axis=1)
+    return start, int(np.argmax(differs[::-1])) if differs.any() else least - start
+
+
+def _is_open(candidate: Attempt, attempt: Attempt) -> bool:
+    """Return whether the changed legs are proved, if they are straight."""
+    points = candidate.route.points
+    start, end = _changed(attempt.route.points, points)
+    legs = points[start - 1 : len(points) - end + 1]
+    return candidate.route.spline or prove(legs, candidate.scenario, spare=0.0).is_proved
+
+
 def _may_gain(candidate: Attempt, attempt: Attempt) -> bool:
     """Return whether a flight until it has settled behind the change, and no further, gains enough."""
     points, others = attempt.route.points, candidate.route.points
-    common = min(len(points), len(others))
-    differs = (points[-common:] != others[-common:]).any(axis=1)
-    behind = len(points) - common + int(np.flatnonzero(differs)[-1]) + 1  # first waypoint of the unchanged end
+    behind = len(points) - _changed(points, others)[1]
     reached = attempt.quick_prediction.reached
     after = reached[min(behind + 1, len(points) - 1)] + SEARCH.settled_s
     settled = max(behind + 2, int(np.searchsorted(reached, after)))
