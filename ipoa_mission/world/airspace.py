@@ -286,7 +286,7 @@ class Airspace:
     @cached_property
     def _circles(self) -> tuple[Plane, Vector]:
         """Return middles (k, 2) and radii (k,) of circles that contain the obstacles, seen from above."""
-        corners = np.array([obstacle.bounds[:, :2] for obstacle in self.obstacles])
+        corners = np.array([obstacle.bounds[:, :2] for obstacle in self.obstacles]).reshape(-1, 2, 2)
         radii = np.linalg.norm(corners[:, 1] - corners[:, 0], axis=1) / 2
         for n, obstacle in enumerate(self.obstacles):
             if isinstance(obstacle, Part):

@@ -136,3 +136,17 @@ def test_near_tells_which_points_and_how_far() -> None:
     ((body, which, distances),) = space.near(points, 12.0)
     assert (body.name, which.tolist()) == ("tower", [0, 2])
     assert distances == pytest.approx([10.0, 3.0])
+
+
+def test_few_points_and_single_legs_find_what_many_find() -> None:
+    rng = np.random.default_rng(5)
+    space = Airspace(WIDE, Flat(0.0), a_town(rng, 40))
+    points = rng.uniform((0, 0, 1), (500, 500, 150), (60, 3))
+    few = np.concatenate([space.obstacle_distance(points[n : n + 3]) for n in range(0, 60, 3)])
+    np.testing.assert_array_equal(few, space.obstacle_distance(points))
+    for leg in pairwise(points):
+        twice = np.array([leg[0], leg[1], leg[1] + (0.0, 0.0, 1e-9)])
+        for within in (5.0, 30.0, np.inf):
+            one, other = (space.obstacle_clearance(legs, within).distance for legs in (np.array(leg), twice))
+            assert min(one, within) == pytest.approx(min(other, within), abs=1e-6)
+    assert not len(Airspace(WIDE, Flat(0.0)).beside_leg(points[0], points[1], 5.0))
