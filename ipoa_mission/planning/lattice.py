@@ -214,9 +214,15 @@ def lay_lattice(problem: PreparedProblem, fineness: float = 1.0, strategy: Latti
 
 def find_routes(lattice: Lattice, problem: PreparedProblem, most: int, looking: bool = True) -> list[Points]:
     """Return up to `most` distinct routes (k, 3), cheapest first; thin obstacles are missed without `looking`."""
-    legs = [_leg_routes(lattice, problem, ends, most, looking) for ends in pairwise(problem.task.places)]
-    if not all(legs):
-        return []
+    places = problem.task.places
+    ends = zip(places, (_end_node(lattice, problem, place) for place in places), strict=True)
+    legs = list[list[Points]]()
+    wanted = most
+    for leg in pairwise(ends):
+        legs.append(_leg_routes(lattice, problem, leg, wanted, looking))
+        if not legs[-1]:
+            return []
+        wanted -= len(legs[-1]) - 1
     cheapest = [leg[0] for leg in legs]
     others = ([*cheapest[:i], other, *cheapest[i + 1 :]] for i, leg in enumerate(legs) for other in leg[1:])
     variants = [cheapest, *others]
@@ -302,14 +308,15 @@ def _end_node(lattice: Lattice, problem: PreparedProblem, place: Vector) -> int 
     return int(few[np.argmax(slack >= min(slack.max(), 0.0))]) if len(few) else None
 
 
+End = tuple[Vector, int | None]  # a place and its node
+
+
 def _leg_routes(
-    lattice: Lattice, problem: PreparedProblem, ends: tuple[Vector, Vector], most: int, looking: bool
+    lattice: Lattice, problem: PreparedProblem, ends: tuple[End, End], most: int, looking: bool
 ) -> list[Points]:
     from ipoa_mission.planning._kernels import spread
 
-    start, goal = ends
-    source = _end_node(lattice, problem, start)
-    target = _end_node(lattice, problem, goal)
+    (start, source), (goal, target) = ends
     if source is None or target is None:
         return []
     look = looking and float(np.linalg.norm(lattice.spacing)) > 2 * problem.limits.obstacle_distance
@@ -318,6 +325,9 @@ def _leg_routes(
     there, before = spread(nodes, lattice.steps(), look, (source, target, ratio), problem.grid, problem.rules)
     if not np.isfinite(there[target]):
         return []
+    if most == 1:
+        passed = _trace(before, target)[::-1]
+        return [np.vstack([start, lattice.places[passed], goal])]
     steps = lattice.steps(backwards=True)
     back, after = spread(nodes, steps, look, (target, source, ratio), problem.grid, problem.rules)
     routes = list[Points]()

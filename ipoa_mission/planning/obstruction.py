@@ -4,6 +4,7 @@ In plan view, obstacles as high as the airspace, grown by their required distanc
 not. The gap that opens first is the widest.
 """
 
+from collections.abc import Iterator
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -11,7 +12,7 @@ import numpy as np
 import shapely
 
 from ipoa_mission.errors import BadInput, MissionError
-from ipoa_mission.geometry import Vector, union_of
+from ipoa_mission.geometry import Points, Vector, union_of
 from ipoa_mission.planning.path_problem import place_names
 from ipoa_mission.planning.problem import PreparedProblem
 from ipoa_mission.planning.proof import Check, Proof
@@ -34,24 +35,16 @@ class Closure(NamedTuple):
     needed: float
 
 
-def find_closure(problem: PreparedProblem, start: Vector, goal: Vector) -> Closure | None:
-    """Return the closure between two places, (3,) each; None if open or uncertain."""
-    view = _View(problem, start, goal)
-    if not len(view.shapes) or view.piece(1.0, COARSE_SEGMENTS) is not None or view.piece(1.0) is not None:
-        return None
-    if view.piece(0.0) is None:
-        return view.walled_in()
-    low, high = 0.0, 1.0
-    while high - low > SHARE_TOLERANCE:
-        middle = (low + high) / 2
-        low, high = (low, middle) if view.piece(middle) is None else (middle, high)
-    return view.gap(low)
+def find_closures(problem: PreparedProblem, places: Points) -> Iterator[Closure | None]:
+    """Yield the closure between each two successive places (n, 3); None if open or uncertain."""
+    view = _View(problem)
+    return (view.closure(*ends) for ends in pairwise(places))
 
 
 class _View:
-    def __init__(self, problem: PreparedProblem, start: Vector, goal: Vector) -> None:
+    def __init__(self, problem: PreparedProblem) -> None:
         self.area = problem.task.airspace.bounds.area
-        self.ends = shapely.points([start[:2], goal[:2]])
+        self._known: dict[tuple[float, int], list[shapely.Geometry]] = {}
         shapes, radii, required, names = [], [], [], []
         for body in problem.task.airspace.obstacles:
             column = body.column
@@ -68,6 +61,18 @@ class _View:
         self.shapes = np.array(shapes)
         self.radii = np.array(radii)
         self.required = np.array(required)
+
+    def closure(self, start: Vector, goal: Vector) -> Closure | None:
+        self.ends = shapely.points([start[:2], goal[:2]])
+        if not len(self.shapes) or self.piece(1.0, COARSE_SEGMENTS) is not None or self.piece(1.0) is not None:
+            return None
+        if self.piece(0.0) is None:
+            return self.walled_in()
+        low, high = 0.0, 1.0
+        while high - low > SHARE_TOLERANCE:
+            middle = (low + high) / 2
+            low, high = (low, middle) if self.piece(middle) is None else (middle, high)
+        return self.gap(low)
 
     def piece(self, share: float, sides: int = QUARTER_SEGMENTS) -> shapely.Geometry | None:
         """Return the piece that joins both ends at a share of the distance."""
@@ -115,8 +120,10 @@ class _View:
         return None
 
     def _pieces(self, share: float, sides: int) -> list[shapely.Geometry]:
-        grown = shapely.buffer(self.shapes, self.radii + share * self.required, quad_segs=sides)
-        return list(shapely.get_parts(self.area.difference(union_of(grown))))
+        if (share, sides) not in self._known:
+            grown = shapely.buffer(self.shapes, self.radii + share * self.required, quad_segs=sides)
+            self._known[share, sides] = list(shapely.get_parts(self.area.difference(union_of(grown))))
+        return self._known[share, sides]
 
 
 def _heights(problem: PreparedProblem, body: Obstacle) -> tuple[float, float]:
@@ -184,8 +191,7 @@ def refuse_closed(problem: PreparedProblem) -> None:
     Raises:
         NoPath: the widest gap, or the obstacles around an end.
     """
-    for a, b in pairwise(problem.task.places):
-        barrier = find_closure(problem, a, b)
+    for barrier in find_closures(problem, problem.task.places):
         if barrier is None:
             continue
         east, north = barrier.place

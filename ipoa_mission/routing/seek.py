@@ -16,7 +16,7 @@ from ipoa_mission.forecast.deviation.law import DeviationLaw, law_of
 from ipoa_mission.forecast.deviation.proximity import TYPICAL_CHANCE
 from ipoa_mission.forecast.leg_limits import broken_limits
 from ipoa_mission.forecast.timing.track import THINNING_TOLERANCE
-from ipoa_mission.planning.obstruction import DISTANCE_TOLERANCE, NoPath, NotFound, find_closure
+from ipoa_mission.planning.obstruction import DISTANCE_TOLERANCE, NoPath, NotFound, find_closures
 from ipoa_mission.planning.path_problem import PathTask, place_names
 from ipoa_mission.planning.planner import Plan, move_aside, plan_path
 from ipoa_mission.planning.problem import prepare
@@ -45,8 +45,7 @@ def expect_wide(scenario: Scenario) -> None:
     wider = scenario.model_copy(update={"safety_distance": scenario.safety_distance + more})
     names = place_names(scenario.places)
     problem = prepare(wider)
-    for places, (a, b) in zip(pairwise(names), pairwise(scenario.places), strict=True):
-        gap = find_closure(problem, a, b)
+    for places, gap in zip(pairwise(names), find_closures(problem, scenario.places), strict=True):
         if gap is not None and gap.needed - 2 * more < gap.width < gap.needed - DISTANCE_TOLERANCE:
             between = " and ".join(gap.names)
             east, north = gap.place

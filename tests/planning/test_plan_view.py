@@ -3,7 +3,7 @@ import pytest
 import shapely
 
 from ipoa_mission.geometry import Vector
-from ipoa_mission.planning.obstruction import NoPath, find_closure, refuse_closed
+from ipoa_mission.planning.obstruction import NoPath, find_closures, refuse_closed
 from ipoa_mission.planning.problem import prepare
 from tests.planning.conftest import Make
 from tests.refused import refuses
@@ -30,7 +30,7 @@ def test_too_narrow_a_gap_is_closed(scenario: Make, seed: int) -> None:
     rng = np.random.default_rng(seed)
     gaps = 3.0 * rng.choice([0.5, 0.9, 0.99, 1.01, 1.1, 2.0], rng.integers(1, 3))
     job = scenario(obstacles=walls(gaps, rng))
-    closed = find_closure(prepare(job), job.start_point, job.goal_point)
+    closed = next(find_closures(prepare(job), np.array([job.start_point, job.goal_point])))
     assert (closed is not None) == (gaps.min() < 3)
     if closed is not None:
         narrowest = int(np.argmin(gaps))
@@ -46,10 +46,10 @@ def test_masts_and_the_bounds_leave_gaps_too(scenario: Make) -> None:
     masts = [{"kind": "cylinder", "name": f"{k}", "east": 50, "north": n, "radius": 20, "height": 150, "base": 0.0}
              for k, n in enumerate((-79.0, -36.4, 6.2, 78.9))]  # fmt: skip
     job = scenario(obstacles=masts)
-    closed = find_closure(prepare(job), job.start_point, job.goal_point)
+    closed = next(find_closures(prepare(job), np.array([job.start_point, job.goal_point])))
     assert closed is None  # 32.7 m are left between the last two
     job = scenario(obstacles=[*masts, {**masts[0], "name": "last", "north": 42.5, "radius": 14.5}])
-    closed = find_closure(prepare(job), job.start_point, job.goal_point)
+    closed = next(find_closures(prepare(job), np.array([job.start_point, job.goal_point])))
     assert closed is not None
     assert closed.names == ("0", "1")
     assert closed.width == pytest.approx(2.6)
