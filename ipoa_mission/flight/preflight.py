@@ -142,7 +142,7 @@ class FarFromHome(MissionError):
 
 
 def expect_level(here: Geodetic, there: Geodetic | None) -> None:
-    if there is None or here.altitude == 0.0:  # unknown
+    if there is None:
         return
     if apart(here, there) <= FarFromHome.reach and abs(there.altitude - here.altitude) > 15:  # [m]
         words = f"expected the vehicle's home at {here.altitude:.1f} m AMSL, not {there.altitude:.1f} m"
@@ -174,22 +174,27 @@ class LowBattery(MissionError):
     """Too little battery for the flight and its reserve."""
 
 
-def expect_charge(vehicle: Vehicle, forecast: Forecast, first: int = 0) -> None:
-    """Raise LowBattery if less than the scenario's reserve remains; begin at item `first`."""
-    left = vehicle.state.battery_left
-    if forecast.scenario is None or left is None:
-        return
+def expect_charge(vehicle: Vehicle, forecast: Forecast, first: int = 0) -> tuple[str, ...]:
+    """Raise LowBattery if less than the scenario's reserve remains; begin at item `first`. Return remarks."""
+    if forecast.scenario is None:
+        return ()
     from ipoa_mission.forecast.contingency.energy_budget import budget_of
 
     budget = budget_of(forecast)
+    left = vehicle.state.battery_left
+    if budget is None or budget.battery is None:
+        return ()
+    if left is None:
+        return ("the battery was not compared with this flight: the vehicle reports no charge",)
     begins = next((item.done_s for item in forecast.estimate.items if item.seq == first), 0.0)
-    now = None if budget is None else budget.against_plan(left, begins)
+    now = budget.against_plan(left, begins)
     if now is not None and now.lands.likely < now.reserve - 1e-9:  # rounding
         raise LowBattery(
             f"the vehicle reports {left:.0%} of its battery, and this flight takes "
             f"{left - now.lands.likely:.1%}: {now.reserve:.0%} must be left after landing",
             hint="insert a charged battery; or, if it is charged and the vehicle does not report it, use --anyway",
         )
+    return ()
 
 
 class OutsideOwnFence(MissionError):

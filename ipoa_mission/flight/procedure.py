@@ -213,8 +213,7 @@ def _with_values(vehicle: Vehicle, forecast: Forecast, parameters: preflight.Par
     aboard = forecast.on(vehicle.firmware_version())
     if not parameters.values:
         return aboard
-    wind = None if forecast.scenario else forecast.wind
-    return Forecast(aboard.mission_as_read.with_parameters(parameters.values), forecast.scenario, wind)
+    return aboard.with_mission(aboard.mission_as_read.with_parameters(parameters.values))
 
 
 def _examine(
@@ -254,8 +253,7 @@ def _refuse_aboard(aboard: Forecast, findings: Sequence[Finding], new: Sequence[
 
 def begin_mission(vehicle: Vehicle, forecast: Forecast, options: ProcedureOptions) -> FlightRecord:
     def permit(there: Geodetic) -> None:
-        if not options.anyway:
-            preflight.expect_charge(vehicle, forecast, options.first)
+        charge = () if options.anyway else preflight.expect_charge(vehicle, forecast, options.first)
         try:
             notes = check_start(forecast.mission_as_read, forecast.scenario, options.first, there)
         except NotAtStart as elsewhere:
@@ -263,7 +261,7 @@ def begin_mission(vehicle: Vehicle, forecast: Forecast, options: ProcedureOption
                 elsewhere.hint = f"{elsewhere.hint}; or begin there with --anyway"
                 raise
             notes = (str(elsewhere),)
-        for words in notes:
+        for words in (*charge, *notes):
             options.remark(words)
 
     with options.stages(Stage.READY) as show:
@@ -289,10 +287,7 @@ def _monitor(vehicle: Vehicle, forecast: Forecast, first: int, remark: ReportRem
 
 
 def begun_forecast(forecast: Forecast, first: int) -> Forecast:
-    if not first:
-        return forecast
-    wind = None if forecast.scenario else forecast.wind
-    return Forecast(begun_at(forecast.mission_as_read, first), forecast.scenario, wind)
+    return forecast if first == 0 else forecast.with_mission(begun_at(forecast.mission_as_read, first))
 
 
 def _set_parameters(

@@ -136,7 +136,9 @@ def test_the_command_line_tells_it_beside_what_is_done(forecast: Forecast) -> No
 def test_a_vehicle_that_says_its_battery_is_not_enough_is_not_flown(forecast: Forecast) -> None:
     state = VehicleState(forecast.mission.autopilot)
     vehicle: Any = SimpleNamespace(state=state)
-    expect_charge(vehicle, forecast)  # it has told nothing
+    assert expect_charge(vehicle, forecast) == (
+        "the battery was not compared with this flight: the vehicle reports no charge",
+    )
     for message in (SystemStatus(0, 0, 0, battery_remaining=-1), BatteryStatus(1, 12.0, -1.0, 10)):
         state.note(message)  # not measured; of another battery
         expect_charge(vehicle, forecast)
