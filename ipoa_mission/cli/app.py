@@ -88,7 +88,7 @@ HEADINGS: dict[str, tuple[str | Callable[..., None], ...]] = {
         showing.export,
     ),
     "Fly": (flying.fly, mocking.mock, comparing.compare, "learn"),
-    "The mission on a vehicle": (linking.scan, linking.upload, linking.download, linking.set_current, linking.clear),
+    "The mission on a vehicle": (linking.scan, linking.upload, linking.download, linking.clear),
     "A vehicle in flight": (linking.pause, linking.resume, linking.rtl),
     "More": ("reproduce", planning.schema),
 }

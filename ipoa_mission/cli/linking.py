@@ -189,30 +189,6 @@ def clear(changes: ChangesMade, link: LinkOption, on_link: LinkOptions, as_json:
 
 
 @interruptible
-def set_current(
-    changes: ChangesMade,
-    item: Annotated[int, typer.Argument(metavar="N", min=1, help="The next item, as `show` numbers it.")],
-    link: LinkOption,
-    on_link: LinkOptions,
-    as_json: JsonOption = False,
-) -> None:
-    """Set the current item of a vehicle's mission, in flight or on the ground.
-
-    Items are numbered as in a file, where home is 0 and the first item is 1.
-
-    Example: `ipoa-mission set-current 4 --link udpin:127.0.0.1:14550`
-    """
-    words = "the vehicle may continue with either item"
-    with connect_to(link, on_link, None) as vehicle, changes.reporting(words, after=f"item {item} is the current one"):
-        vehicle.set_current(item - 1)
-    state = vehicle.state
-    goes_on = bool(state.armed) and vehicle.mode == vehicle.autopilot.modes.name(vehicle.autopilot.modes.mission)
-    result = {"current": item, "goes_on": goes_on, "mode": vehicle.mode, "armed": state.armed}
-    words = f"{_name(vehicle)} continues with item {item}" if goes_on else f"item {item} is the next one; {state}"
-    _report(as_json, vehicle, result | {"written": on_link.written(None)}, [words])
-
-
-@interruptible
 def pause(changes: ChangesMade, link: LinkOption, on_link: LinkOptions, as_json: JsonOption = False) -> None:
     """Order a flying vehicle to hold its position; `resume` or `rtl` ends the hold.
 

@@ -28,7 +28,7 @@ def mission(tmp_path: Path) -> str:
 
 def test_every_verb_explains_itself_with_an_example(run: Run) -> None:
     names = set(verbs())
-    assert {"plan", "check", "estimate", "upload", "download", "fly", "mock", "schema", "set-current"} <= names
+    assert {"plan", "check", "estimate", "upload", "download", "fly", "mock", "schema"} <= names
     for name in names:
         help_text = run(f"{name} --help")
         assert help_text.code == 0

@@ -38,18 +38,18 @@ TOGETHER = (
     {"--optimizer", "--report"},
     {"--loss", "--duplicate", "--delay", "--reorder"},
 )
-LINKED = "fly mock upload download set-current clear pause resume rtl"
+LINKED = "fly mock upload download clear pause resume rtl"
 #: Flag: verbs that must take it.
 TAKEN = {
     "--json": "demo new plan studio check estimate show export fly mock compare learn "
-    "scan upload download set-current clear pause resume rtl reproduce",
+    "scan upload download clear pause resume rtl reproduce",
     "--force": "demo learn new plan export fly compare download",
     "--scenario": "check estimate show export mock compare studio",
     "--param": "plan check estimate show fly mock compare",
     "--wind": "plan check estimate show fly compare",
     "--system": f"plan compare learn {LINKED}",
     "--key": LINKED,
-    "--timeout": "fly upload download set-current clear pause resume rtl",
+    "--timeout": "fly upload download clear pause resume rtl",
 }
 
 

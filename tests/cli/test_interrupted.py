@@ -167,7 +167,6 @@ def test_ctrl_c_before_the_arming_leaves_the_mode_or_names_it(
         ("upload {mission} --link {link}", linking, "connect_to", "stopped: nothing was done", 0),
         ("clear --link {link}", Vehicle, "clear", "stopped: some of the vehicle's lists may be deleted", 0),
         ("clear --link {link}", linking, "_report", "stopped: the vehicle's lists are deleted", 0),
-        ("set-current 1 --link {link}", linking, "connect_to", "stopped: nothing was done", 0),
         ("download back.plan --link {link}", Vehicle, "download", "stopped: back.plan was not written", 1),
         ("download back.plan --link {link}", linking, "_report", "stopped; files written: 2", 2),
         ("fly {mission} --link {link}", flight_output, "print_flown", "stopped: hop: the vehicle is disarmed", 1),
