@@ -27,8 +27,7 @@ class PageOptions:
         typer.Option(
             "--tiles",
             metavar="URL|FILE",
-            help="Map tiles, remembered: an address with {z}, {x}, {y}, or an MBTiles or PMTiles file; `none` "
-            "forgets it.",
+            help="Map tiles, remembered: an address with {z}, {x}, {y}, or an MBTiles file; `none` forgets it.",
         ),
     ] = None
     attribution: Annotated[

@@ -7,11 +7,12 @@ import sqlite3
 from collections.abc import Callable
 from contextlib import closing, suppress
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
-from typing import Any, NamedTuple, TypeAlias
+from typing import Any, TypeAlias
 from urllib.parse import quote, urlsplit
 
-from ipoa_mission.errors import BadInput, NothingThere, WrongFormat, imported
+from ipoa_mission.errors import BadInput, NothingThere, WrongFormat
 from ipoa_mission.studio import answers, memory
 
 Read: TypeAlias = Callable[[int, int, int], bytes | None]
@@ -46,30 +47,32 @@ def chosen_tiles(asked: str | None, attribution: str | None) -> TileSource | Non
 
 
 def open_tiles(source: str, attribution: str | None = None) -> TileSource:
-    """Open an address with {z}, {x} and {y}, or an MBTiles or PMTiles file."""
+    """Open an address with {z}, {x} and {y}, or an MBTiles file."""
     if "://" in source:
         return _of_server(source, attribution)
     path = Path(source)
-    formats = {".mbtiles": _of_mbtiles, ".pmtiles": _of_pmtiles}
-    if path.suffix.lower() not in formats or not path.is_file():
-        words = f"expected an address with {{z}}, {{x}} and {{y}}, or a file: {' or '.join(formats)}"
+    if path.suffix.lower() != ".mbtiles" or not path.is_file():
+        words = "expected an address with {z}, {x} and {y}, or a file: .mbtiles"
         raise BadInput(words, place=f"--tiles: {source}")
-    file = formats[path.suffix.lower()](path)
-    if file.kind not in ("png", "jpg", "jpeg", "webp", *VECTOR):
-        kind = file.kind or "tiles of no stated format"
-        words = f"expected pictures (png, jpg, webp, or vector tiles: pbf), not {kind}"
+    about = _metadata(path)
+    kind = str(about.get("format", "")).lower()
+    if kind not in ("png", "jpg", "jpeg", "webp", *VECTOR):
+        words = f"expected pictures (png, jpg, webp, or vector tiles: pbf), not {kind or 'tiles of no stated format'}"
         raise WrongFormat(words, place=f"--tiles: {path}")
-    layers = file.about.get("vector_layers") if file.kind in VECTOR else None
+    least, most = _asked(path, "select min(zoom_level), max(zoom_level) from tiles")[0]
+    if least is None:
+        raise NothingThere("expected tiles, not an empty file", place=f"--tiles: {path}")
+    layers = about.get("vector_layers") if kind in VECTOR else None
     names = [layer.get("id") for layer in layers if isinstance(layer, dict)] if isinstance(layers, list) else []
     shown = answers.Tiles(
         address="tiles/{z}/{x}/{y}",
-        attribution=_plain(attribution or str(file.about.get("attribution") or path.name)),
-        min_zoom=file.zooms[0],
-        max_zoom=file.zooms[1],
-        vector=file.kind in VECTOR,
+        attribution=_plain(attribution or str(about.get("attribution") or path.name)),
+        min_zoom=least,
+        max_zoom=most,
+        vector=kind in VECTOR,
         layers=tuple(name for name in names if isinstance(name, str)),
     )
-    return TileSource(shown, read=file.read)
+    return TileSource(shown, read=partial(_tile, path))
 
 
 def headers_of(tile: bytes, vector: bool) -> dict[str, str] | None:
@@ -100,54 +103,23 @@ def _of_server(address: str, attribution: str | None) -> TileSource:
     return TileSource(shown, origin=origin)
 
 
-class _TileFile(NamedTuple):
-    kind: str
-    zooms: tuple[int, int]
-    about: dict[str, Any]
-    read: Read
-
-
-def _of_mbtiles(path: Path) -> _TileFile:
-    def ask(question: str, *values: int) -> list[Any]:
-        try:
-            with closing(sqlite3.connect(f"file:{quote(str(path))}?mode=ro", uri=True)) as file:
-                return file.execute(question, values).fetchall()
-        except sqlite3.Error as error:
-            raise WrongFormat(f"expected MBTiles: {error}", place=f"--tiles: {path}") from error
-
-    def read(zoom: int, column: int, row: int) -> bytes | None:
-        where = "zoom_level = ? and tile_column = ? and tile_row = ?"
-        rows = ask(f"select tile_data from tiles where {where}", zoom, column, 2**zoom - 1 - row)
-        return bytes(rows[0][0]) if rows else None
-
-    about: dict[str, Any] = {str(name): str(value) for name, value in ask("select name, value from metadata")}
-    least, most = ask("select min(zoom_level), max(zoom_level) from tiles")[0]
-    if least is None:
-        raise NothingThere("expected tiles, not an empty file", place=f"--tiles: {path}")
+def _metadata(path: Path) -> dict[str, Any]:
+    rows = _asked(path, "select name, value from metadata")
+    about: dict[str, Any] = {str(name): str(value) for name, value in rows}
     with suppress(ValueError, TypeError):
         about = json.loads(about.get("json", "{}")) | about
-    return _TileFile(str(about.get("format", "")).lower(), (least, most), about, read)
+    return about
 
 
-def _of_pmtiles(path: Path) -> _TileFile:
-    library = imported("pmtiles.reader", f"{path}: PMTiles need the package pmtiles", "studio", BadInput)
-    kinds = imported("pmtiles.tile", f"{path}: PMTiles need the package pmtiles", "studio", BadInput)
+def _tile(path: Path, zoom: int, column: int, row: int) -> bytes | None:
+    where = "zoom_level = ? and tile_column = ? and tile_row = ?"
+    rows = _asked(path, f"select tile_data from tiles where {where}", zoom, column, 2**zoom - 1 - row)
+    return bytes(rows[0][0]) if rows else None
 
-    def ask(question: Callable[[Any], Any]) -> Any:
-        with path.open("rb") as file:
-            try:
-                return question(library.Reader(library.MmapSource(file)))
-            except (ValueError, KeyError, IndexError, OSError, kinds.MagicNumberNotFound) as error:
-                raise WrongFormat(f"expected PMTiles: {error}", place=f"--tiles: {path}") from error
 
-    def read(zoom: int, column: int, row: int) -> bytes | None:
-        tile = ask(lambda reader: reader.get(zoom, column, row))
-        return None if tile is None else bytes(tile)
-
-    header, about = ask(lambda reader: (reader.header(), reader.metadata()))
-    kind = header["tile_type"].name.lower()
-    compression = header["tile_compression"].name.lower()
-    if kind in VECTOR and compression not in ("none", "gzip"):
-        words = f"expected vector tiles compressed by gzip or not at all, not by {compression}"
-        raise WrongFormat(words, place=f"--tiles: {path}")
-    return _TileFile(kind, (header["min_zoom"], header["max_zoom"]), about, read)
+def _asked(path: Path, question: str, *values: int) -> list[Any]:
+    try:
+        with closing(sqlite3.connect(f"file:{quote(str(path))}?mode=ro", uri=True)) as file:
+            return file.execute(question, values).fetchall()
+    except sqlite3.Error as error:
+        raise WrongFormat(f"expected MBTiles: {error}", place=f"--tiles: {path}") from error

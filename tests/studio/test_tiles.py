@@ -1,8 +1,7 @@
 import gzip
 import sqlite3
-from contextlib import closing, nullcontext
+from contextlib import closing
 from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -60,6 +59,7 @@ def test_wmts_templates_are_understood() -> None:
         "https://user:word@tiles.example/{z}/{x}/{y}",
         "nothing.mbtiles",
         "tiles.zip",
+        "town.pmtiles",
     ],
 )
 def test_wrong_sources_of_tiles_are_refused(address: str) -> None:
@@ -85,28 +85,10 @@ def test_a_file_without_pictures_is_refused(tmp_path: Path, kind: str, count: in
         tiles.open_tiles(str(mbtiles(tmp_path / "a.mbtiles", kind, count)))
 
 
-@pytest.mark.parametrize("name", ["a.mbtiles", "a.pmtiles"])
-def test_a_file_that_is_something_else_is_refused(tmp_path: Path, name: str) -> None:
-    if name.endswith("pmtiles"):
-        pytest.importorskip("pmtiles")
-    (tmp_path / name).write_bytes(b"no such thing" * 100)
+def test_a_file_that_is_something_else_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "a.mbtiles").write_bytes(b"no such thing" * 100)
     with refuses("wrong-format"):
-        tiles.open_tiles(str(tmp_path / name))
-
-
-def test_pmtiles_are_read(tmp_path: Path) -> None:
-    writer: Any = pytest.importorskip("pmtiles.writer")
-    kinds: Any = pytest.importorskip("pmtiles.tile")
-    with writer.write(str(tmp_path / "a.pmtiles")) as file:
-        file.write_tile(kinds.zxy_to_tileid(3, 4, 2), PICTURE)
-        about = {"tile_type": kinds.TileType.PNG, "tile_compression": kinds.Compression.NONE}
-        file.finalize(about, {"attribution": "<b>The Town</b>"})
-    opened = tiles.open_tiles(str(tmp_path / "a.pmtiles"))
-    assert opened.shown.attribution == "The Town"
-    assert (opened.shown.min_zoom, opened.shown.max_zoom) == (3, 3)
-    assert opened.read is not None
-    assert opened.read(3, 4, 2) == PICTURE
-    assert opened.read(3, 4, 3) is None
+        tiles.open_tiles(str(tmp_path / "a.mbtiles"))
 
 
 def test_vector_tiles_are_recognized_by_format_and_served_compressed(tmp_path: Path) -> None:
@@ -125,18 +107,6 @@ def test_vector_tiles_are_recognized_by_format_and_served_compressed(tmp_path: P
     assert not tiles.open_tiles(SERVER).shown.vector
     odd = tiles.open_tiles(str(mbtiles(tmp_path / "b.mbtiles", "pbf", layers="{")))
     assert odd.shown.layers == ()
-
-
-@pytest.mark.parametrize(("packed", "is_taken"), [("GZIP", True), ("BROTLI", False)])
-def test_vector_tiles_that_a_browser_could_not_unpack_are_refused(tmp_path: Path, packed: str, is_taken: bool) -> None:
-    writer: Any = pytest.importorskip("pmtiles.writer")
-    kinds: Any = pytest.importorskip("pmtiles.tile")
-    with writer.write(str(tmp_path / "a.pmtiles")) as file:
-        file.write_tile(kinds.zxy_to_tileid(3, 4, 2), gzip.compress(b"a tile"))
-        about = {"tile_type": kinds.TileType.MVT, "tile_compression": kinds.Compression[packed]}
-        file.finalize(about, {"vector_layers": [{"id": "water"}]})
-    with nullcontext() if is_taken else refuses("wrong-format", "a.pmtiles"):
-        assert tiles.open_tiles(str(tmp_path / "a.pmtiles")).shown.layers == ("water",)
 
 
 def test_the_last_ones_are_kept_until_they_are_not_wanted(tmp_path: Path) -> None:
