@@ -26,7 +26,7 @@ from ipoa_mission.report.panels.contingency_panel import contingency_strip, retu
 from ipoa_mission.report.panels.ground_plan import ground_plan, legend
 from ipoa_mission.report.panels.headline import figures, verdict, warnings
 from ipoa_mission.report.panels.profile import distance_profile, height_profile, profile_legend, speed_profile
-from ipoa_mission.report.panels.tables import flown_panel, legs_table, limits_table
+from ipoa_mission.report.panels.tables import legs_table, limits_table
 from ipoa_mission.scenario import Scenario
 
 
@@ -76,7 +76,6 @@ def report_html(
         "profile_legend": profile_legend(flown is not None, has_zones),
         "contingencies": contingency_strip(forecast, predicted),
         "speed": speed_profile(drawn),
-        "flight": "" if comparison is None else flown_panel(comparison),
         "legs": legs_table(legs, None if flight is None else flight.item_reached_s),
         "limits": "" if proof is None else limits_table(proof),
         "footer": _footer(scenario, plan, mission),

@@ -271,6 +271,6 @@ def test_both_paths_and_times_are_shown_after_a_flight(tab: Tab, bowed: Bowed, t
     write_report(Forecast(mission, scenario), file, None, fly_built_in(mission))
     page = tab.visit(file, width=390)
     assert page.locator("path.flown").count() == 3  # map, height profile, speed
-    for text in ("flown", "Estimate against flight", "off by"):
+    for text in ("flown", "the estimate is off by", "off by"):
         assert page.get_by_text(text).first.is_visible()
     assert page.evaluate("document.documentElement.scrollWidth") == 390

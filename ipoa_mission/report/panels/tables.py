@@ -7,7 +7,6 @@ from html import escape
 from ipoa_mission.forecast.contingency.energy_budget import budget_of
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.planning.proof import Proof
-from ipoa_mission.report.compare import Comparison
 from ipoa_mission.report.drawn_flight import ItemLeg
 from ipoa_mission.report.number_format import number, seconds, signed
 
@@ -54,21 +53,6 @@ def _leg(n: int, leg: ItemLeg, flown_s: float | None) -> str:
         f'<tr data-stop="{n}" tabindex="0"><th scope="row"><i>{time.seq}</i> {escape(leg.name)}</th>{body}'
         f'<td class="words">{escape(time.reason)}</td></tr>'
     )
-
-
-def flown_panel(comparison: Comparison) -> str:
-    """Show the estimate against the flight; a log may have none of the items."""
-    legs = comparison.legs
-    if not legs:
-        return '<section><h2>Estimate against flight</h2><p class="note">The log reports no item.</p></section>'
-    route = ""
-    if math.isfinite(comparison.route_error):
-        error = signed(100 * comparison.route_error, 1, "%")
-        estimated, flown = seconds(comparison.estimated_route_s), seconds(comparison.flown_route_s)
-        route = f"From the first place to the last: estimated {estimated}, flown {flown}, an error of {error}."
-    worst = max(legs, key=lambda leg: abs(leg.error_s))
-    farthest = f"The leg that is farthest off leads to item {worst.seq}: {signed(worst.error_s, 1, 's')}."
-    return f'<section><h2>Estimate against flight</h2><p class="note">{route} {farthest}</p></section>'
 
 
 def limits_table(proof: Proof) -> str:
