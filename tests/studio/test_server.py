@@ -101,7 +101,7 @@ def test_cancelled_planning_is_resumed_and_a_place_is_found(studio: Studio) -> N
         talk.wait("plan")
         with studio.window() as second:  # the server sends it the present state
             second.wait("plan")
-            second.say(kind="find", place="8FVC9G8F+6X")
+            second.say(kind="find", place="47.3656, 8.5249")
             place = second.wait("found")["place"]
     assert place == pytest.approx([8.5249, 47.3656], abs=1e-3)
 

@@ -11,7 +11,7 @@ export function GoTo({ now }: { now: Studio }) {
   };
   return (
     <form class="goto" role="search" onSubmit={go}>
-      <input type="text" value={place} required spellcheck={false} aria-label="Go to a place: degrees, MGRS or a plus code" placeholder="Go to degrees, MGRS, plus code"
+      <input type="text" value={place} required spellcheck={false} aria-label="Go to a place: degrees" placeholder="Go to degrees"
         onInput={event => setPlace(event.currentTarget.value)} />
       {now.found && <button type="button" aria-label="Forget the place" onClick={() => { set({ found: null }); setPlace(""); }}>✕</button>}
     </form>

@@ -31,7 +31,7 @@ export function StartPage({ now }: { now: Studio }) {
         <p class="note">For a picture of the ground start with --tiles, such as https://tile.openstreetmap.org/{"{z}/{x}/{y}"}.png.</p></section>
       <section><h2>A new scenario</h2>
         <form onSubmit={begin}>
-          <label class="field wide"><span>Home: degrees, MGRS or a plus code</span><input type="text" value={place} required placeholder="47.397742, 8.545594" onInput={event => setPlace(event.currentTarget.value)} /></label>
+          <label class="field wide"><span>Home: degrees</span><input type="text" value={place} required placeholder="47.397742, 8.545594" onInput={event => setPlace(event.currentTarget.value)} /></label>
           <label class="field"><span>Its height</span><input type="number" value={altitude} required min="-450" max="9000" step="any" onInput={event => setAltitude(event.currentTarget.value)} /><em>m AMSL</em></label>
           <p class="buttons"><button type="submit" class="strong">Begin</button></p>
         </form></section>
