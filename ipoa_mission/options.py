@@ -27,12 +27,6 @@ class Backend(StrEnum):
     MAVSDK = "mavsdk"
 
 
-def optimizers_like(beginning: str) -> list[str]:
-    from ipoa_mission.optimize.registry import optimizer_names
-
-    return [name for name in optimizer_names() if name.startswith(beginning)]
-
-
 def or_packed(path: Path) -> Path:
     """Return the named file, else the packed scenario of that name."""
     return packed(f"{path}.toml") if str(path) in NAMES and not path.exists() else path

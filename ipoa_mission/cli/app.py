@@ -2,12 +2,10 @@
 
 import errno
 import logging
-import os
 import sys
 from collections.abc import Callable
 from contextlib import suppress
 from functools import cache
-from itertools import pairwise
 from typing import Annotated, Any
 
 import typer
@@ -67,7 +65,6 @@ class _Detailed(logging.Formatter):
         return shown(super().format(record))
 
 
-SHELLS = ("bash", "zsh", "fish", "powershell", "pwsh")
 app = typer.Typer(
     name="ipoa-mission",
     rich_markup_mode="markdown",
@@ -127,9 +124,6 @@ def command() -> Any:
 
 def main() -> None:
     replace_unencodable()
-    for asked, shell in pairwise(sys.argv[1:]):
-        if asked in ("--show-completion", "--install-completion") and shell in SHELLS:
-            os.environ["_TYPER_COMPLETE_TEST_DISABLE_SHELL_DETECTION"] = "1"  # lets Typer take a shell's name
     try:
         interruptible(lambda changes: command()(prog_name="ipoa-mission"))()
     except MissionError as error:

@@ -16,12 +16,7 @@ class SearchOptions:
     seed: options.SeedOption = 0
     optimizer: Annotated[
         str | None,
-        typer.Option(
-            "--optimizer",
-            metavar="NAME",
-            autocompletion=options.optimizers_like,
-            help="Search algorithm, like ipoa or poa, also an installed one.",
-        ),
+        typer.Option("--optimizer", metavar="NAME", help="Search algorithm, like ipoa or poa, also an installed one."),
     ] = None
 
 
