@@ -90,10 +90,10 @@ def test_a_shell_completes_verbs_and_options(
     assert (ended.out.split(), ended.err) == ([completed], "")
 
 
-def test_the_program_that_is_installed_completes_names(tmp_path: Path) -> None:
-    command, asked = Path(sys.executable).with_name("ipoa-mission"), completing("ipoa-mission plan --optimizer ip")
+def test_the_program_that_is_installed_completes_options(tmp_path: Path) -> None:
+    command, asked = Path(sys.executable).with_name("ipoa-mission"), completing("ipoa-mission plan a.plan --se")
     done = subprocess.run(command, env=os.environ | asked, cwd=tmp_path, capture_output=True, text=True, check=False)
-    assert (done.stdout.split(), done.stderr) == (["ipoa"], "")
+    assert (done.stdout.split(), done.stderr) == (["--seed"], "")
 
 
 def test_a_mock_says_where_it_is_and_ctrl_c_is_how_it_ends(tmp_path: Path) -> None:
