@@ -3,6 +3,7 @@
 from typing import Literal
 
 from ipoa_mission import Finding
+from ipoa_mission.forecast.contingency.energy_budget import ReserveNow
 from ipoa_mission.report.compare import LegTime
 from ipoa_mission.studio.vocabulary import InFlight, LngLat, MapLine, Number, OfRevision, PageMessage
 
@@ -28,19 +29,11 @@ class OrderThen(PageMessage):
     seconds: Number
 
 
-class Reserve(PageMessage):
-    """Shares of the battery: `left` and `planned` now; `lands`, `least` to `most`: at landing."""
-
-    left: float
-    planned: Number = None
-    lands: Number = None
-    least: Number = None
-    most: Number = None
-    required: Number = None
-
-
 class Seen(PageMessage, kind="seen"):
-    """The reported state; `expected_s`: estimate of the last item done. `said`: latest messages, newest first."""
+    """The reported state; `expected_s`: estimate of the last item done. `said`: latest messages, newest first.
+
+    `battery_left`: share of the charge; `reserve`: against the plan, if that is known.
+    """
 
     time_s: float
     place: LngLat
@@ -51,7 +44,8 @@ class Seen(PageMessage, kind="seen"):
     expected_s: Number
     held: bool = False
     orders: tuple[OrderThen, ...] = ()
-    reserve: Reserve | None = None
+    battery_left: Number = None
+    reserve: ReserveNow | None = None
     satellites: int | None = None
     wind: tuple[float, float] | None = None
     said: tuple[str, ...] = ()

@@ -17,7 +17,7 @@ from ipoa_mission.autopilot.returning import Contingency
 from ipoa_mission.flight.procedure import ProcedureOptions, Stage, Stages, begin_mission, load_mission
 from ipoa_mission.forecast.contingency.contingencies import ContingencyRow
 from ipoa_mission.forecast.contingency.contingencies_now import ContingenciesNow
-from ipoa_mission.forecast.contingency.energy_budget import Budget, budget_of
+from ipoa_mission.forecast.contingency.energy_budget import Budget, ReserveNow, budget_of
 from ipoa_mission.geometry import Vector
 from ipoa_mission.link.channel import serial_ports
 from ipoa_mission.link.connect import connect, open_line
@@ -26,7 +26,7 @@ from ipoa_mission.link.messages import Gps, Message, Position, Text, WindEstimat
 from ipoa_mission.mission.item_words import count_words
 from ipoa_mission.progress import Progress
 from ipoa_mission.simulator.fly import board, conditions_for
-from ipoa_mission.studio.flight_answers import Heard, HeardLink, Landed, Loaded, OrderThen, Reserve, Seen, State
+from ipoa_mission.studio.flight_answers import Heard, HeardLink, Landed, Loaded, OrderThen, Seen, State
 from ipoa_mission.studio.handed import HandedOver
 from ipoa_mission.studio.processes import Answer, JobOrder, Worker
 from ipoa_mission.studio.vocabulary import InFlight
@@ -162,7 +162,8 @@ class Watch:
             with suppress(MissionError):
                 self._contingencies = ContingenciesNow(self.forecast, tuple(ORDERED.values()))
         self._expected = {item.seq - 1: item.done_s for item in self.forecast.estimate.items}
-        self._orders: tuple[tuple[OrderThen, ...], Reserve | None] = ((), None)
+        self._orders: tuple[OrderThen, ...] = ()
+        self._reserve: ReserveNow | None = None
         self._orders_s = -FORECAST_INTERVAL_S
         self._position_s = -POSITION_INTERVAL_S
         self._state = State(phase="flying", words=Stage.START)
@@ -246,7 +247,7 @@ class Watch:
         reached = record.item_reached_s
         latest = record.path[-1]
         last = max(reached, default=None)
-        orders, reserve = self._order_effects(position, latest.time_s)
+        self._forecast_orders(position, latest.time_s)
         return Seen(
             time_s=round(latest.time_s, 2),
             place=(position.longitude_deg, position.latitude_deg),
@@ -256,19 +257,21 @@ class Watch:
             flown_s=None if last is None else round(reached[last], 2),
             expected_s=None if last is None else round(self._expected.get(last, reached[last]), 2),
             held=self.vehicle.order.is_held,
-            orders=orders,
-            reserve=reserve,
+            orders=self._orders,
+            battery_left=self.vehicle.state.battery_left,
+            reserve=self._reserve,
             satellites=self._satellites,
             wind=self._wind,
             said=tuple(self._texts),
             deviations=tuple(map(str, self.vehicle.conformance.deviations)),
         )
 
-    def _order_effects(self, position: Position, time_s: float) -> tuple[tuple[OrderThen, ...], Reserve | None]:
-        state = self.vehicle.state
-        if not state.in_air:
-            return (), None if state.battery_left is None else Reserve(left=state.battery_left)
-        if time_s - self._orders_s >= FORECAST_INTERVAL_S:
+    def _forecast_orders(self, position: Position, time_s: float) -> None:
+        left = self.vehicle.state.battery_left
+        if not self.vehicle.state.in_air:
+            self._orders = ()
+            self._reserve = None
+        elif time_s - self._orders_s >= FORECAST_INTERVAL_S:
             self._orders_s = time_s
             forecast_s = time_s
             unknown = self._unknown
@@ -277,9 +280,10 @@ class Watch:
                 leaves = self.vehicle.mode_change and not self.vehicle.order.is_held
                 is_off_path = distance > ContingenciesNow.off_path or leaves
                 unknown = "it is off its planned path: orders from here are not forecast" if is_off_path else ""
-            orders = tuple(self._each_order(forecast_s, unknown, position))
-            self._orders = orders, self._reserve(forecast_s, bool(unknown))
-        return self._orders
+            self._orders = tuple(self._each_order(forecast_s, unknown, position))
+            self._reserve = None
+            if self._budget is not None and left is not None and not unknown:
+                self._reserve = self._budget.against_plan(left, forecast_s)
 
     def _each_order(self, forecast_s: float, unknown: str, position: Position) -> Iterator[OrderThen]:
         """Yield each order's effect, or why it is `unknown`; hold and land are checked from the actual position."""
@@ -309,22 +313,6 @@ class Watch:
     def _local(self, position: Position) -> Vector:
         place = Geodetic(position.latitude_deg, position.longitude_deg, position.altitude)
         return self.forecast.frame.local(place)
-
-    def _reserve(self, forecast_s: float, is_off_path: bool) -> Reserve | None:
-        left = self.vehicle.state.battery_left
-        if left is None:
-            return None
-        plan = None if self._budget is None or is_off_path else self._budget.against_plan(left, forecast_s)
-        if plan is None:
-            return Reserve(left=left)
-        return Reserve(
-            left=left,
-            planned=round(plan.planned, 3),
-            lands=round(plan.lands.likely, 3),
-            least=round(plan.lands.low, 3),
-            most=round(plan.lands.high, 3),
-            required=plan.reserve,
-        )
 
     def _order(self, name: InFlight) -> None:
         order = self.vehicle.order

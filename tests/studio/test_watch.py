@@ -47,5 +47,4 @@ def test_wind_satellites_and_words_are_told_with_where_it_is(wind: Message, expe
     seen = heard[-1]
     assert isinstance(seen, Seen)
     assert (seen.wind, seen.satellites, seen.said) == (expected, 12, ("GPS glitch", "Takeoff detected"))
-    assert seen.reserve is not None
-    assert (seen.reserve.left, seen.reserve.lands) == (0.6, None)
+    assert (seen.battery_left, seen.reserve) == (0.6, None)

@@ -35,7 +35,8 @@ class NoReturn(NamedTuple):
         return f"item {self.seq}: not enough for an RTL from {self.time:.0f} s after arming on: {self.why}"
 
 
-class ReserveNow(NamedTuple):
+@dataclass(frozen=True)
+class ReserveNow:
     """Shares of the charge at a time [s after arming]; `lands` if the rest takes the planned energy."""
 
     time: float

@@ -1,6 +1,6 @@
 // Flying: first the mission goes on a vehicle; then, deliberately, it is armed and started, by name.
 import { useEffect, useRef, useState } from "preact/hooks";
-import type { OrderThen, Reserve } from "./messages";
+import type { OrderThen, ReserveNow } from "./messages";
 import { isMission, proved, send, type Studio } from "./store";
 import { asksBattery, NextFlight } from "./survey";
 import { seconds, share } from "./words";
@@ -104,11 +104,12 @@ function Confirm({ now }: { now: Studio }) {
   );
 }
 
-const isShort = (reserve: Reserve): boolean => reserve.lands != null && reserve.lands < reserve.required!;
+const isShort = (reserve: ReserveNow | null): boolean => reserve !== null && reserve.lands[1] < reserve.reserve;
 
 function Watched({ now }: { now: Studio }) {
   const seen = now.seen;
   if (!seen) return null;
+  const reserve = seen.reserve ?? null;
   const late = seen.flown_s !== null && seen.expected_s !== null ? seen.flown_s - seen.expected_s : null;
   return (
     <>
@@ -116,11 +117,11 @@ function Watched({ now }: { now: Studio }) {
       <div><dt>flying for</dt><dd>{seconds(seen.time_s)}<small>{seen.held ? "it holds its position" : late === null ? "" : `${Math.abs(late).toFixed(1)} s ${late < 0 ? "ahead of" : "behind"} the estimate`}</small></dd></div>
       <div><dt>items done</dt><dd>{seen.done}<small>of {now.loaded?.items ?? "?"}</small></dd></div>
       <div><dt>height</dt><dd>{seen.up.toFixed(1)} m<small>{seen.speed.toFixed(1)} m/s</small></dd></div>
-      {seen.reserve && <div class={isShort(seen.reserve) ? "bad" : ""}><dt>battery</dt><dd>{share(seen.reserve.left)}{seen.reserve.planned != null && <small>{share(seen.reserve.planned)} planned</small>}</dd></div>}
+      {seen.battery_left != null && <div class={isShort(reserve) ? "bad" : ""}><dt>battery</dt><dd>{share(seen.battery_left)}{reserve && <small>{share(reserve.planned)} planned</small>}</dd></div>}
       {seen.satellites != null && <div><dt>satellites</dt><dd>{seen.satellites}</dd></div>}
       {seen.wind && <div><dt>wind</dt><dd>{seen.wind[0].toFixed(1)} m/s<small>from {seen.wind[1]}°</small></dd></div>}
     </dl>
-    {seen.reserve?.lands != null && <p class={isShort(seen.reserve) ? "bad" : "note"}>It lands with {share(seen.reserve.lands)} ({share(seen.reserve.least!)} to {share(seen.reserve.most!)}) of its battery; {share(seen.reserve.required!)} {isShort(seen.reserve) ? "are required: not enough" : "required"}.</p>}
+    {reserve && <p class={isShort(reserve) ? "bad" : "note"}>It lands with {share(reserve.lands[1])} ({share(reserve.lands[0])} to {share(reserve.lands[2])}) of its battery; {share(reserve.reserve)} {isShort(reserve) ? "are required: not enough" : "required"}.</p>}
     {(seen.deviations ?? []).length > 0 && <ul class="plain bad" role="alert" aria-label="Deviations from the forecast">{seen.deviations!.map(words => <li key={words}>{words}</li>)}</ul>}
     <ul class="plain orders" aria-label="What can be ordered now">{(seen.orders ?? []).map(one => (
       <li key={one.what} class={one.clear === null ? "" : one.clear ? "good" : "bad"}>
