@@ -5,6 +5,7 @@ from typing import Annotated, Any, Literal, TypeAlias
 from pydantic import Field, TypeAdapter
 
 from ipoa_mission.report.panels.contingency_panel import GradeLook
+from ipoa_mission.report.panels.profile import NearbyObstacle
 from ipoa_mission.studio.flight_answers import Checked, Heard, Landed, Loaded, OpenMission, Replay, Seen, State
 from ipoa_mission.studio.requests import Change
 from ipoa_mission.studio.vocabulary import LngLat, MapLine, Number, OfRevision, PageMessage, Path
@@ -211,17 +212,6 @@ class Binding(PageMessage):
     at: int
 
 
-class NearbyObstacle(PageMessage):
-    """An obstacle or zone near the course, its heights and distances along [m]."""
-
-    name: str
-    look: Literal["below", "beside", "zone"]
-    begins: float
-    ends: float
-    base: float
-    top: float
-
-
 class Stop(PageMessage):
     """An item, numbered as by `show`, and the sample at which it is done; None: without a position."""
 
@@ -237,9 +227,6 @@ class Stop(PageMessage):
 class Limit(PageMessage):
     limit: str
     words: str
-    found: float
-    required: float
-    unit: str
     is_kept: bool
 
 

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterator
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -22,7 +23,7 @@ from ipoa_mission.planning.spline import Spline
 from ipoa_mission.report import drawn_flight
 from ipoa_mission.report.drawn_flight import SampledTrack
 from ipoa_mission.report.panels.contingency_panel import GRADE_LOOKS, contingency_bars, return_paths, stretches
-from ipoa_mission.report.panels.profile import near_track
+from ipoa_mission.report.panels.profile import NearbyObstacle, near_track
 from ipoa_mission.studio import answers
 from ipoa_mission.studio.view import line_of, on_map, without_folders
 
@@ -145,17 +146,9 @@ def _stops(forecast: Forecast, course: SampledTrack) -> Iterator[answers.Stop]:
         )
 
 
-def _nearby(course: SampledTrack, scenario: Scenario) -> Iterator[answers.NearbyObstacle]:
-    for body, (begins, ends), look in near_track(course, scenario.airspace, scenario.limits.obstacle_distance):
-        base, top = body.bounds[:, 2].round(2).tolist()
-        yield answers.NearbyObstacle(
-            name=without_folders(body.name, scenario),
-            look=look,
-            begins=round(begins, 1),
-            ends=round(ends, 1),
-            base=base,
-            top=top,
-        )
+def _nearby(course: SampledTrack, scenario: Scenario) -> Iterator[NearbyObstacle]:
+    for one in near_track(course, scenario.airspace, scenario.limits.obstacle_distance):
+        yield replace(one, name=without_folders(one.name, scenario))
 
 
 def _near_places(
@@ -186,14 +179,8 @@ def _slow_items(estimate: Estimate, course: SampledTrack) -> Iterator[answers.Bi
 def _limits(flight: Flight) -> Iterator[answers.Limit]:
     for check in flight.proof.checks:
         if math.isfinite(check.nearest.distance):
-            yield answers.Limit(
-                limit=check.limit,
-                words=without_folders(check.words(), flight.scenario),
-                found=round(float(check.nearest.distance), 3),
-                required=round(float(check.required), 3),
-                unit=check.unit,
-                is_kept=check.is_kept,
-            )
+            words = without_folders(check.words(), flight.scenario)
+            yield answers.Limit(limit=check.limit, words=words, is_kept=check.is_kept)
 
 
 def strips_of(forecast: Forecast, flight: int) -> Iterator[answers.ContingencyStrip]:

@@ -213,7 +213,9 @@ def test_a_corner_cut_into_the_safety_distance_takes_the_tick_away(bowed: Bowed,
 def test_obstacles_of_the_profile_are_those_under_the_path(bowed: Bowed) -> None:
     scenario, _, timed = bowed("campus.toml")
     course = sample_track(timed.track, scenario.airspace)
-    below = [(body.name, run) for body, run, look in near_track(course, scenario.airspace, 2.6) if look == "below"]
+    below = [
+        (one.name, (one.begins, one.ends)) for one in near_track(course, scenario.airspace, 2.6) if one.look == "below"
+    ]
     assert len(below) == 5
     for name, (first, last) in below:
         body = next(o for o in scenario.airspace.obstacles if o.name == name)

@@ -1,6 +1,7 @@
 """Charts along the flight: heights, distance to obstacles, speed."""
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 from html import escape
 from typing import Literal, TypeAlias
 
@@ -9,10 +10,21 @@ import numpy as np
 from ipoa_mission.report.chart import Graph, GraphAxis, axis_over
 from ipoa_mission.report.drawn_flight import DrawnFlight, SampledTrack
 from ipoa_mission.world.airspace import Airspace
-from ipoa_mission.world.obstacles import Obstacle
 
 Look: TypeAlias = Literal["below", "beside", "zone"]
 MIN_WIDTH = 0.004  # of what a chart shows
+
+
+@dataclass(frozen=True)
+class NearbyObstacle:
+    """An obstacle or zone near the path, its heights and distances along [m]."""
+
+    name: str
+    look: Look
+    begins: float
+    ends: float
+    base: float
+    top: float
 
 
 def along_axis(predicted: SampledTrack) -> GraphAxis:
@@ -27,11 +39,11 @@ def height_profile(flight: DrawnFlight) -> str:
     up = predicted.points[:, 2]
     required = flight.scenario.limits.obstacle_distance
     near = list(near_track(predicted, flight.scenario.airspace, required))
-    tops = np.array([min(float(body.bounds[1, 2]), float(up.max()) * 1.6) for body, *_ in near])
+    tops = np.array([min(one.top, float(up.max()) * 1.6) for one in near])
     heights = [up + required, predicted.ground, *([] if flown is None else [flown.points[:, 2]])]
     chart = Graph(along_axis(predicted), axis_over("height above home [m]", *heights, tops))
     layers = [
-        *(_block(chart, body, run, look) for body, run, look in near),
+        *(_block(chart, one) for one in near),
         chart.band(along, np.full(len(along), chart.y.low), predicted.ground, "soil"),
         chart.band(along, up - required, up + required, "band"),
         chart.band(along, up - flight.deviation_bound.down, up + flight.deviation_bound.up, "deviation"),
@@ -97,10 +109,7 @@ def speed_profile(flight: DrawnFlight) -> str:
     return chart.html("speed", layers, over, "middle", along="times")
 
 
-def near_track(
-    predicted: SampledTrack, airspace: Airspace, required: float
-) -> Iterator[tuple[Obstacle, tuple[float, float], Look]]:
-    """Yield each with its stretch along the path [m]."""
+def near_track(predicted: SampledTrack, airspace: Airspace, required: float) -> Iterator[NearbyObstacle]:
     flat = predicted.points[:, :2]
     reaches: tuple[tuple[Look, float], ...] = (("beside", max(15.0, 2 * required)), ("below", required))
     for look, reach in reaches:
@@ -112,15 +121,17 @@ def near_track(
             level = np.column_stack([flat[close], np.full(int(close.sum()), bounds[:, 2].mean())])
             close[close] = body.distance(level) < reach
             edges = np.flatnonzero(np.diff(np.concatenate([[False], close, [False]]).astype(int)))
+            base, top = (float(up) for up in bounds[:, 2])
             for first, after in edges.reshape(-1, 2):
-                run = float(predicted.along[first]), float(predicted.along[after - 1])
-                yield body, run, look if body.solid else "zone"
+                begins = float(predicted.along[first])
+                ends = float(predicted.along[after - 1])
+                yield NearbyObstacle(body.name, look if body.solid else "zone", begins, ends, base, top)
 
 
-def _block(chart: Graph, body: Obstacle, run: tuple[float, float], look: str) -> str:
+def _block(chart: Graph, near: NearbyObstacle) -> str:
     least = MIN_WIDTH * (chart.x.high - chart.x.low)
-    middle = sum(run) / 2
-    half = max(run[1] - run[0], least) / 2
-    base, top = (float(up) for up in body.bounds[:, 2])
-    words = f"{body.name}: {base:.0f} to {top:.0f} m" if body.solid else f"{body.name}: no-fly zone"
-    return chart.block((middle - half, middle + half), (max(base, chart.y.low), min(top, chart.y.high)), look, words)
+    middle = (near.begins + near.ends) / 2
+    half = max(near.ends - near.begins, least) / 2
+    heights = (max(near.base, chart.y.low), min(near.top, chart.y.high))
+    extent = "no-fly zone" if near.look == "zone" else f"{near.base:.0f} to {near.top:.0f} m"
+    return chart.block((middle - half, middle + half), heights, near.look, f"{near.name}: {extent}")

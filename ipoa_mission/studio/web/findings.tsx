@@ -73,7 +73,7 @@ export function Remarks({ now }: { now: Studio }) {
   return (
     <details class="panel">
       <summary>Limits that were proved, and remarks</summary>
-      <ul class="plain">{plan.limits.map(limit => <li key={limit.limit + limit.found} class={limit.is_kept ? "" : "bad"}>{limit.is_kept ? "✓" : "✕"} {limit.limit}: {limit.words}</li>)}</ul>
+      <ul class="plain">{plan.limits.map(limit => <li key={limit.limit + limit.words} class={limit.is_kept ? "" : "bad"}>{limit.is_kept ? "✓" : "✕"} {limit.limit}: {limit.words}</li>)}</ul>
       {plan.warnings.length > 0 && <ul class="plain">{plan.warnings.map(warning => <li key={warning} class="amber">! {warning}</li>)}</ul>}
       {plan.remarks.length > 0 && <ul class="plain">{plan.remarks.map(remark => <li key={remark}>{remark}</li>)}</ul>}
       <p class="note">{[plan.proof && `Proof ${plan.proof}`, plan.confidence !== null && `${share(plan.confidence)} of flights`].filter(Boolean).join(", ")}</p>
