@@ -52,18 +52,13 @@ class ContingencyStrip(OfRevision, kind="contingencies"):
     bars: tuple[StripBar, ...]
 
 
-class StartFile(PageMessage):
-    path: str
-    name: str
-    folder: str
-    of: Literal["scenario", "mission", "log"]
-
-
 class Beginning(PageMessage, kind="beginning"):
+    """Paths of scenarios, missions and logs."""
+
     folder: str
-    recent: tuple[StartFile, ...]
-    here: tuple[StartFile, ...]
-    examples: tuple[StartFile, ...]
+    recent: tuple[str, ...]
+    here: tuple[str, ...]
+    examples: tuple[str, ...]
 
 
 class Redirect(PageMessage, kind="redirect"):

@@ -2,7 +2,6 @@
 
 import asyncio
 import hmac
-from collections.abc import Iterable
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -14,7 +13,7 @@ from ipoa_mission.mission.plan_file import plan_text
 from ipoa_mission.report.compare import compare_logged
 from ipoa_mission.scenario.scenario_file import new_scenario
 from ipoa_mission.studio import memory
-from ipoa_mission.studio.answers import Beginning, Redirect, StartFile, Trouble
+from ipoa_mission.studio.answers import Beginning, Redirect, Trouble
 from ipoa_mission.studio.dropped import LOGS, keep
 from ipoa_mission.studio.requests import Begin, Open
 from ipoa_mission.studio.session import OpenFile, Session
@@ -65,16 +64,16 @@ class Lobby:
         here = sorted(path for path in self.folder.iterdir() if path.suffix.lower() in OPENED)[:40]
         return Beginning(
             folder=str(self.folder),
-            recent=_files(path for path in recent if path.is_file()),
-            here=_files(path for path in here if path not in recent),
-            examples=_files([packed("campus.toml")]),
+            recent=tuple(str(path) for path in recent if path.is_file()),
+            here=tuple(str(path) for path in here if path not in recent),
+            examples=(str(packed("campus.toml")),),
         )
 
     def _offered(self, path: str) -> Path:
         start = self._start()
-        if path in [file.path for file in start.examples]:
+        if path in start.examples:
             return keep(Path(path).name, Path(path).read_bytes(), self.folder, OPENED)
-        if path not in [file.path for file in (*start.recent, *start.here)]:
+        if path not in (*start.recent, *start.here):
             raise BadInput("expected a file that the page offers", hint="drop it on the page", place=path)
         return Path(path)
 
@@ -131,16 +130,6 @@ def begin_scenario(target: Path, home: tuple[float, float, float]) -> None:
     latitude, longitude, altitude = home
     rounded = round(latitude, 7), round(longitude, 7), round(altitude, 1)
     write_atomically(target, new_scenario(target, rounded).text)
-
-
-def _files(paths: Iterable[Path]) -> tuple[StartFile, ...]:
-    kinds = {".toml": "scenario", **dict.fromkeys(LOGS, "log")}
-    return tuple(
-        StartFile.model_validate(
-            {"path": str(p), "name": p.name, "folder": str(p.parent), "of": kinds.get(p.suffix.lower(), "mission")}
-        )
-        for p in paths
-    )
 
 
 def _mission_of(log: Path) -> Path:

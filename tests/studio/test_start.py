@@ -33,18 +33,18 @@ def opened_at(start: Studio, address: str) -> Studio:
 def test_start_page_opens_only_listed_files(start: Studio) -> None:
     with start.window() as talk:
         beginning = talk.wait("beginning")
-        assert [entry["name"] for entry in beginning["here"]] == ["sitl.plan"]
+        assert [Path(path).name for path in beginning["here"]] == ["sitl.plan"]
         talk.say(kind="open", path="/etc/passwd")
         assert "expected a file that the page offers" in talk.wait_for_trouble("file")["message"]
-        talk.say(kind="open", path=beginning["examples"][0]["path"])
+        talk.say(kind="open", path=beginning["examples"][0])
         talk.wait("redirect")
         assert (start.scenario / "campus.toml").read_bytes() == (MISSIONS / "campus.toml").read_bytes()
-        talk.say(kind="open", path=beginning["here"][0]["path"])
+        talk.say(kind="open", path=beginning["here"][0])
         address = talk.wait("redirect")["address"]
     with opened_at(start, address).window() as talk:
         assert talk.wait("document")["name"] == "sitl"
     with start.window() as talk:
-        assert [entry["name"] for entry in talk.wait("beginning")["recent"]] == ["sitl.plan", "campus.toml"]
+        assert [Path(path).name for path in talk.wait("beginning")["recent"]] == ["sitl.plan", "campus.toml"]
 
 
 def test_a_scenario_begins_at_a_place_over_nothing(start: Studio) -> None:

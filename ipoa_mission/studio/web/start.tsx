@@ -1,9 +1,8 @@
 // The page before a file is open: recent files, what lies in the folder, a new scenario from a place.
 import { useEffect, useState } from "preact/hooks";
-import type { StartFile } from "./messages";
 import { send, set, type Studio } from "./store";
 
-const SORTS: Record<StartFile["of"], string> = { scenario: "scenario", mission: "mission", log: "log of a flight" };
+const SORTS: [RegExp, string][] = [[/\.toml$/i, "scenario"], [/\.(plan|waypoints)$/i, "mission"], [/./, "log of a flight"]];
 
 export function StartPage({ now }: { now: Studio }) {
   const start = now.start!, [place, setPlace] = useState(""), [altitude, setAltitude] = useState("");
@@ -42,14 +41,17 @@ export function StartPage({ now }: { now: Studio }) {
   );
 }
 
-function Files({ words, files, packed }: { words: string; files: StartFile[]; packed?: boolean }) {
+function Files({ words, files, packed }: { words: string; files: string[]; packed?: boolean }) {
   if (!files.length) return null;
   return (
     <section><h2>{words}</h2>
-      <ul class="files">{files.map(file => (
-        <li key={file.path}><button type="button" onClick={() => { set({ troubles: [] }); send({ kind: "open", path: file.path }); }}>
-          <b>{file.name}</b> <small>{SORTS[file.of]}{packed ? "" : `, ${file.folder}`}</small></button></li>
-      ))}</ul></section>
+      <ul class="files">{files.map(path => {
+        const end = Math.max(path.lastIndexOf("/"), path.lastIndexOf("\\")), sort = SORTS.find(([suffix]) => suffix.test(path))![1];
+        return (
+          <li key={path}><button type="button" onClick={() => { set({ troubles: [] }); send({ kind: "open", path }); }}>
+            <b>{path.slice(end + 1)}</b> <small>{sort}{packed ? "" : `, ${path.slice(0, end)}`}</small></button></li>
+        );
+      })}</ul></section>
   );
 }
 
