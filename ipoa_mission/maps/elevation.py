@@ -42,7 +42,6 @@ class ElevationRules:
     heights: Literal["amsl", "ellipsoidal"] | None = None
     geoid: float | Path | None = None
     spacing: float | None = None
-    voids: Literal["refuse", "fill"] = "refuse"
     nodata: float | None = None
     level_at_home: bool = False
 
@@ -65,7 +64,7 @@ def local_grid(
         nodes = _nodes(lower, upper, rules.spacing or apart)
         knots = _knots(nodes[0][0], nodes[0][-1]), _knots(nodes[1][0], nodes[1][-1])
         pixels = [_pixels(raster, frame, *knots, up) for up in (0.0, UPPER_LEVEL)]
-        posts, remarks = raster.read(pixels, fill=rules.voids == "fill")
+        posts, remarks = raster.read(pixels)
         posts, conversion = _above_sea(posts, raster, rules)
         places = _places(raster, frame, posts)
     spacing = float(nodes[0][1] - nodes[0][0])
@@ -87,7 +86,7 @@ def ground_altitude(path: Path, latitude_deg: float, longitude_deg: float) -> fl
     with _open_raster(path, None) as raster:
         pixels = _pixels(raster, frame, origin, origin, 0.0)
         raster.expect_cover(pixels)
-        posts, _ = raster.read([pixels], fill=False)
+        posts, _ = raster.read([pixels])
         posts, _ = _above_sea(posts, raster, ElevationRules())
     return float(_interpolate(posts, pixels[0].ravel(), pixels[1].ravel())[0])
 
@@ -251,7 +250,7 @@ class _Raster:
             hint = "take a larger model, narrow `bounds` (bounds.margin = 50), or swap latitude and longitude"
             raise NotCovered(words, hint=hint, place=self.path)
 
-    def read(self, pixels: Sequence[NDArray[np.float64]], fill: bool) -> tuple[_Posts, tuple[str, ...]]:
+    def read(self, pixels: Sequence[NDArray[np.float64]]) -> tuple[_Posts, tuple[str, ...]]:
         if self.dataset.height < 4 or self.dataset.width < 4:
             raise BadInput("expected at least 4 x 4 heights", place=self.path)
         columns = _span([level[0] for level in pixels], self.dataset.width)
@@ -269,8 +268,9 @@ class _Raster:
         if others.size and others.min() > SUSPECT_STEP and (heights == 0).any():
             why += f", since they are 0 m, and all others above {others.min():.0f} m"
             heights[heights == 0] = np.nan
-        posts, remarks = self._completed(_Posts(heights, (rows[0], columns[0])), fill, why)
-        return posts, (*remarks, *self._oddities(posts))
+        posts = _Posts(heights, (rows[0], columns[0]))
+        self._expect_complete(posts, why)
+        return posts, tuple(self._oddities(posts))
 
     def _oddities(self, posts: _Posts) -> Iterator[str]:
         if self.dataset.count > 1:
@@ -282,28 +282,17 @@ class _Raster:
                 where = self._where(steps == most, posts)
                 yield f"heights differ by {most:.0f} m from one {side} to the next {where}: one may be missing"
 
-    def _completed(self, posts: _Posts, fill: bool, why: str) -> tuple[_Posts, tuple[str, ...]]:
+    def _expect_complete(self, posts: _Posts, why: str) -> None:
         wild = posts.heights > HIGHEST
         missing = np.isnan(posts.heights)
         if wild.any():
             words = f"expected heights of ground, not {posts.heights[wild][0]:g} m {self._where(wild, posts)}"
             hint = "if this number marks a missing height, set terrain.nodata to it"
             raise BadInput(words, hint=hint, code="heights-absurd", place=self.path)
-        if not missing.any():
-            return posts, ()
-        gaps = f"{missing.sum()} of {missing.size} heights are missing, the first {self._where(missing, posts)}{why}"
-        if not fill:
-            hint = 'terrain.voids = "fill" fills them from their neighbors'
-            raise BadInput(gaps, hint=hint, code="heights-missing", place=self.path)
-        from rasterio.fill import fillnodata
-
-        holed = np.where(missing, LOWEST - 1, posts.heights).astype("float32")
-        filled = np.asarray(fillnodata(holed, mask=~missing, max_search_distance=100), float)  # pixels
-        if (filled < LOWEST).any():
-            message = f"{gaps}, and some are too far from any other to be filled"
-            raise BadInput(message, code="heights-missing", place=self.path)
-        whole = posts._replace(heights=np.where(missing, filled, posts.heights))
-        return whole, (f"{gaps}: filled from their neighbors",)
+        if missing.any():
+            gaps = f"{missing.sum()} of {missing.size} heights are missing, the first {self._where(missing, posts)}"
+            hint = "fill them from their neighbors: gdal_fillnodata.py model.tif filled.tif"
+            raise BadInput(f"{gaps}{why}", hint=hint, code="heights-missing", place=self.path)
 
     def _where(self, mask: NDArray[np.bool_], posts: _Posts) -> str:
         row, column = np.argwhere(mask)[0] + posts.first

@@ -119,8 +119,6 @@ class ElevationTerrain(Section):
     """For ellipsoidal heights: the geoid's height above the ellipsoid [m], or a PROJ grid. Default: PROJ's own grid."""
     spacing: Positive | None = None
     """Distance between the nodes of the local grid [m]. Default: that of the model's posts."""
-    voids: Literal["refuse", "fill"] = "refuse"
-    """Treatment of missing heights: `fill` interpolates from their neighbors."""
     nodata: float | None = None
     """Number that marks a missing height, if the file does not state it."""
     level_at_home: bool = False
