@@ -16,6 +16,7 @@ from ipoa_mission.errors import BadInput, WrongFormat
 from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.mission.items import Item, Mission, MissionFile
+from ipoa_mission.mission.json_node import Node
 from ipoa_mission.mission.parameter_file import NUMBER
 from ipoa_mission.mission.stored_mission import CIRCLE, POLYGON, home_item, refuse_infinite, resolve_frames
 
@@ -56,13 +57,13 @@ def parse_waypoints(path: Path, text: str, autopilot: Autopilot | None = None) -
         words = "expected a mission, but the file holds a geofence or rally points"
         raise BadInput(words, hint="open the mission's file", code="not-a-mission-item", place=path)
     findings = list(_check_numbers(rows))
-    (line, first), *rest = rows
+    (row, first), *rest = rows
     if first.command not in (Command.NAV_WAYPOINT, 0):  # 0: in files of Mission Planner
         words = f"expected 16 (item 0 is home), not {first.command}"
         hint = "a file whose first item is a take-off lost its home item: put one before it"
-        raise BadInput(words, hint=hint, code="home-missing", place=f"{line.where}: command")
+        raise BadInput(words, hint=hint, code="home-missing", place=f"{row.where}: command")
     if abs(first.latitude_deg) > 90:
-        raise BadInput(f"expected degrees from -90 to 90, not {first.latitude_deg:g}", place=f"{line.where}: latitude")
+        raise BadInput(f"expected degrees from -90 to 90, not {first.latitude_deg:g}", place=f"{row.where}: latitude")
     items = resolve_frames([item for _, item in rest], autopilot)
     home = Geodetic(first.latitude_deg, first.longitude_deg, first.altitude)
     if (home.latitude_deg, home.longitude_deg) == (0.0, 0.0) and (places := [i for i in items if i.has_position]):
@@ -106,72 +107,63 @@ def _number(value: float, least_digits: int = 6) -> str:
 # --- reading ----------------------------------------------------------------------------------------------------
 
 
-class _Line:
-    def __init__(self, path: Path, number: int, fields: list[str]) -> None:
-        self.number = number
-        self.where = f"{path}: line {number}"
-        if len(fields) != len(FIELDS):
-            raise BadInput(f"expected {len(FIELDS)} fields, not {len(fields)}", place=self.where)
-        self.fields = dict(zip(FIELDS, fields, strict=True))
-
-    def value(self, name: str) -> float:
-        if not NUMBER.fullmatch(self.fields[name]):
-            raise self.wrong(name, "a number")
-        value = float(self.fields[name])
-        if math.isfinite(value) or (math.isnan(value) and name in PARAMS):
-            return value
-        raise self.wrong(name, "a finite number")
-
-    def degrees(self, name: str) -> float:
-        value = self.value(name)
-        if abs(value) > 180:
-            scaled = "divide it by 1e7: MISSION_ITEM_INT has units of 1e-7 degrees" if abs(value) > 1e6 else None
-            raise self.wrong(name, "degrees from -180 to 180", scaled)
-        return value
-
-    def whole(self, name: str, most: int) -> int:
-        value = self.value(name)
-        if not (value.is_integer() and 0 <= value <= most):
-            raise self.wrong(name, f"a whole number from 0 to {most}")
-        return int(value)
-
-    def wrong(self, name: str, expected: str, hint: str | None = None) -> BadInput:
-        return BadInput(f'expected {expected}, not "{self.fields[name][:40]}"', hint, place=f"{self.where}: {name}")
-
-
-def _rows(path: Path, text: str) -> Iterator[tuple[_Line, Item]]:
+def _rows(path: Path, text: str) -> Iterator[tuple[Node, Item]]:
     first, *lines = text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
     if first.split() != FIRST_LINE.split():
         first_line = f'"{first[:40]}"' if text.strip() else "an empty file"
         raise WrongFormat(f'expected "{FIRST_LINE}", not {first_line}', place=f"{path}: line 1")
-    for number, text_line in enumerate(lines, start=2):
-        if text_line.strip() and not text_line.lstrip().startswith("#"):
-            line = _Line(path, number, text_line.split())
-            yield line, _item(line)
+    for number, line in enumerate(lines, start=2):
+        words = line.split()
+        if not words or words[0].startswith("#"):
+            continue
+        place = f"{path}: line {number}"
+        if len(words) != len(FIELDS):
+            raise BadInput(f"expected {len(FIELDS)} fields, not {len(words)}", place=place)
+        values = (float(word) if NUMBER.fullmatch(word) else word for word in words)
+        row = Node(place, "", dict(zip(FIELDS, values, strict=True)))
+        yield row, _item(row)
 
 
-def _check_numbers(rows: Sequence[tuple[_Line, Item]]) -> Iterator[Finding]:
+def _check_numbers(rows: Sequence[tuple[Node, Item]]) -> Iterator[Finding]:
     """Refuse wrong line numbers in a file with jumps, else report them."""
     has_jump = any(item.command == Command.DO_JUMP for _, item in rows)
-    for count, (line, _) in enumerate(rows):
-        if line.whole("seq", 65535) != count:
+    for count, (row, _) in enumerate(rows):
+        seq = _whole(row["seq"], 65535)
+        if seq != count:
             if has_jump:
-                raise line.wrong("seq", f"{count} (a jump counts on it)")
-            message = f"line {line.number}: seq {line.fields['seq']} is not {count}: items are numbered by their lines"
+                raise row["seq"].wrong(f"{count} (a jump counts on it)")
+            line = row.where.rpartition(": ")[2]
+            message = f"{line}: seq {seq} is not {count}: items are numbered by their lines"
             yield Finding("file-numbers", Severity.WARNING, count, message)
             return
 
 
-def _item(line: _Line) -> Item:
-    line.whole("current", 3)
-    frame = line.whole("frame", 255)
-    p1, p2, p3, p4 = (line.value(name) for name in PARAMS)
+def _item(row: Node) -> Item:
+    _whole(row["current"], 3)
+    frame = _whole(row["frame"], 255)
+    params = (row[name] for name in PARAMS)
+    p1, p2, p3, p4 = (node.value if node.value != node.value else node.number() for node in params)  # NaN is valid
+    latitude, longitude = (
+        row[name].number() if frame == Frame.MISSION else _degrees(row[name]) for name in ("latitude", "longitude")
+    )
     return Item(
-        line.whole("command", 65535),
+        _whole(row["command"], 65535),
         frame,
         (p1, p2, p3, p4),
-        line.value("latitude") if frame == Frame.MISSION else line.degrees("latitude"),
-        line.value("longitude") if frame == Frame.MISSION else line.degrees("longitude"),
-        line.value("altitude"),
-        bool(line.whole("autocontinue", 1)),
+        latitude,
+        longitude,
+        row["altitude"].number("a finite number"),
+        bool(_whole(row["autocontinue"], 1)),
     )
+
+
+def _whole(node: Node, most: int) -> int:
+    return node.whole(f"a whole number from 0 to {most}", 0, most)
+
+
+def _degrees(node: Node) -> float:
+    value = node.number("a finite number")
+    if abs(value) > 180:
+        scaled = "divide it by 1e7: MISSION_ITEM_INT has units of 1e-7 degrees" if abs(value) > 1e6 else None
+        raise node.wrong("degrees from -180 to 180", scaled)
+    return value
