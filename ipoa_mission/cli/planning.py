@@ -87,7 +87,7 @@ def _read(path: Path | None, added: Planners) -> "Scenario":
 class PlaceOptions:
     home: HomeOption = None
     buildings: Annotated[
-        Path | None, typer.Option("--buildings", metavar="FILE", help="GeoJSON, .osm.pbf, GeoParquet or another map.")
+        Path | None, typer.Option("--buildings", metavar="FILE", help="GeoJSON, .osm.pbf or another map.")
     ] = None
     elevation: Annotated[
         Path | None, typer.Option("--elevation", metavar="FILE", help="Elevation model: GeoTIFF or SRTM .hgt.")

@@ -1,13 +1,11 @@
-"""Read Shapefile, FlatGeobuf and GeoPackage by GDAL (pyogrio), and GeoParquet by pyarrow.
+"""Read Shapefile, FlatGeobuf and GeoPackage by GDAL (pyogrio, with pyarrow).
 
 Some formats open other files, and GDAL ignores the suffix: the first bytes must match it.
 """
 
-import json
 import warnings
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from decimal import Decimal
-from importlib import import_module
 from itertools import chain
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -16,7 +14,6 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 from pyproj import CRS
-from pyproj.exceptions import CRSError
 
 from ipoa_mission.errors import (
     BadInput,
@@ -24,25 +21,17 @@ from ipoa_mission.errors import (
     InvalidRing,
     NoCoordinateSystem,
     NothingThere,
-    TooLarge,
     WrongFormat,
     imported,
 )
 from ipoa_mission.files import read_bytes
 from ipoa_mission.maps.feature import BATCH, EMPTY_SHAPE, Corners, Feature, on_earth
 from ipoa_mission.maps.json_shapes import ToDegrees, degrees_of
-from ipoa_mission.maps.keys import Means, meaning
 from ipoa_mission.maps.kinds import restore_key
 from ipoa_mission.maps.map_window import MapWindow
-from ipoa_mission.maps.properties import PACKED, blank_keys, find_truncated, tags_of
+from ipoa_mission.maps.properties import blank_keys, find_truncated, tags_of
 
-FIRST_BYTES = {
-    ".shp": b"\x00\x00\x27\x0a",
-    ".fgb": b"fgb",
-    ".gpkg": b"SQLite format 3\x00",
-    ".parquet": b"PAR1",
-    ".geoparquet": b"PAR1",
-}
+FIRST_BYTES = {".shp": b"\x00\x00\x27\x0a", ".fgb": b"fgb", ".gpkg": b"SQLite format 3\x00"}
 
 
 class _Shapes(NamedTuple):
@@ -59,8 +48,7 @@ def read_table(path: Path, around: MapWindow) -> tuple[Feature, ...]:
     if not read_bytes(path, 16).startswith(FIRST_BYTES[suffix]):
         raise WrongFormat(f"expected a {suffix} file, but its first bytes are those of another format", place=path)
     try:
-        batches = _row_groups(arrow, path, around) if "parquet" in suffix else _layers(path, around)
-        features = tuple(chain.from_iterable(batches))
+        features = tuple(chain.from_iterable(_layers(path, around)))
     except (RuntimeError, ValueError, OSError, UnboundLocalError, arrow.ArrowException) as error:  # of each library
         words = f"expected a whole {suffix} file: {str(error).partition(chr(10))[0]}"
         raise DamagedFile(words, place=path) from error
@@ -120,55 +108,6 @@ def _expect_whole(path: Path) -> None:
         raise DamagedFile(f"expected a .dbf file with the {indexed} rows of the .shx", place=path)
 
 
-def _row_groups(arrow: Any, path: Path, around: MapWindow) -> Iterator[list[Feature]]:
-    with import_module("pyarrow.parquet").ParquetFile(path) as file:
-        shapes = _shapes_of(file, arrow, path)
-        columns = [shapes.column, *_tag_columns(file.schema_arrow, arrow, shapes.column)]
-        row = 0
-        largest = 2_000_000_000  # unpacked [bytes]
-        for number in range(file.num_row_groups):
-            if file.metadata.row_group(number).total_byte_size > largest:
-                raise TooLarge(f"expected groups of rows of at most {largest / 1e9:g} GB", place=path)
-            for batch in file.iter_batches(BATCH, [number], columns):
-                places = [f"{path}: row[{n}]" for n in range(row, row + batch.num_rows)]
-                yield _features(batch, shapes, places, around)
-                row += batch.num_rows
-
-
-def _shapes_of(file: Any, arrow: Any, path: Path) -> _Shapes:
-    metadata = (file.schema_arrow.metadata or {}).get(b"geo")
-    if metadata is None:
-        words = "expected a GeoParquet file, but none of its columns is a geometry"
-        hint = "a table of places becomes one by GeoPandas: GeoDataFrame.to_parquet"
-        raise NothingThere(words, hint=hint, place=path)
-    try:
-        geo = json.loads(metadata)
-        column = geo["primary_column"]
-        about = geo["columns"][column]
-        encoding, system = about["encoding"], about.get("crs", "OGC:CRS84")
-    except (ValueError, TypeError, KeyError, AttributeError) as error:
-        raise BadInput("expected GeoParquet's metadata of its columns", place=f"{path}: geo") from error
-    kind = file.schema_arrow.field(column).type if column in file.schema_arrow.names else None
-    if encoding != "WKB" or kind not in (arrow.binary(), arrow.large_binary()):
-        raise BadInput(f"expected shapes as WKB, not as {encoding!r:.40} in {kind}", place=f"{path}: {column}")
-    if system is None:
-        raise NoCoordinateSystem("expected a file that names its coordinate system", place=path)
-    try:
-        return _Shapes(column, degrees_of(CRS.from_user_input(system)))
-    except (CRSError, TypeError) as error:
-        raise NoCoordinateSystem("expected a coordinate system as PROJ's JSON has it", place=f"{path}: crs") from error
-
-
-def _tag_columns(schema: Any, arrow: Any, shapes: str) -> Iterator[str]:
-    for field in schema:
-        if field.name == "names" and arrow.types.is_struct(field.type):
-            yield "names.primary"  # Overture's
-        elif field.name == shapes:
-            continue
-        elif field.name in PACKED or not arrow.types.is_nested(field.type) or meaning(field.name) is not Means.NOTHING:
-            yield field.name
-
-
 def _features(batch: Any, shapes: _Shapes, places: Sequence[str], around: MapWindow) -> list[Feature]:
     wkb = batch.column(shapes.column).to_numpy(zero_copy_only=False)
     drawn = _drawn(wkb, shapes.to_degrees, places)
@@ -205,8 +144,4 @@ def _drawn(wkb: NDArray[Any], to_degrees: ToDegrees, places: Sequence[str]) -> N
 
 
 def _plain(value: Any) -> Any:
-    """Convert to JSON; Arrow reads a map as pairs."""
-    if isinstance(value, Decimal):
-        return float(value)
-    is_map = isinstance(value, list) and all(isinstance(pair, tuple) for pair in value)
-    return dict(value) if is_map else value
+    return float(value) if isinstance(value, Decimal) else value

@@ -22,7 +22,7 @@ class MapFile(Section):
 
     file: Annotated[Path, existing_file("a map")]
     """Path relative to the scenario file. Text formats: `.geojson`, `.json`, `.geojsonl`, `.ndjson`, `.jsonl`, `.kml`,
-    `.kmz`, `.osm`. Binary formats: `.osm.pbf`, `.parquet`, `.geoparquet`, `.shp`, `.fgb`, `.gpkg`."""
+    `.kmz`, `.osm`. Binary formats: `.osm.pbf`, `.shp`, `.fgb`, `.gpkg`."""
     suffixes: ClassVar[tuple[str, ...]] = READERS
 
     def differences(self) -> Iterator[Finding]:

@@ -78,7 +78,6 @@ BOMBS: dict[str, tuple[str, Callable[[], bytes]]] = {
     "3 MB of noise in a Shapefile": (".shp", lambda: noise(b"\x00\x00\x27\x0a")),
     "3 MB of noise in a FlatGeobuf": (".fgb", lambda: noise(b"fgb\x03fgb\x00")),
     "3 MB of noise in a GeoPackage": (".gpkg", lambda: noise(b"SQLite format 3\x00")),
-    "3 MB of noise in GeoParquet": (".parquet", lambda: noise(b"PAR1") + b"\x00\x10\x00\x00PAR1"),
     "3 MB of noise in an extract": (".pbf", lambda: noise(b"\x00\x00\x00\x0d\x0a\x09OSMHeader\x18\x05")),
     "3 MB of noise in a PX4 log": (".ulg", lambda: noise(b"ULog\x01\x12\x35\x01" + bytes(8))),
     "3 MB of noise in an ArduPilot log": (".bin", lambda: noise(b"\xa3\x95\x80")),

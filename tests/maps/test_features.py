@@ -13,8 +13,7 @@ from tests.refused import refuses
 
 RING = [[8.0, 47.0], [8.001, 47.0], [8.001, 47.001], [8.0, 47.0]]
 SUFFIXES = (
-    ".geojson, .json, .geojsonl, .geojsons, .geojsonseq, .ndjson, .jsonl, .kml, .kmz, .osm, .pbf, .shp, .fgb, .gpkg, "
-    ".parquet, .geoparquet"
+    ".geojson, .json, .geojsonl, .geojsons, .geojsonseq, .ndjson, .jsonl, .kml, .kmz, .osm, .pbf, .shp, .fgb, .gpkg"
 )
 TAGS = {"building": "yes", "height": "23", "name": 'The "Rose"'}
 

@@ -63,7 +63,7 @@ export function Drop() {
   return (
     <details class="panel">
       <summary>Maps and missions from files</summary>
-      <p class="note">Drop them anywhere on the page: GeoJSON, .osm and .osm.pbf, Overture's .parquet, KML, Shapefile and others for buildings and zones; GeoTIFF or .hgt for the ground; .plan or .waypoints for home, places and fence; a log of a survey that was broken off. They are kept beside the scenario.</p>
+      <p class="note">Drop them anywhere on the page: GeoJSON, .osm and .osm.pbf, KML, Shapefile and others for buildings and zones; GeoTIFF or .hgt for the ground; .plan or .waypoints for home, places and fence; a log of a survey that was broken off. They are kept beside the scenario.</p>
       <label class="field wide"><span>Or choose one</span><input type="file" multiple onChange={event => { void take(event.currentTarget.files); event.currentTarget.value = ""; }} /></label>
     </details>
   );
