@@ -21,15 +21,6 @@ from ipoa_mission.maps.map_reader import read_features
 from ipoa_mission.scenario.explain import explained, lowered
 from ipoa_mission.scenario.model import Scenario, added_sections
 
-LONGEST_KEY = 16  # parts; tomllib is quadratic in their number
-_PART = r"""(?:[\w-]++|"(?:\\.|[^"\\\n])*+"|'[^'\n]*+')"""
-# Multi-line strings, comments, keys of too many parts, the rest.
-_WORDS = re.compile(
-    rf'''"""(?:\\.|[^\\"]|"(?!""))*+(?:"""|\Z)|\'{{3}}(?:[^\']|\'(?!\'\'))*+(?:\'{{3}}|\Z)|\#[^\n]*+|'''
-    rf"(?P<long>{_PART}(?:[ \t]*+\.[ \t]*+{_PART}){{{LONGEST_KEY}}})|{_PART}",
-    re.DOTALL,
-)
-
 
 def read_scenario(path: str | Path) -> Scenario:
     """Read a scenario from a TOML file, with all its maps.
@@ -75,10 +66,6 @@ def scenario_of(table: dict[str, Any], path: Path) -> Scenario:
 
 
 def parse_toml(text: str, path: Path) -> dict[str, Any]:
-    for word in _WORDS.finditer(text):
-        if word["long"]:
-            line = text.count("\n", 0, word.start()) + 1
-            raise BadInput(f"expected a key of at most {LONGEST_KEY} parts", place=f"{path}: line {line}")
     try:
         return tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
