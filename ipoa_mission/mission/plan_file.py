@@ -78,9 +78,6 @@ def parse_plan(path: Path, text: str, autopilot: Autopilot | None = None) -> Mis
     return MissionFile(read, (*plan.findings, *_check_numbers(listed), *findings_of_keys(plan)), text, ".plan")
 
 
-# --- writing ----------------------------------------------------------------------------------------------------
-
-
 def _plan(mission: Mission) -> dict[str, Any]:
     items = resolve_frames(mission.items, mission.autopilot)
     for number, item in enumerate(items, start=1):
@@ -175,9 +172,6 @@ def _place(place: Geodetic, name: str) -> list[float | int | None]:
     if not all(map(math.isfinite, numbers)):
         raise BadInput(f"expected latitude, longitude and altitude, not {numbers}", code="altitude-missing", place=name)
     return [tidy(number) for number in numbers]
-
-
-# --- reading ----------------------------------------------------------------------------------------------------
 
 
 def autopilot_in(node: Node, mav_type: int = QUADROTOR) -> Autopilot:

@@ -131,9 +131,6 @@ def _is_home(item: Item) -> bool:
     return item.command == Command.NAV_WAYPOINT and plain_frame(item.frame) == Frame.GLOBAL
 
 
-# --- stored values ----------------------------------------------------------------------------------------------
-
-
 def _rounded(kind: type[np.floating], value: float) -> float:
     with np.errstate(over="ignore"):
         return float(kind(value))
@@ -197,9 +194,6 @@ def _stored_frame(item: Item, firmware: Firmware) -> int:
     return plain_frame(item.frame)
 
 
-# --- differences ------------------------------------------------------------------------------------------------
-
-
 def _first_difference(sent: Item, got: Item, firmware: Firmware) -> tuple[str, str, str] | None:
     stored = _stored(sent, firmware)
     if got.command not in (stored.command, sent.command):
@@ -240,9 +234,6 @@ def _agree(letter: str, expected: float, actual: float) -> bool:
             return abs((expected - actual + 180.0) % 360.0 - 180.0) <= 1e-3  # [deg]
         case _:
             return _single(expected) == _single(actual)
-
-
-# --- fences and rally points ------------------------------------------------------------------------------------
 
 
 def fence_to_wire(fence: Sequence[FencePolygon | FenceCircle]) -> tuple[Item, ...]:

@@ -76,9 +76,6 @@ def parse_waypoints(path: Path, text: str, autopilot: Autopilot | None = None) -
     return MissionFile(Mission(home, items, autopilot), tuple(findings), text, ".waypoints")
 
 
-# --- writing ----------------------------------------------------------------------------------------------------
-
-
 def _check(number: int, item: Item) -> None:
     where = f"item {number} ({item.name})" if number else "home"
     if item.frame in (Frame.GLOBAL_TERRAIN_ALT, Frame.GLOBAL_TERRAIN_ALT_INT):
@@ -102,9 +99,6 @@ def _line(seq: int, item: Item, nan: float) -> str:
 
 def _number(value: float, least_digits: int = 6) -> str:
     return np.format_float_positional(value, unique=True, min_digits=least_digits)
-
-
-# --- reading ----------------------------------------------------------------------------------------------------
 
 
 def _rows(path: Path, text: str) -> Iterator[tuple[Node, Item]]:
