@@ -258,9 +258,7 @@ class Airspace:
                 yield body, np.zeros(1, dtype=np.intp)
             return
         tracks = shapely.linestrings(np.stack([starts[:, :2], ends[:, :2]], axis=1))
-        upright = (starts[:, :2] == ends[:, :2]).all(axis=1)  # GEOS finds nothing near a line without length
-        tracks[upright] = shapely.points(starts[upright, :2])
-        yield from _grouped(self._index.query(tracks, "dwithin", max(reach, 0.0)))
+        yield from _grouped(self.beside(tracks, np.full(len(tracks), max(reach, 0.0))))
 
     def bounds_margin(self, points: Points) -> Clearance:
         box = replace(self.bounds, footprint=None)
