@@ -15,7 +15,7 @@ from threadpoolctl import threadpool_limits
 from ipoa_mission import Forecast, Geodetic, Scenario, Wind
 from ipoa_mission.checks.unsafe import expect_plannable
 from ipoa_mission.errors import BadInput, NothingThere
-from ipoa_mission.files import make_folder, write_together
+from ipoa_mission.files import make_folder
 from ipoa_mission.geometry import Plane, Points
 from ipoa_mission.maps.map_reader import read_features
 from ipoa_mission.mission.mission_io import write_files, write_several
@@ -124,16 +124,6 @@ class Survey:
             "passed_over": passed_over_as_json(self.plan.scenario),
             "unread": unread_as_json(self.plan.scenario.unread),
         }
-
-    def report(self, folder: str | Path = ".") -> tuple[Path, ...]:
-        """Write a page for each flight, and one for several, together.
-
-        Raises:
-            BadInput: a file cannot be written.
-        """
-        pages = self._pages(Path(folder))
-        write_together(pages)
-        return tuple(pages)
 
     def _pages(self, folder: Path) -> dict[Path, str]:
         from ipoa_mission.report.page import PageNotes, report_html

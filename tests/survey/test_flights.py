@@ -213,7 +213,7 @@ def test_survey_is_split_into_flights_that_return_with_their_reserve(tmp_path: P
 
 def test_the_page_shows_the_area_and_every_flight(tmp_path: Path) -> None:
     survey = plan_survey(scenario=scenario(PHOTOS | {"flights": 2}, obstacles=[TOWER]))
-    pages = survey.report(tmp_path)
+    pages = [path for path in survey.write(tmp_path, report=True) if path.suffix == ".html"]
     assert [page.name for page in pages] == ["field.html", "field-1.html", "field-2.html"]
     whole = pages[0].read_text(encoding="utf-8")
     assert all(f'<a href="field-{n}.html">' in whole for n in (1, 2))
@@ -227,7 +227,7 @@ def test_the_page_shows_the_area_and_every_flight(tmp_path: Path) -> None:
 def test_survey_page_escapes_names_and_links_of_flights(tmp_path: Path) -> None:
     odd = scenario(LINES | {"flights": 2}, obstacles=[TOWER | {"name": "<b>t\x07"}])
     survey = plan_survey(scenario=odd.model_copy(update={"name": "a #1"}))
-    first, *others = survey.report(tmp_path)
+    first, *others = (path for path in survey.write(tmp_path, report=True) if path.suffix == ".html")
     whole = first.read_text(encoding="utf-8")
     hrefs = re.findall(r'<a href="([^"]+)">', whole)
     assert [tmp_path / unquote(urlsplit(href).path) for href in hrefs] == others
@@ -427,7 +427,8 @@ def test_the_page_of_a_flight_has_no_remark_on_another(tmp_path: Path) -> None:
     asked = LINES | {"flights": 2, "line_spacing": 40.0, "direction_deg": 0.0}
     survey = plan_survey(scenario=scenario(asked, obstacles=sheds, safety={"returns": "planned"}))
     assert any(note.startswith(("flight 1: ", "flight 2: ")) for note in survey.notes)
-    whole, *pages = (page.read_text() for page in survey.report(tmp_path))
+    written = survey.write(tmp_path, report=True)
+    whole, *pages = (path.read_text() for path in written if path.suffix == ".html")
     for n, page in enumerate(pages, 1):
         of_it = [note.removeprefix(f"flight {n}: ") for note in survey.notes]
         before = page.partition("Before you fly")[2].partition("</section>")[0]
