@@ -6,7 +6,7 @@ from pathlib import Path
 from textwrap import dedent
 from typing import Annotated, Any, Self
 
-from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, GetJsonSchemaHandler, ValidationInfo
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, GetJsonSchemaHandler, ValidationInfo
 
 
 class Section(BaseModel):
@@ -49,13 +49,6 @@ def _attribute_docstrings(kind: type) -> Iterator[tuple[str, str]]:
                 yield name, inspect.cleandoc(text)
 
 
-def _no_truth(value: Any) -> Any:
-    """Refuse true and false, which Python takes for 1 and 0."""
-    if isinstance(value, bool):
-        raise ValueError(f"expected a number, not {str(value).lower()}")
-    return value
-
-
 def merged(settings: Mapping[str, Any], table: Mapping[str, Any]) -> dict[str, Any]:
     both = {**settings, **table}
     for key in settings.keys() & table.keys():
@@ -78,8 +71,9 @@ def existing_file(what: str) -> AfterValidator:
     return AfterValidator(resolve)
 
 
-NUMBER = BeforeValidator(_no_truth)
-Positive = Annotated[float, Field(gt=0), NUMBER]
-NotNegative = Annotated[float, Field(ge=0), NUMBER]
-Latitude = Annotated[float, Field(ge=-90, le=90), NUMBER]
-Longitude = Annotated[float, Field(ge=-180, le=180), NUMBER]
+# Strict: refuse true and false, which Python takes for 1 and 0.
+Number = Annotated[float, Field(strict=True)]
+Positive = Annotated[float, Field(gt=0, strict=True)]
+NotNegative = Annotated[float, Field(ge=0, strict=True)]
+Latitude = Annotated[float, Field(ge=-90, le=90, strict=True)]
+Longitude = Annotated[float, Field(ge=-180, le=180, strict=True)]

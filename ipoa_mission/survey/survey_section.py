@@ -21,7 +21,7 @@ from ipoa_mission.scenario.place_sections import (
     Place,
     TerrainSection,
 )
-from ipoa_mission.scenario.section import NUMBER, NotNegative, Positive, Section, existing_file
+from ipoa_mission.scenario.section import NotNegative, Number, Positive, Section, existing_file
 from ipoa_mission.scenario.surroundings import Reach
 from ipoa_mission.survey.camera import GivenCamera
 from ipoa_mission.survey.survey_area import Area, corridor, depth_of, expect_here, read_map, read_polygon, shapes_in
@@ -56,13 +56,13 @@ def _check_nesting(value: Any) -> Any:
 _NUMBERS: dict[str, Any] = {"type": "array", "items": {"type": "number"}}
 _RING: dict[str, Any] = {"type": "array", "items": _NUMBERS}
 _PARTS: dict[str, Any] = {"type": "array", "items": _RING}
-Overlap: TypeAlias = Annotated[float, AfterValidator(_check_overlap), NUMBER]
+Overlap: TypeAlias = Annotated[Number, AfterValidator(_check_overlap)]
 Direction: TypeAlias = Annotated[
     Any,
     AfterValidator(_check_direction),
     WithJsonSchema({"anyOf": [{"enum": ["best", "crosshatch"]}, {"type": "number"}, _NUMBERS]}),
 ]
-Spot: TypeAlias = tuple[Annotated[float, NUMBER], Annotated[float, NUMBER]]
+Spot: TypeAlias = tuple[Number, Number]
 Rings: TypeAlias = Annotated[
     Any, AfterValidator(_check_nesting), WithJsonSchema({"anyOf": [_RING, _PARTS, {"type": "array", "items": _PARTS}]})
 ]
