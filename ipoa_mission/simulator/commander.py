@@ -13,7 +13,6 @@ from ipoa_mission.simulator.streams import KNOWN_MESSAGES
 
 GUIDED = 4  # ArduCopter's mode of take-off by command
 MAV_DO_REPOSITION_CHANGE_MODE = 1
-FORCED = 21196.0  # param2 of COMPONENT_ARM_DISARM: stop the motors in flight too
 
 
 class Commander(MockVehicle):
@@ -44,7 +43,7 @@ class Commander(MockVehicle):
             case VehicleCommand.MISSION_START:
                 return self._start_mission(params)
             case Command.COMPONENT_ARM_DISARM:
-                return self._arm_or_disarm(params[0], forced=params[1] == FORCED)
+                return self._arm_or_disarm(params[0])
             case VehicleCommand.RUN_PREARM_CHECKS:
                 reason = self.arming_refusal()
                 if profile.reports_prearm and reason:  # PX4 answers by events
@@ -78,11 +77,11 @@ class Commander(MockVehicle):
         is_at_item = self.profile.runs_on_ground and flight.current < len(self.items)
         return is_at_item and self.items[flight.current].command == Command.NAV_DELAY
 
-    def _arm_or_disarm(self, order: float, forced: bool) -> CommandResult:
+    def _arm_or_disarm(self, order: float) -> CommandResult:
         if order not in (0.0, 1.0):
             return CommandResult.UNSUPPORTED
         refused = self.profile.refused_arming
-        if order == 0.0 and not (self.flight.on_ground or forced):
+        if order == 0.0 and not self.flight.on_ground:
             if not self.profile.reports_prearm:
                 self.send_text(CRITICAL, "Disarming denied: not landed\t")
             return refused

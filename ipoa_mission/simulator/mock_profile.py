@@ -56,7 +56,7 @@ class FlightController(Protocol):
         """Take off to a height above home [m], and hold."""
 
     def step(self) -> None:
-        """Fly for `STEP_S`; not armed in the air, it falls."""
+        """Fly for `STEP_S`."""
 
 
 @dataclass(frozen=True, kw_only=True)

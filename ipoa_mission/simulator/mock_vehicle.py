@@ -113,8 +113,6 @@ class MockVehicle:
 
     def arming_refusal(self) -> str:
         start_up = self.profile.start_up
-        if not (self.flight.armed or self.flight.on_ground):
-            return "Falling"
         if self.age < start_up.steady_s:
             return start_up.unsteady
         if self.age < start_up.position_s and self.mode in self.profile.placed_modes:

@@ -72,26 +72,6 @@ def test_ardupilot_waits_armed_before_its_take_off_as_long_as_it_may(disarm_dela
     assert [finding.code for finding in check_mission(mission)] == ["disarms-waiting"] * (disarm_delay > 0.0)
 
 
-@pytest.mark.parametrize("autopilot", [ARDUPILOT, PX4])
-def test_a_forced_disarm_in_flight_stops_the_motors(autopilot: Autopilot) -> None:
-    flown = Flown(autopilot, short(return_to_launch()))
-    flown.command(400, 1.0)
-    flown.command(300)
-    flown.fly(14.0)
-    flight, refused = flown.mock.flight, flown.mock.profile.refused_arming
-    assert flown.command(400, 0.0) == refused
-    assert flight.armed
-    assert flight.local[2] > 5.0
-    assert flown.command(400, 0.0, 21196.0) == OK
-    assert not flight.armed
-    flown.fly(0.5)
-    assert flight.velocity[2] < -3.0
-    assert flown.command(400, 1.0) == refused, "it falls"
-    flown.fly(5.0)
-    assert flight.on_ground
-    assert flight.local[2] == pytest.approx(0.0, abs=0.01)
-
-
 @pytest.mark.parametrize("autopilot", registered())
 def test_the_first_item_of_a_list_without_home_vanishes_on_ardupilot(autopilot: Autopilot) -> None:
     mock = Mock(autopilot, HOME)

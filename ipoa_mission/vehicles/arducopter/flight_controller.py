@@ -6,12 +6,11 @@ from collections.abc import Callable, Iterator
 
 from ipoa_mission.autopilot.commands import Command, VehicleCommand
 from ipoa_mission.autopilot.parameters import Parameters
-from ipoa_mission.geometry import GRAVITY
 from ipoa_mission.link.conversations import RequestStyle
 from ipoa_mission.link.messages import CommandResult, MissionType, Result
 from ipoa_mission.mission.items import Item
 from ipoa_mission.simulator.mock_profile import CAPABILITIES, FTP, Answer, MockProfile, StartUp, asks_every
-from ipoa_mission.simulator.situation import STEP_S, FlightMode, SimulatedVehicle, Situation
+from ipoa_mission.simulator.situation import FlightMode, SimulatedVehicle, Situation
 from ipoa_mission.vehicles.arducopter.dynamics import procedures
 from ipoa_mission.vehicles.arducopter.dynamics.copter import Copter, airframe_of
 from ipoa_mission.vehicles.arducopter.dynamics.motion import Kind
@@ -70,9 +69,7 @@ class ArduCopterController:
 
     def step(self) -> None:
         lifting = self._now.armed and self._now.time_s - self._now.armed_s >= self._lift_s
-        if not (self._now.armed or self._body.on_ground):
-            self._fall()
-        elif self._touched_s is not None:
+        if self._touched_s is not None:
             self._stand(self._now.time_s - self._touched_s)
         elif self._flying and lifting and self._copter.step():
             self._go_on()
@@ -155,16 +152,6 @@ class ArduCopterController:
             self._now.end_on_ground(announced=not lands)
             self._touched_s = None
             self._flying = False
-
-    def _fall(self) -> None:
-        """Drag is neglected."""
-        state = self._copter.state
-        state.vz -= GRAVITY * STEP_S
-        state.place += state.velocity * STEP_S
-        state.z += state.vz * STEP_S
-        if state.z <= self._body.conditions.ground.at(state.place.real, state.place.imag):
-            self._copter.wait_on_ground(0.0)
-            self._floor = self._copter.state.z
 
     def _stay(self) -> None:
         self._legs = iter(())

@@ -6,7 +6,7 @@ import random
 from ipoa_mission.autopilot.commands import Command, VehicleCommand
 from ipoa_mission.autopilot.guidance_profile import mode_number
 from ipoa_mission.autopilot.parameters import Parameters
-from ipoa_mission.geometry import GRAVITY, Enu
+from ipoa_mission.geometry import Enu
 from ipoa_mission.link.conversations import RequestStyle
 from ipoa_mission.link.messages import CommandResult, MissionType
 from ipoa_mission.mission.items import Item
@@ -14,7 +14,7 @@ from ipoa_mission.simulator.mock_profile import BYTEWISE, CAPABILITIES, Answer, 
 from ipoa_mission.simulator.situation import STEP_S, FlightMode, MissionState, SimulatedVehicle, Situation
 from ipoa_mission.vehicles.px4_multicopter.dynamics import navigator
 from ipoa_mission.vehicles.px4_multicopter.dynamics.flight import at_rest, begin, is_over, step
-from ipoa_mission.vehicles.px4_multicopter.dynamics.state import SIH_SENSORS, Level, Order, integrate, no_errors
+from ipoa_mission.vehicles.px4_multicopter.dynamics.state import SIH_SENSORS, Level, Order, no_errors
 from ipoa_mission.vehicles.px4_multicopter.limits import px4_limits
 from ipoa_mission.vehicles.px4_multicopter.vehicle import PX4_MULTICOPTER
 
@@ -64,7 +64,7 @@ class Px4Controller:
         now = self._now
         state = self._state
         if not now.armed:
-            self._fall()
+            self._rest()
         elif not self._orders or (now.landed and now.time_s - now.armed_s < self._limits.spool_up):
             self._state = state._replace(time=now.time_s + STEP_S)
         else:
@@ -106,16 +106,11 @@ class Px4Controller:
             hidden = now.current + 1 < len(items) and items[now.current + 1].command in suppressing
             now.done(now.current, announced=not hidden)
 
-    def _fall(self) -> None:
+    def _rest(self) -> None:
         state = self._state
-        place = self._state.body.place
-        ground = self._ground.at(place.east, place.north)
-        if place.up > ground:
-            no_thrust = Enu(0.0, 0.0, -GRAVITY)
-            state = state._replace(body=integrate(state, no_thrust, self._law, is_held=False), time=self._now.time_s)
-        elif not state.body.on_ground or state.contact.on_ground:
-            state = at_rest(place._replace(up=ground), self._now.time_s, state.nose.yaw, state.errors, True)
-        self._state = state
+        if not state.body.on_ground or state.contact.on_ground:
+            place = self._down(state.body.place)
+            self._state = at_rest(place, self._now.time_s, state.nose.yaw, state.errors, True)
 
     def _show(self) -> None:
         vehicle = self._vehicle
