@@ -249,11 +249,6 @@ class ParamValue(Message, name="PARAM_VALUE"):
     param_index: int
 
 
-class MessageInterval(Message, name="MESSAGE_INTERVAL"):
-    message_id: int
-    interval_us: int  # 0 unknown, -1 never
-
-
 class RequestDataStream(Message, name="REQUEST_DATA_STREAM"):
     req_stream_id: int  # MAV_DATA_STREAM; 0: all
     req_message_rate: int  # [Hz]

@@ -127,14 +127,9 @@ class BuiltInAutopilot:
         requested = message_name(asked) if number == VehicleCommand.REQUEST_MESSAGE else OLD_REQUESTS.get(number)
         answer = vehicle.message(requested) if result == m.CommandResult.ACCEPTED and requested else None
         answers: list[m.Message] = [] if answer is None else [answer]
-        if number == VehicleCommand.SET_MESSAGE_INTERVAL:
-            if not self._schedule.set_interval(asked, params[1], vehicle.now, source):
-                result = profile.no_such_stream
-        elif number == VehicleCommand.GET_MESSAGE_INTERVAL:
-            interval_us = self._schedule.interval_us(asked, source)
-            if interval_us is None:
-                interval_us, result = profile.no_such_interval
-            vehicle.send(m.MessageInterval(asked & 0xFFFF, interval_us), source)
+        sets_interval = number == VehicleCommand.SET_MESSAGE_INTERVAL
+        if sets_interval and not self._schedule.set_interval(asked, params[1], vehicle.now, source):
+            result = profile.no_such_stream
         acks: list[m.Message] = [m.CommandAck(number, result)]
         if number == VehicleCommand.DO_SET_MODE and profile.mode_acks > 1:
             acks.insert(0, m.CommandAck(number, m.CommandResult.ACCEPTED))

@@ -38,8 +38,6 @@ class Commander(MockVehicle):
             case VehicleCommand.DO_SET_MISSION_CURRENT:
                 is_there = self.set_current(as_integer(params[0]), params[1] == 1.0)
                 return CommandResult.ACCEPTED if is_there else CommandResult.DENIED
-            case VehicleCommand.PREFLIGHT_REBOOT_SHUTDOWN:
-                return self._reboot(params[0])
             case VehicleCommand.MISSION_START:
                 return self._start_mission(params)
             case Command.COMPONENT_ARM_DISARM:
@@ -55,7 +53,6 @@ class Commander(MockVehicle):
                 Command.DO_FENCE_ENABLE
                 | VehicleCommand.REQUEST_PROTOCOL_VERSION
                 | VehicleCommand.GET_HOME_POSITION
-                | VehicleCommand.GET_MESSAGE_INTERVAL
                 | VehicleCommand.SET_MESSAGE_INTERVAL
                 | VehicleCommand.REQUEST_AUTOPILOT_CAPABILITIES
             ):
@@ -282,20 +279,6 @@ class Commander(MockVehicle):
         if as_integer(params[1]) != MAV_DO_REPOSITION_CHANGE_MODE:
             return CommandResult.UNSUPPORTED
         return self.set_mode(self.profile.modes[FlightMode.HOLD])
-
-    def _reboot(self, order: float) -> CommandResult:
-        """Command 246: ArduPilot restarts unless armed; PX4 in simulation does not."""
-        if not self.profile.reboots:
-            return CommandResult.DENIED if order else CommandResult.ACCEPTED
-        if order != 1.0:
-            return CommandResult.UNSUPPORTED
-        if self.flight.armed:
-            return CommandResult.FAILED
-        self.powered_s = self.now
-        self.idle_mode = self.profile.first_mode
-        self.mission_begun = self.mission_runs = False
-        self.flight.rewind()
-        return CommandResult.ACCEPTED
 
 
 def as_integer(value: float) -> int:

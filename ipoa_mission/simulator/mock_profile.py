@@ -94,7 +94,6 @@ class MockProfile:
     runs_on_ground: bool = False  # the mission advances on the ground, without texts of a flight
     restores_mode: bool = False  # after return or landing
     refuses_modes: bool = False  # when armed, with the reason
-    reboots: bool = False
     unsupported: frozenset[int]  # of the commands that another firmware obeys
     start_up: StartUp
     modes: Mapping[FlightMode, int]  # HEARTBEAT.custom_mode
@@ -114,7 +113,6 @@ class MockProfile:
     fixed_streams: frozenset[str] = frozenset()  # with a fixed rate
     no_such_stream: CommandResult  # COMMAND_ACK
     no_such_message: CommandResult  # COMMAND_ACK
-    no_such_interval: tuple[int, CommandResult]  # MESSAGE_INTERVAL and COMMAND_ACK
     base_mode: int  # disarmed
     capabilities: int  # simulated bits of MAV_PROTOCOL_CAPABILITY
     protocol: tuple[int, int, int] | None = None  # PROTOCOL_VERSION: in use, least, greatest

@@ -57,14 +57,6 @@ class Schedule:
         if self._intervals[name] != before:
             self._due[name] = now + self._intervals[name]
 
-    def interval_us(self, number: int, listener: Target) -> int | None:
-        """Command 510 [us]; -1: off; None: no such stream."""
-        name = message_name(number)
-        if name is None or name not in KNOWN_MESSAGES:
-            return None
-        interval = self._interval(name, listener)
-        return -1 if math.isinf(interval) else round(interval * 1e6)
-
     def due(self, now: float) -> list[str]:
         names = [name for name, when in self._due.items() if when <= now]
         for name in names:

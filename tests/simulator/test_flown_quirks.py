@@ -96,27 +96,6 @@ def test_ardupilot_takes_a_mission_then_arms_and_has_a_position_last() -> None:
         assert messages[at + 1] == Text(6 if result == OK else 2, words)
 
 
-def test_ardupilot_restarts_unless_armed_and_keeps_its_mission() -> None:
-    flown = Flown(ARDUPILOT, short())
-    assert flown.command(176, 1.0, 5.0) == OK
-    assert flown.command(224, 2.0) == OK
-    assert flown.command(400, 1.0) == OK
-    assert flown.command(246, 1.0) == CommandResult.FAILED
-    assert flown.command(400, 0.0) == OK
-    assert flown.command(246, 3.0) == CommandResult.UNSUPPORTED
-    assert flown.command(246, 1.0) == OK
-    assert flown.mock.vehicle.mode == flown.mock.profile.first_mode
-    assert flown.current == Current(0, 2, 2)
-    assert Ack(Result.NO_SPACE) in flown.hear(Count(3))
-    flown.fly(3.0)
-    assert Request(0, legacy=True) in flown.hear(Count(3))
-
-
-@pytest.mark.parametrize(("order", "result"), [(0.0, CommandResult.ACCEPTED), (1.0, CommandResult.DENIED)])
-def test_px4_in_simulation_does_not_restart(order: float, result: CommandResult) -> None:
-    assert Flown(PX4, []).command(246, order) == result
-
-
 def test_current_item_before_a_flight_and_after_orders_is_as_flown() -> None:
     ardupilot, px4 = Flown(ARDUPILOT, short()), Flown(PX4, short())
     assert (ardupilot.current, px4.current) == (Current(0, 2, 2), Current(0, 2, 2))  # home is not counted

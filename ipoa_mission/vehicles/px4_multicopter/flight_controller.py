@@ -244,7 +244,6 @@ MOCK_PROFILE = MockProfile(
     fixed_streams=frozenset({"HEARTBEAT", "MISSION_CURRENT"}),
     no_such_stream=CommandResult.FAILED,
     no_such_message=CommandResult.DENIED,
-    no_such_interval=(-1, CommandResult.ACCEPTED),
     base_mode=29,
     capabilities=CAPABILITIES | BYTEWISE,
     protocol=(200, 100, 203),
