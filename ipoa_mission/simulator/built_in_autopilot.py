@@ -53,7 +53,6 @@ class BuiltInAutopilot:
 
     def receive(self, message: m.Message, source: Target, now: float) -> None:
         self.tick(now)
-        self._schedule.hear(source)
         if not self.transfers.receive(message, source, now):
             self._answer(message, source, now)
         self.vehicle.report_changes()
@@ -73,7 +72,7 @@ class BuiltInAutopilot:
             case m.RequestDataStream(group, rate, start) if start in (0, 1):
                 groups = self.profile.stream_groups
                 names = groups.get(group, frozenset()) if group else frozenset[str]().union(*groups.values())  # 0: all
-                self._schedule.set_rate(names, rate if start else 0, now, source)
+                self._schedule.set_rate(names, rate if start else 0, now)
             case m.Ping():
                 send(message, source)
             case m.TimeSync(0, asked):
@@ -128,7 +127,7 @@ class BuiltInAutopilot:
         answer = vehicle.message(requested) if result == m.CommandResult.ACCEPTED and requested else None
         answers: list[m.Message] = [] if answer is None else [answer]
         sets_interval = number == VehicleCommand.SET_MESSAGE_INTERVAL
-        if sets_interval and not self._schedule.set_interval(asked, params[1], vehicle.now, source):
+        if sets_interval and not self._schedule.set_interval(asked, params[1], vehicle.now):
             result = profile.no_such_stream
         acks: list[m.Message] = [m.CommandAck(number, result)]
         if number == VehicleCommand.DO_SET_MODE and profile.mode_acks > 1:
