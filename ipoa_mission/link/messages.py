@@ -366,7 +366,3 @@ class ExtendedState(Message, name="EXTENDED_SYS_STATE"):
 class SystemTime(Message, name="SYSTEM_TIME"):
     unix_s: Annotated[float, "time_unix_usec"]
     boot_s: Booted
-
-
-#: Messages that only the two ends of a transfer need.
-TRANSFER = (Count, Request, ItemAt, Ack, RequestList, ClearAll, WritePartialList, FileTransfer)

@@ -1,7 +1,6 @@
 """Route messages: which peers send as which system, and which may.
 
-Two ground stations with one name (system, component) both get the answers. A vehicle, or a station in a transfer,
-claims its name alone.
+Two ground stations with one name (system, component) both get the answers. A vehicle claims its name alone.
 """
 
 from collections.abc import Iterator
@@ -50,11 +49,6 @@ class Routes:
             return False
         self._claims[name] = (peer, now)
         return True
-
-    def release(self, name: Target, now: float) -> None:
-        """End a claim after a second, in which the peer may begin its next transfer."""
-        holder, _ = self._claims[name]
-        self._claims[name] = (holder, now - CLAIM_S + 1.0)
 
     def heard_s(self, name: Target) -> float | None:
         return max((when for (known, _), when in self._heard.items() if known == name), default=None)

@@ -84,9 +84,6 @@ class BuiltInAutopilot:
                 for value in self.table.answers(message):
                     send(value)
 
-    def transfers_with(self, client: Target) -> bool:
-        return self.transfers.is_under_way(client) or self._files.is_open(client)
-
     def tick(self, now: float) -> None:
         vehicle = self.vehicle
         vehicle.now = max(vehicle.now, now)

@@ -45,10 +45,6 @@ class FileService:
             session.last = _pieces(question, session) if is_reading else (self._act(question, session),)
         return [answer.pack() for answer in session.last]
 
-    def is_open(self, client: Target) -> bool:
-        session = self._sessions.get(client)
-        return session is not None and (session.reading is not None or session.writing is not None)
-
     def _act(self, question: FileMessage, session: FileSession) -> FileMessage:
         match question.opcode:
             case Opcode.RESET_SESSIONS:

@@ -120,10 +120,6 @@ class MissionService:
         uploads = [incoming.exchange.deadline for incoming in self._incoming.values()]
         return min((*uploads, *(reader.deadline for reader in self._readers.values())), default=math.inf)
 
-    def is_under_way(self, client: Target) -> bool:
-        clients = [incoming.client for incoming in self._incoming.values()]
-        return client in clients or any(reader == client for reader, _ in self._readers)
-
     def listed(self, kind: int) -> tuple[Item, ...]:
         items = self.stores[m.MissionType(kind)].items
         if kind == m.MissionType.MISSION and self.profile.autopilot.counts_home and items:

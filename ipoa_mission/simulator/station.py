@@ -5,7 +5,7 @@ from typing import Protocol
 
 from ipoa_mission.link.channel import Peer
 from ipoa_mission.link.codec import Codec, Target
-from ipoa_mission.link.messages import AUTOPILOT_COMPONENT, TRANSFER
+from ipoa_mission.link.messages import AUTOPILOT_COMPONENT
 from ipoa_mission.link.routes import Routes
 from ipoa_mission.link.signing import Signer
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot
@@ -16,11 +16,7 @@ EPOCH_S = 1_767_225_600.0
 
 
 class Station:
-    """Answers go to the sender, streams to all stations heard.
-
-    Stations with the same ids are all answered. While one of them transfers, transfer messages of the others are
-    ignored.
-    """
+    """Answers go to the sender, and to stations with its ids; streams go to all stations heard."""
 
     def __init__(self, autopilot: BuiltInAutopilot, system: int = 1, signer: Signer | None = None) -> None:
         self.autopilot = autopilot
@@ -37,15 +33,8 @@ class Station:
                 continue
             name = Target(heard.system, heard.component)
             self._routes.learn(name, peer, now)
-            message = heard.message
-            if message is None or not heard.is_for(self._codec.system, self._codec.component):
-                continue
-            transfers = isinstance(message, TRANSFER)
-            if transfers and not self._routes.claim(name, peer, now):
-                continue
-            self.autopilot.receive(message, name, now)
-            if transfers and not self.autopilot.transfers_with(name):
-                self._routes.release(name, now)
+            if heard.message is not None and heard.is_for(self._codec.system, self._codec.component):
+                self.autopilot.receive(heard.message, name, now)
 
     def tick(self, now: float) -> None:
         self._now = now
@@ -56,11 +45,7 @@ class Station:
         sent: list[tuple[bytes, Peer | None]] = []
         for message, target in self.autopilot.outgoing():
             frame = self._codec.encode(message, target, EPOCH_S + self._now)
-            peers = self._routes.to(target)
-            holder = self._routes.holder(target)
-            if isinstance(message, TRANSFER) and holder is not None:
-                peers = {holder}
-            sent += [(frame, peer) for peer in peers or {None}]
+            sent += [(frame, peer) for peer in self._routes.to(target) or {None}]
         return sent
 
     @property

@@ -13,7 +13,7 @@ from ipoa_mission.link.codec import EVERYONE, Codec, Target
 from ipoa_mission.link.connect import connect, meet
 from ipoa_mission.link.dialogue import NoAnswer
 from ipoa_mission.link.line import CAUSE_S, Line
-from ipoa_mission.link.messages import Ack, Count, Heartbeat, MavAutopilot, Message, MissionType, Ping, Request, Result
+from ipoa_mission.link.messages import Ack, Count, Heartbeat, MavAutopilot, Message, MissionType, Ping, Result
 from ipoa_mission.link.tlog import read_tlog
 from ipoa_mission.link.vehicle import ConnectionOptions
 from ipoa_mission.mission.items import Mission, takeoff, waypoint
@@ -21,7 +21,6 @@ from ipoa_mission.mission.stored_mission import compare, to_wire
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as Mock
 from ipoa_mission.simulator.station import Loopback, Station
 from tests.link.suited import suited
-from tests.link_pair import line_of
 from tests.refused import refuses
 
 HOME = Geodetic(47.4, 8.5, 400.0)
@@ -203,48 +202,12 @@ def test_another_station_with_our_ids_does_not_hide_the_built_in_autopilot(famil
     assert net.ends["one"]._routes.to(US) == {"us", "twin"}
 
 
-@pytest.mark.parametrize("family", registered())
-def test_a_transfer_by_another_station_with_our_ids_does_not_break_ours(family: Autopilot) -> None:
-    net = Net(one=station(family))
-    frames = [Codec(*US).encode(message, VEHICLE, 0.0) for message in (Count(2), Ack(Result.OPERATION_CANCELLED))]
-
-    def disturb(now: float) -> list[tuple[bytes, Peer]]:
-        for frame in frames:
-            net.ends["one"].receive(frame, "twin", now)
-        return []
-
-    vehicle = meet(line_on(net), options=ConnectionOptions(fast=False))
-    opened = line_of(vehicle).codec.encode(Count(31), VEHICLE, 0.0)
-    net.ends["one"].receive(opened, "us", net.now())
-    net.strangers.append(disturb)
-    vehicle.upload(suited(vehicle, MISSION))
-    assert is_exact(net, "one", family)
-
-
-@pytest.mark.parametrize("family", registered())
-def test_station_after_a_transfer_of_the_same_ids_is_served(family: Autopilot) -> None:
-    single = station(family)
-
-    def answers(message: Message, peer: Peer, now: float) -> list[Peer | None]:
-        single.receive(Codec(*US).encode(message, VEHICLE, 0.0), peer, now)
-        heard = [(Codec(*US).decode(frame), to) for frame, to in single.outgoing()]
-        return [to for answer, to in heard if answer is not None and isinstance(answer.message, Request | Ack)]
-
-    assert answers(Count(0), "us", 10.0) == ["us"]
-    assert answers(Count(2), "next", 10.5) == []  # we may go on, and read back
-    assert answers(Heartbeat(6, MavAutopilot.INVALID), "next", 11.0) == []  # that renews nobody's claim
-    assert answers(Count(2), "next", 11.1) == ["next"]
-    assert answers(Count(2), "us", 12.2) == []  # that one is under way
-
-
-def test_an_answer_reaches_both_stations_and_a_transfers_only_its_own() -> None:
+def test_an_answer_reaches_both_stations_with_the_same_ids() -> None:
     single = station()
     for peer in ("us", "twin"):
         single.receive(Codec(*US).encode(Heartbeat(6, MavAutopilot.INVALID), EVERYONE, 0.0), peer, 0.0)
     single.receive(Codec(*US).encode(Ping(1, 0), EVERYONE, 0.0), "us", 0.0)
     assert {peer for _, peer in single.outgoing()} == {"us", "twin"}
-    single.receive(Codec(*US).encode(Count(2), VEHICLE, 0.0), "us", 0.0)
-    assert {peer for _, peer in single.outgoing()} == {"us"}
 
 
 # --- torn frames and an old protocol --------------------------------------------------------------------------------

@@ -97,9 +97,9 @@ def test_sender_of_a_list_has_as_long_as_with_a_real_vehicle(family: Autopilot) 
     channel.say(Count(3, MissionType.MISSION))
     begun = channel.now()
     run(server, channel, begun + 4.0)
-    assert autopilot.transfers_with(STATION)
+    assert autopilot.awaits_somebody
     run(server, channel, begun + 9.0)
-    assert not autopilot.transfers_with(STATION)
+    assert not autopilot.awaits_somebody
     sent = channel.sent
     run(server, channel, begun + 10.0)
     assert channel.sent > sent + 50  # a hundred seconds' worth of telemetry
