@@ -54,7 +54,6 @@ class FileMessage:
     offset: int = 0
     data: bytes = b""
     size: int | None = None  # bytes to read, of READ_FILE
-    ends_burst: bool = False
 
     @property
     def checksum(self) -> int | None:
@@ -63,15 +62,15 @@ class FileMessage:
 
     def pack(self) -> FileTransfer:
         size = len(self.data) if self.size is None else self.size
-        numbers = (self.sequence & 0xFFFF, self.session, self.opcode, size, self.request, self.ends_burst, 0)
+        numbers = (self.sequence & 0xFFFF, self.session, self.opcode, size, self.request, 0, 0)
         return FileTransfer((HEADER.pack(*numbers, self.offset) + self.data).ljust(251, b"\0"))
 
 
 def unpack(message: FileTransfer) -> FileMessage:
     """`size` may exceed the data."""
-    sequence, session, opcode, size, request, ends_burst, _, offset = HEADER.unpack_from(message.payload)
+    sequence, session, opcode, size, request, _, _, offset = HEADER.unpack_from(message.payload)
     data = message.payload[HEADER.size : HEADER.size + size]
-    return FileMessage(sequence, opcode, session, request, offset, data, size, bool(ends_burst))
+    return FileMessage(sequence, opcode, session, request, offset, data, size)
 
 
 def nak(question: FileMessage, error: FileError) -> FileMessage:

@@ -277,12 +277,6 @@ class HomePosition(Message, name="HOME_POSITION"):
     altitude: Annotated[float, "altitude"]
 
 
-class GlobalOrigin(Message, name="GPS_GLOBAL_ORIGIN"):
-    latitude_deg: Annotated[float, "latitude"]
-    longitude_deg: Annotated[float, "longitude"]
-    altitude: Annotated[float, "altitude"]
-
-
 class Position(Message, name="GLOBAL_POSITION_INT"):
     time_s: Booted
     latitude_deg: Annotated[float, "lat"]

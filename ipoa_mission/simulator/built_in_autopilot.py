@@ -78,8 +78,7 @@ class BuiltInAutopilot:
             case m.TimeSync(0, asked):
                 send(m.TimeSync(round(now * 1e9) or 1, asked), source)
             case m.FileTransfer():
-                for answer in self._files.answers(message, source):
-                    send(answer, source)
+                send(self._files.answer(message, source), source)
             case m.ParamRequestList() | m.ParamRequestRead() | m.ParamSet():
                 for value in self.table.answers(message):
                     send(value)

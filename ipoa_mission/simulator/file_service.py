@@ -1,7 +1,7 @@
 """MAVFTP: ArduPilot's mission file, and the checksums of the lists."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 from ipoa_mission.errors import MissionError
 from ipoa_mission.link import mavftp
@@ -11,9 +11,6 @@ from ipoa_mission.link.messages import FileTransfer, MissionType
 from ipoa_mission.link.wire import ITEM
 from ipoa_mission.mission.items import Item
 
-MOST_CLIENTS = 16
-LONGEST_BURST = 100  # messages
-
 
 @dataclass
 class FileSession:
@@ -21,7 +18,7 @@ class FileSession:
 
     reading: bytes | None = None
     writing: bytearray | None = None
-    last: tuple[FileMessage, ...] = ()
+    last: FileMessage | None = None
 
 
 @dataclass
@@ -34,16 +31,14 @@ class FileService:
     replace: Callable[[tuple[Item, ...]], bool]
     _sessions: dict[Target, FileSession] = field(default_factory=dict)
 
-    def answers(self, message: FileTransfer, client: Target) -> list[FileTransfer]:
+    def answer(self, message: FileTransfer, client: Target) -> FileTransfer:
         question = mavftp.unpack(message)
         session = self._sessions.setdefault(client, FileSession())
-        while len(self._sessions) > MOST_CLIENTS:
-            del self._sessions[next(iter(self._sessions))]
-        first = session.last[0] if session.last else None
-        if first is None or first.sequence != (question.sequence + 1) & 0xFFFF or first.request != question.opcode:
-            is_reading = session.reading is not None and question.opcode in (Opcode.READ_FILE, Opcode.BURST_READ_FILE)
-            session.last = _pieces(question, session) if is_reading else (self._act(question, session),)
-        return [answer.pack() for answer in session.last]
+        last = session.last
+        if last is None or last.sequence != (question.sequence + 1) & 0xFFFF or last.request != question.opcode:
+            last = self._act(question, session)
+            session.last = last
+        return last.pack()
 
     def _act(self, question: FileMessage, session: FileSession) -> FileMessage:
         match question.opcode:
@@ -54,6 +49,10 @@ class FileService:
                 return self._open(question, session)
             case Opcode.CALC_FILE_CRC32:
                 return self._sum_up(question)
+            case Opcode.READ_FILE if session.reading is not None:
+                size = min(question.size or LONGEST_DATA, LONGEST_DATA)
+                piece = session.reading[question.offset : question.offset + size]
+                return _ack(question, piece) if piece else nak(question, FileError.END_OF_FILE)
             case Opcode.WRITE_FILE if session.writing is not None:
                 end = question.offset + len(question.data)
                 longest = mavftp.LIST_HEADER.size + self.most_items * ITEM.layout.size
@@ -63,7 +62,7 @@ class FileService:
                 return _ack(question)
             case Opcode.TERMINATE_SESSION:
                 return self._close(question, session)
-            case Opcode.READ_FILE | Opcode.WRITE_FILE | Opcode.BURST_READ_FILE:
+            case Opcode.READ_FILE | Opcode.WRITE_FILE:
                 return nak(question, FileError.INVALID_SESSION)
         return nak(question, FileError.UNKNOWN_COMMAND)
 
@@ -95,23 +94,6 @@ class FileService:
         except MissionError:
             taken = False
         return _ack(question) if taken else nak(question, FileError.FAIL)
-
-
-def _pieces(question: FileMessage, session: FileSession) -> tuple[FileMessage, ...]:
-    """Return one piece, or a burst up to the end of the file; past the end the error."""
-    content = session.reading or b""
-    is_burst = question.opcode == Opcode.BURST_READ_FILE
-    size = min(question.size or LONGEST_DATA, LONGEST_DATA)
-    starts = range(question.offset, len(content), size)[: LONGEST_BURST if is_burst else 1]
-    return tuple(
-        replace(
-            _ack(question, content[start : start + size]),
-            sequence=question.sequence + 1 + n,
-            offset=start,
-            ends_burst=is_burst and start == starts[-1],
-        )
-        for n, start in enumerate(starts)
-    ) or (nak(question, FileError.END_OF_FILE),)
 
 
 def _ack(question: FileMessage, data: bytes = b"") -> FileMessage:

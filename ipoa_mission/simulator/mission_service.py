@@ -22,7 +22,6 @@ from ipoa_mission.simulator.judgement import judge
 from ipoa_mission.simulator.mock_profile import Answer, MockProfile
 
 KINDS = (m.MissionType.MISSION, m.MissionType.FENCE, m.MissionType.RALLY)
-MAX_READERS = 16
 
 
 @dataclass
@@ -266,8 +265,6 @@ class MissionService:
             exchange = Exchange(offer(self._read_back(kind), kind, Tell), now, self.profile.patience)
             self._readers.pop((client, kind), None)
             self._readers[client, kind] = exchange
-            while len(self._readers) > MAX_READERS:
-                del self._readers[next(iter(self._readers))]
             self._flush_reader((client, kind), exchange)
 
     def _read_back(self, kind: int) -> tuple[Item, ...]:

@@ -172,12 +172,8 @@ class MockVehicle:
                 height = place.altitude - flight.home.altitude
                 velocity = (north, east, -up)
                 return m.Position(now, place.latitude_deg, place.longitude_deg, place.altitude, height, velocity, yaw)
-            case "HOME_POSITION" | "GPS_GLOBAL_ORIGIN" if not is_placed:
-                return None
             case "HOME_POSITION":
-                return m.HomePosition(*astuple(flight.home))
-            case "GPS_GLOBAL_ORIGIN":
-                return m.GlobalOrigin(*astuple(flight.home))
+                return m.HomePosition(*astuple(flight.home)) if is_placed else None
             case "LOCAL_POSITION_NED":
                 x, y, z = map(float, flight.local)
                 return m.LocalPosition(now, (y, x, -z), (north, east, -up))

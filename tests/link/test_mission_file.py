@@ -16,7 +16,6 @@ from ipoa_mission.link.conversations import KeepsChanging
 from ipoa_mission.link.dialogue import SPECIFIED, Cancelled, Exchange, Tempo, TimeUp
 from ipoa_mission.link.line import Line, converse
 from ipoa_mission.link.mavftp import (
-    LONGEST_DATA,
     MISSION_FILE,
     FileError,
     FileMessage,
@@ -37,7 +36,7 @@ from ipoa_mission.mission.items import Item
 from ipoa_mission.mission.stored_mission import compare
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as Mock
 from ipoa_mission.simulator.faults import Faults
-from ipoa_mission.simulator.file_service import MOST_CLIENTS, FileService
+from ipoa_mission.simulator.file_service import FileService
 from ipoa_mission.simulator.station import Loopback, Station
 from tests.examples import examples
 from tests.link_pair import HOME, items_of, line_of
@@ -319,28 +318,18 @@ def service() -> FileService:
 
 def ask(service: FileService, *questions: FileMessage, client: Target = CLIENT) -> FileMessage:
     for question in questions:
-        (answer,) = service.answers(question.pack(), client)
+        answer = service.answer(question.pack(), client)
     return unpack(answer)
 
 
 OPEN = FileMessage(0, Opcode.CREATE_FILE, data=MISSION_FILE.encode())
 
 
-def test_a_file_is_read_in_one_burst() -> None:
-    files = FileService(True, 30, lambda kind: items_of(ARDUPILOT, 30), lambda items: True)
-    ask(files, FileMessage(0, Opcode.OPEN_FILE_RO, data=MISSION_FILE.encode()))
-    answers = [unpack(part) for part in files.answers(FileMessage(2, Opcode.BURST_READ_FILE, size=80).pack(), CLIENT)]
-    assert b"".join(part.data for part in answers) == pack_mission(items_of(ARDUPILOT, 30))
-    assert [part.sequence for part in answers] == list(range(3, 3 + len(answers)))
-    assert [part.ends_burst for part in answers] == [False] * (len(answers) - 1) + [True]
-    (end,) = files.answers(FileMessage(40, Opcode.BURST_READ_FILE, offset=10**6, size=80).pack(), CLIENT)
-    assert unpack(end).data == bytes((FileError.END_OF_FILE,))
-
-
 REFUSALS = [
     (FileMessage(0, 99), FileError.UNKNOWN_COMMAND),
     (FileMessage(0, Opcode.OPEN_FILE_RO, data=b"@PARAM/param.pck"), FileError.FILE_NOT_FOUND),
     (FileMessage(0, Opcode.READ_FILE), FileError.INVALID_SESSION),
+    (FileMessage(0, Opcode.BURST_READ_FILE), FileError.UNKNOWN_COMMAND),
     (FileMessage(0, Opcode.WRITE_FILE, data=b"x"), FileError.INVALID_SESSION),
 ]
 
@@ -367,14 +356,6 @@ def test_a_repeated_question_gets_its_answer_again_and_is_done_once() -> None:
     ask(file_service, OPEN, piece := FileMessage(2, Opcode.WRITE_FILE, data=pack_mission(())))
     taken = FileMessage(4, Opcode.TERMINATE_SESSION)
     assert ask(file_service, piece, taken, taken).opcode == Opcode.ACK
-
-
-def test_a_flood_of_clients_does_not_grow_without_bound() -> None:
-    file_service = service()
-    for n in range(100):
-        ask(file_service, OPEN, client=Target(n, 1))
-    assert len(file_service._sessions) <= MOST_CLIENTS
-    assert LONGEST_DATA == 239
 
 
 numbers = st.floats(width=32)
