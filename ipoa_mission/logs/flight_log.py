@@ -247,7 +247,7 @@ class _Stretch:
         return LoggedFlight(log.autopilot, log.version, self.armed_s, mission, parameters, flew, messages, measured)
 
     def _mission(self, autopilot: Autopilot) -> Mission | None:
-        """Return the logged mission, else the flown items: PX4 logs no list, ArduPilot none uploaded as a file."""
+        """Return the logged mission, else the flown items: ArduPilot logs none uploaded as a file."""
         first = autopilot.counts_home
         home = self.later.home or self.at_arming.home
         place = next((message for message in self.messages if isinstance(message, m.Position)), None)

@@ -1,10 +1,5 @@
-"""PX4's own log (`.ulg`), read by pyulog (extra `logs`); since 1.12 with its mission's items.
+"""PX4's own log (`.ulg`), read by pyulog (extra `logs`)."""
 
-navigator_mission_item has each item when the flight reaches it, perhaps in steps, as NAV_TAKEOFF and NAV_WAYPOINT.
-Places are in single precision: 0.4 m.
-"""
-
-import math
 from collections.abc import Iterator, Set
 from contextlib import redirect_stdout
 from io import StringIO
@@ -14,7 +9,6 @@ from typing import Any
 
 import numpy as np
 
-from ipoa_mission.autopilot.commands import FLOWN_TO, TAKEOFFS, Command, Frame
 from ipoa_mission.autopilot.guidance_profile import mode_number
 from ipoa_mission.autopilot.parameters import REAL32
 from ipoa_mission.errors import BadInput, WrongFormat, imported
@@ -23,8 +17,7 @@ from ipoa_mission.geodesy import SphericalPlane
 from ipoa_mission.geometry import Matrix, Vector
 from ipoa_mission.link.logbook import COMPLETE
 from ipoa_mission.link.messages import INFO, Current, HomePosition, Message, ParamValue, Reached, Text
-from ipoa_mission.logs.logged import Battery, Begun, Fixes, Log, LogFormat, Measured, presence, version_name
-from ipoa_mission.mission.items import Item
+from ipoa_mission.logs.logged import Battery, Fixes, Log, LogFormat, Measured, presence, version_name
 from ipoa_mission.vehicles.px4_multicopter.vehicle import PX4_MULTICOPTER
 
 ARMED = 2  # vehicle_status.arming_state
@@ -32,7 +25,7 @@ ARMED = 2  # vehicle_status.arming_state
 MODES = {3: mode_number(4, 4), 4: mode_number(4, 3), 5: mode_number(4, 5), 18: mode_number(4, 6)}
 POSITIONS = ("vehicle_global_position", "vehicle_local_position")
 BATTERY, ATTITUDE = "battery_status", "vehicle_attitude"
-TOPICS = [*POSITIONS, "vehicle_status", "mission_result", "home_position", "navigator_mission_item", BATTERY, ATTITUDE]
+TOPICS = [*POSITIONS, "vehicle_status", "mission_result", "home_position", BATTERY, ATTITUDE]
 
 HEADER = 16  # bytes before messages; head: size and kind
 MESSAGE = Struct("<HB")
@@ -80,7 +73,6 @@ def _log(path: Path, log: Any) -> Log:
         *_homes(topics.get("home_position")),
         *_states(status, begins if opened_by_arming else None),
         *_items(topics.get("mission_result")),
-        *items_begun(topics.get("navigator_mission_item"), topics.get("mission_result")),
         *((message.timestamp / 1e6, Text(INFO, message.message)) for message in log.logged_messages),
     ]
     version = version_name(int(log.msg_info_dict.get("ver_sw_release", 0)) & 0xFFFFFFFF)
@@ -251,44 +243,4 @@ def _velocity(topics: dict[str, Any], axis: str, times: Vector) -> Vector:
     return np.interp(times, times_s[sound], speed[sound]) if sound.any() else np.zeros(len(times))
 
 
-def items_begun(topic: Any | None, result: Any | None) -> Iterator[tuple[float, Begun]]:
-    """Return each item at its first time [s], steps joined."""
-    if topic is None or result is None:
-        return
-    rounds = np.asarray(topic["instance_count"]) if "instance_count" in topic else np.zeros(len(topic["timestamp"]))
-    for instance in np.unique(rounds):
-        first_seen: dict[int, tuple[float, Item]] = {}
-        for n in np.flatnonzero(rounds == instance):
-            item = _item(topic, int(n))
-            seq = int(topic["sequence_current"][n])
-            time = float(topic["timestamp"][n]) / 1e6
-            if item.command:
-                since, before = first_seen.get(seq, (time, item))
-                first_seen[seq] = since, _join(before, item)
-        for seq, (time, item) in first_seen.items():
-            row = int(np.searchsorted(np.asarray(result["timestamp"], float) / 1e6, time, side="right"))
-            total = int(result["seq_total"][min(max(row, 0), len(result["seq_total"]) - 1)])
-            if seq < total:
-                yield time, Begun(seq, total, item)
-
-
-def _join(before: Item, item: Item) -> Item:
-    if before.command in TAKEOFFS and item.command == Command.NAV_WAYPOINT:
-        place = (item.latitude_deg, item.longitude_deg, item.altitude)
-        return Item(before.command, item.frame, before.params, *place)
-    return before if item.command == Command.NAV_WAYPOINT else item
-
-
-def _item(topic: Any, n: int) -> Item:
-    command = int(topic["nav_cmd"][n])
-    hold, radius, third, yaw, latitude, longitude, altitude = (
-        float(topic[name][n])
-        for name in ("time_inside", "acceptance_radius", "loiter_radius", "yaw", "latitude", "longitude", "altitude")
-    )
-    if command not in FLOWN_TO:
-        return Item(command, Frame.MISSION, (hold, radius, third, math.nan))
-    frame = Frame.GLOBAL_RELATIVE_ALT if topic["altitude_is_relative"][n] else Frame.GLOBAL
-    return Item(command, frame, (hold, radius, third, math.degrees(yaw)), latitude, longitude, altitude)
-
-
-FORMAT = LogFormat(".ulg", read_ulog, "PX4 logs only the items that the flight reached, and these are not all")
+FORMAT = LogFormat(".ulg", read_ulog, "PX4 logs no mission")
