@@ -15,7 +15,7 @@ from ipoa_mission.link.conversations import RequestStyle
 from ipoa_mission.link.dialogue import Patience
 from ipoa_mission.link.messages import CommandResult, MissionType
 from ipoa_mission.mission.items import Item
-from ipoa_mission.simulator.situation import FlightMode, SimulatedVehicle, Situation
+from ipoa_mission.simulator.situation import FlightMode, Situation
 
 #: MAV_PROTOCOL_CAPABILITY: mission and parameters as floats, MISSION_INT, COMMAND_INT, MAVLink 2, fence, rally.
 CAPABILITIES = 1 | 2 | 4 | 8 | 8192 | 16384 | 32768
@@ -64,7 +64,7 @@ class MockProfile:
     """A default means that the firmware lacks the feature."""
 
     autopilot: Autopilot
-    controller: Callable[[SimulatedVehicle, Situation, Parameters, random.Random], FlightController]
+    controller: Callable[[Situation, Parameters, random.Random], FlightController]
     protocol_profile: RequestStyle
     patience: Patience
     timeout_result: int | None = None

@@ -22,7 +22,6 @@ from ipoa_mission.simulator.situation import (
     Conditions,
     FlightMode,
     MissionState,
-    SimulatedVehicle,
     Situation,
 )
 
@@ -37,14 +36,13 @@ class SimulatedFlight(Situation):
         self.frame = LocalFrame(home)
         self.conditions = conditions
         self._parameters = parameters
-        super().__init__(self._program(()))
-        self._body = SimulatedVehicle(conditions)
+        super().__init__(self._program(()), conditions)
         self._chance = random.Random(conditions.seed)
         self._last_position: tuple[object, Geodetic] = None, home
         self._controller = self._new_controller()
 
     def _new_controller(self) -> FlightController:
-        return self.autopilot.part(MockProfile).controller(self._body, self, self.parameters, self._chance)
+        return self.autopilot.part(MockProfile).controller(self, self.parameters, self._chance)
 
     def _program(self, items: tuple[Item, ...]) -> Program:
         first = self.autopilot.guidance.first_item
@@ -57,23 +55,19 @@ class SimulatedFlight(Situation):
         return self.autopilot.parameter_table.usable(complete)
 
     @property
-    def on_ground(self) -> bool:
-        return self._body.on_ground
-
-    @property
     def local(self) -> Vector:
         """East, north, up of home, (3,) [m]."""
-        return np.array(self._body.place)
+        return np.array(self.place)
 
     @property
     def velocity(self) -> Vector:
         """East, north, up, (3,) [m/s]."""
-        return np.array(self._body.motion)
+        return np.array(self.motion)
 
     @property
     def position(self) -> Geodetic:
         """The altitude AMSL ignores the Earth's curvature, as autopilots do."""
-        place = self._body.place
+        place = self.place
         if place != self._last_position[0]:  # several streams show one place
             there = self.frame.geodetic(np.array([*place[:2], 0.0]))
             self._last_position = place, replace(there, altitude=self.home.altitude + place[2])
@@ -82,8 +76,8 @@ class SimulatedFlight(Situation):
     @property
     def attitude(self) -> tuple[float, float, float]:
         """Return roll (right side down), pitch (nose up), yaw (clockwise from north) [rad]."""
-        east, north = self._body.tilt_accel
-        yaw = self._body.yaw
+        east, north = self.tilt_accel
+        yaw = self.yaw
         forward = east * math.sin(yaw) + north * math.cos(yaw)
         right = east * math.cos(yaw) - north * math.sin(yaw)
         return math.atan2(right, GRAVITY), -math.atan2(forward, GRAVITY), yaw

@@ -31,16 +31,6 @@ class Conditions:
 STANDARD_CONDITIONS = Conditions()
 
 
-@dataclass
-class SimulatedVehicle:
-    conditions: Conditions = STANDARD_CONDITIONS
-    place: Place = (0.0, 0.0, 0.0)  # east, north, up [m]
-    motion: Place = (0.0, 0.0, 0.0)  # [m/s]
-    tilt_accel: tuple[float, float] = (0.0, 0.0)  # level acceleration by tilt: g tan(angle) [m/s^2]
-    yaw: float = 0.0  # [rad]
-    on_ground: bool = True
-
-
 class MissionState(IntEnum):
     UNKNOWN = 0
     NO_MISSION = 1
@@ -69,6 +59,12 @@ class Situation:
     """State of a flight. Its controller and its commands write to it."""
 
     program: Program
+    conditions: Conditions = STANDARD_CONDITIONS
+    place: Place = (0.0, 0.0, 0.0)  # east, north, up of home [m]
+    motion: Place = (0.0, 0.0, 0.0)  # [m/s]
+    tilt_accel: tuple[float, float] = (0.0, 0.0)  # level acceleration by tilt: g tan(angle) [m/s^2]
+    yaw: float = 0.0  # [rad]
+    on_ground: bool = True
     time_s: float = 0.0
     armed: bool = False
     armed_s: float = 0.0

@@ -31,7 +31,7 @@ from ipoa_mission.geometry import Place, Vector
 from ipoa_mission.mission.items import Item
 from ipoa_mission.mission.program import Program
 from ipoa_mission.simulator.mock_profile import MockProfile
-from ipoa_mission.simulator.situation import STEP_S, FlightMode, SimulatedVehicle, Situation
+from ipoa_mission.simulator.situation import STEP_S, FlightMode, Situation
 from ipoa_mission.wind import Wind
 from tests.cli.conftest import Outcome, Run
 from tests.refused import refuses
@@ -100,8 +100,8 @@ class Model(FlightModel):
 
 
 class StraightController:
-    def __init__(self, body: SimulatedVehicle, now: Situation, *_: object) -> None:
-        self.body, self.now = body, now
+    def __init__(self, now: Situation, *_: object) -> None:
+        self.now = now
         self.ahead: list[Place] = []
         self.speed, self.goes = SPEED, False
 
@@ -114,23 +114,23 @@ class StraightController:
         self._begin(self.now.current - 1)
 
     def climb(self, height: float) -> None:
-        self.ahead = [(*self.body.place[:2], height)]
+        self.ahead = [(*self.now.place[:2], height)]
 
     def step(self) -> None:
         if not (self.now.armed and self.goes):
             return
         left = self.speed * STEP_S
         while self.ahead and left > 0.0:
-            far = math.dist(self.body.place, self.ahead[0])
+            far = math.dist(self.now.place, self.ahead[0])
             share = min(1.0, left / far) if far > 0.0 else 1.0
-            (x, y, z), (to_x, to_y, to_z) = self.body.place, self.ahead[0]
-            self.body.place = x + share * (to_x - x), y + share * (to_y - y), z + share * (to_z - z)
+            (x, y, z), (to_x, to_y, to_z) = self.now.place, self.ahead[0]
+            self.now.place = x + share * (to_x - x), y + share * (to_y - y), z + share * (to_z - z)
             left -= far
             if share == 1.0:
                 self.ahead.pop(0)
-        self.now.landed = self.body.on_ground = self.body.place[2] <= 0.0 and self.now.landed
-        if self.body.place[2] > 0.0:
-            self.now.landed = self.body.on_ground = False
+        self.now.landed = self.now.on_ground = self.now.place[2] <= 0.0 and self.now.landed
+        if self.now.place[2] > 0.0:
+            self.now.landed = self.now.on_ground = False
         if not self.ahead:
             self._arrived()
 
@@ -140,12 +140,12 @@ class StraightController:
 
         item = self.now.come_to(behind, quicker)
         if item is not None:
-            self.ahead = way(self.now.program, self.now.current, self.body.place, 0.0)
+            self.ahead = way(self.now.program, self.now.current, self.now.place, 0.0)
 
     def _arrived(self) -> None:
         item = self.now.program.items[self.now.current]
         if item.command in (Command.NAV_LAND, Command.NAV_RETURN_TO_LAUNCH):
-            self.body.on_ground = True
+            self.now.on_ground = True
             self.goes = False
             self.now.end_on_ground()
             return

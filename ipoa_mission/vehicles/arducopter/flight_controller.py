@@ -10,7 +10,7 @@ from ipoa_mission.link.conversations import RequestStyle
 from ipoa_mission.link.messages import CommandResult, MissionType, Result
 from ipoa_mission.mission.items import Item
 from ipoa_mission.simulator.mock_profile import CAPABILITIES, FTP, Answer, MockProfile, StartUp, asks_every
-from ipoa_mission.simulator.situation import FlightMode, SimulatedVehicle, Situation
+from ipoa_mission.simulator.situation import FlightMode, Situation
 from ipoa_mission.vehicles.arducopter.dynamics import procedures
 from ipoa_mission.vehicles.arducopter.dynamics.copter import Copter, airframe_of
 from ipoa_mission.vehicles.arducopter.dynamics.motion import Kind
@@ -21,25 +21,22 @@ from ipoa_mission.vehicles.arducopter.vehicle import ARDUCOPTER
 class ArduCopterController:
     """Give the copter its next leg: of the procedure, or by `_on_arrival`."""
 
-    def __init__(
-        self, body: SimulatedVehicle, situation: Situation, parameters: Parameters, chance: random.Random
-    ) -> None:
+    def __init__(self, situation: Situation, parameters: Parameters, chance: random.Random) -> None:
         """Ignore `chance`: SITL flights repeat to a tenth of a second."""
-        self._body = body
         self._now = situation
         self._parameters = parameters
-        conditions = body.conditions
+        conditions = situation.conditions
         limits = copter_limits(parameters, conditions.version)
         airframe = airframe_of(conditions.vehicle).at_altitude(situation.program.frame.home.altitude)
         self._copter = Copter(limits, conditions.wind, airframe, ground=conditions.ground)
-        self._copter.start_at(body.place)
+        self._copter.start_at(situation.place)
         self._landing_s = LANDED_S + airframe.landing_delay
         self._legs: Iterator[None] = iter(())
         self._on_arrival: Callable[[], None] | None = None
         self._flying = False
         self._touched_s: float | None = None
         self._floor = self._copter.state.z
-        self._copter.face(body.yaw)
+        self._copter.face(situation.yaw)
         self._lift_s = limits.lift_off_s + airframe.lift_delay
 
     def enter(self) -> None:
@@ -73,7 +70,7 @@ class ArduCopterController:
             self._stand(self._now.time_s - self._touched_s)
         elif self._flying and lifting and self._copter.step():
             self._go_on()
-        self._update_body()
+        self._update_situation()
 
     def _begin_after(self, index: int) -> None:
         item = self._now.come_to(index, lambda item: self._copter.change_speed(int(item.params[0]), item.params[1]))
@@ -163,16 +160,16 @@ class ArduCopterController:
         else:
             self._copter.hold(math.inf)
 
-    def _update_body(self) -> None:
-        body = self._body
+    def _update_situation(self) -> None:
+        now = self._now
         state = self._copter.state
-        body.yaw = state.yaw % (2.0 * math.pi)
-        body.place = self._copter.place
-        body.motion = state.velocity.real, state.velocity.imag, state.vz
-        body.tilt_accel = state.lean.real, state.lean.imag
+        now.yaw = state.yaw % (2.0 * math.pi)
+        now.place = self._copter.place
+        now.motion = state.velocity.real, state.velocity.imag, state.vz
+        now.tilt_accel = state.lean.real, state.lean.imag
         if state.z > self._floor:
             self._floor = -math.inf
-        body.on_ground = state.z <= self._floor
+        now.on_ground = state.z <= self._floor
 
 
 MOCK_PROFILE = MockProfile(

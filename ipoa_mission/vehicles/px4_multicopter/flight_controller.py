@@ -11,7 +11,7 @@ from ipoa_mission.link.conversations import RequestStyle
 from ipoa_mission.link.messages import CommandResult, MissionType
 from ipoa_mission.mission.items import Item
 from ipoa_mission.simulator.mock_profile import BYTEWISE, CAPABILITIES, Answer, MockProfile, StartUp, asks_every
-from ipoa_mission.simulator.situation import STEP_S, FlightMode, MissionState, SimulatedVehicle, Situation
+from ipoa_mission.simulator.situation import STEP_S, FlightMode, MissionState, Situation
 from ipoa_mission.vehicles.px4_multicopter.dynamics import navigator
 from ipoa_mission.vehicles.px4_multicopter.dynamics.flight import at_rest, begin, is_over, step
 from ipoa_mission.vehicles.px4_multicopter.dynamics.state import SIH_SENSORS, Level, Order, no_errors
@@ -22,20 +22,17 @@ from ipoa_mission.vehicles.px4_multicopter.vehicle import PX4_MULTICOPTER
 class Px4Controller:
     """Give the vehicle its orders, one after another; `Situation` says which mode and item are current."""
 
-    def __init__(
-        self, vehicle: SimulatedVehicle, situation: Situation, parameters: Parameters, chance: random.Random
-    ) -> None:
-        conditions = vehicle.conditions
+    def __init__(self, situation: Situation, parameters: Parameters, chance: random.Random) -> None:
+        conditions = situation.conditions
         limits = px4_limits(parameters, conditions.version)
         airframe = navigator.airframe_of(conditions.vehicle)
         self._limits = limits._replace(spool_up=max(limits.spool_up + airframe.lift_delay, 0.0))
-        self._vehicle = vehicle
         self._now = situation
         self._ground = conditions.ground
         self._parameters = parameters
         self._law = navigator.simulation_constants(self._limits, airframe, SIH_SENSORS, conditions.wind, STEP_S)
         seeds = (float(chance.randrange(1, 2_000_000_000)), float(chance.randrange(1, 2_000_000_000)))
-        self._state = at_rest(Enu(*vehicle.place), situation.time_s, vehicle.yaw, no_errors(*seeds), True)
+        self._state = at_rest(Enu(*situation.place), situation.time_s, situation.yaw, no_errors(*seeds), True)
         self._orders: list[Order] = []
         self._announced = False
         self._here = self._state.body.place  # last commanded
@@ -77,7 +74,7 @@ class Px4Controller:
         if now.landed:
             now.landed = False
             place, errors = self._state.body.place, self._state.errors
-            self._state = begin(at_rest(place, now.time_s, self._vehicle.yaw, errors, True), order)
+            self._state = begin(at_rest(place, now.time_s, now.yaw, errors, True), order)
         self._state = step(self._state._replace(time=now.time_s), order, self._law)
         reached = self._state.reached
         if len(self._orders) == 1 and not self._announced and 0.0 <= reached <= self._state.time - order.hold_s:
@@ -113,13 +110,13 @@ class Px4Controller:
             self._state = at_rest(place, self._now.time_s, state.nose.yaw, state.errors, True)
 
     def _show(self) -> None:
-        vehicle = self._vehicle
+        now = self._now
         body = self._state.body
-        vehicle.place = body.place
-        vehicle.motion = body.speed
-        vehicle.tilt_accel = body.thrust.east, body.thrust.north
-        vehicle.yaw = self._state.nose.yaw % (2.0 * math.pi)
-        vehicle.on_ground = body.on_ground
+        now.place = body.place
+        now.motion = body.speed
+        now.tilt_accel = body.thrust.east, body.thrust.north
+        now.yaw = self._state.nose.yaw % (2.0 * math.pi)
+        now.on_ground = body.on_ground
 
     def _begin_after(self, index: int) -> None:
         now = self._now
@@ -184,13 +181,10 @@ class Px4Controller:
     def _fly(self, orders: list[Order]) -> None:
         """Replace the orders; on the ground only for a mission."""
         grounded = self._now.landed and self._now.mode is not FlightMode.MISSION
-        self._carry_out([] if grounded else orders)
-
-    def _carry_out(self, orders: list[Order]) -> None:
         self._announced = False
-        self._orders = orders
-        if orders:
-            self._state = begin(self._state, orders[0])
+        self._orders = [] if grounded else orders
+        if self._orders:
+            self._state = begin(self._state, self._orders[0])
 
 
 MOCK_PROFILE = MockProfile(
