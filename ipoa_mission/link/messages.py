@@ -105,12 +105,9 @@ class Request(Message, name="MISSION_REQUEST_INT"):
 
 
 class ItemAt(Message, name="MISSION_ITEM_INT"):
-    """`current` 2 and 3 are orders to a flying ArduPilot, never sent here."""
-
     seq: int
     item: Item
     kind: Kind = MissionType.MISSION
-    current: int = 0
 
 
 class Ack(Message, name="MISSION_ACK"):

@@ -70,9 +70,9 @@ def read(name: str, raw: Any) -> m.Message:
         case "MISSION_REQUEST" | "MISSION_REQUEST_INT":
             return m.Request(raw.seq, raw.mission_type, name == "MISSION_REQUEST")
         case "MISSION_ITEM":  # single precision: up to 0.85 m off
-            return m.ItemAt(raw.seq, _item(raw, raw.x, raw.y), raw.mission_type, raw.current)
+            return m.ItemAt(raw.seq, _item(raw, raw.x, raw.y), raw.mission_type)
         case "MISSION_ITEM_INT":
-            return m.ItemAt(raw.seq, read_item(raw), raw.mission_type, raw.current)
+            return m.ItemAt(raw.seq, read_item(raw), raw.mission_type)
     return KINDS[name](*[value.read(attrgetter(*value.theirs)(raw)) for value in _LAYOUTS[name]])
 
 
@@ -87,10 +87,10 @@ def coordinate(degrees: float, frame: int) -> int:
     return value
 
 
-def item_payload(seq: int, item: Item, kind: int, target: tuple[int, int] = (0, 0), current: int = 0) -> bytes:
+def item_payload(seq: int, item: Item, kind: int, target: tuple[int, int] = (0, 0)) -> bytes:
     """Return MISSION_ITEM_INT with all zeros; raise BadInput if a number does not fit its field."""
     place = coordinate(item.latitude_deg, item.frame), coordinate(item.longitude_deg, item.frame)
-    whole = seq, item.command, *target, item.frame, current, item.autocontinue, kind
+    whole = seq, item.command, *target, item.frame, 0, item.autocontinue, kind
     try:
         return ITEM.layout.pack(*item.params, *place, item.altitude, *whole)
     except (struct.error, OverflowError):
@@ -140,7 +140,7 @@ def _item(raw: Any, latitude: float, longitude: float) -> Item:
 
 
 def _write_item(message: m.ItemAt) -> Fields:
-    payload = item_payload(message.seq, message.item, message.kind, current=message.current)
+    payload = item_payload(message.seq, message.item, message.kind)
     return {name: value for name, value in vars(ITEM.unpack(payload)).items() if not name.startswith("target_")}
 
 

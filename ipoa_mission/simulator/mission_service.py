@@ -38,16 +38,15 @@ class Store:
         if self.truncating:
             self.items = self.items[:count]
 
-    def keep(self, seq: int, item: Item) -> None:
-        stored = as_stored((item,), self.profile.autopilot, self.profile.firmware.version)
-        self.staged = (*self.staged[:seq], *stored, *self.staged[seq + 1 :])
+    def keep(self, item: Item) -> None:
+        self.staged += as_stored((item,), self.profile.autopilot, self.profile.firmware.version)
         if self.truncating:
-            self.items = (*self.staged[: seq + 1], *self.items[seq + 1 :])
+            self.items = (*self.staged, *self.items[len(self.staged) :])
 
     def put(self, items: tuple[Item, ...]) -> None:
         self.begin(len(items))
-        for seq, item in enumerate(items):
-            self.keep(seq, item)
+        for item in items:
+            self.keep(item)
         self.items = self.staged
 
 
@@ -97,8 +96,6 @@ class MissionService:
                 self._acknowledge(message, client)
             case m.ClearAll(kind):
                 self._clear(kind, client)
-            case m.WritePartialList():
-                self._begin_partial(message, client, now)
             case _:
                 return False
         return True
@@ -162,37 +159,22 @@ class MissionService:
             self._ack(m.Result.ACCEPTED, kind, client)
             store.put(())
             return self.changed(kind)
-        return self._open(range(count), kind, client, now)
+        return self._open(count, kind, client, now)
 
-    def _begin_partial(self, message: m.WritePartialList, client: Target, now: float) -> None:
-        first, last, kind = message.start_index, message.end_index, message.kind
-        if not self.profile.partial_lists or kind not in KINDS:
-            return
-        store = self.stores[m.MissionType(kind)]
-        if self._slot(kind) in self._incoming:
-            self._ack(m.Result.DENIED, kind, client)
-        elif not 0 <= first <= last < len(store.items):
-            self._ack(m.Result.ERROR, kind, client)
-            self.say(m.Text(m.WARNING, "Flight plan update rejected"), client)
-        else:
-            store.staged = store.items
-            self._open(range(first, last + 1), kind, client, now)
-
-    def _open(self, seqs: range, kind: int, client: Target, now: float) -> None:
+    def _open(self, count: int, kind: int, client: Target, now: float) -> None:
         profile = self.profile
         store = self.stores[m.MissionType(kind)]
 
         def take(seq: int, heard: Item | bytes) -> int:
             item = item_of(heard)
-            count = max(seqs.stop, len(store.staged))
             result = m.Result.ERROR if seq == self.nak_at else self._judge(item, kind, count)
             if result == m.Result.ACCEPTED:
-                store.keep(seq, item)
+                store.keep(item)
                 incoming.received += 1
             return result
 
-        dialogue = fetch(ItemsRead(kind, seqs.stop, seqs.start, take), profile.protocol_profile)
-        incoming = Incoming(client, kind, seqs.stop, 0, Exchange(dialogue, now, profile.patience))
+        dialogue = fetch(ItemsRead(kind, count, 0, take), profile.protocol_profile)
+        incoming = Incoming(client, kind, count, 0, Exchange(dialogue, now, profile.patience))
         self._incoming[self._slot(kind)] = incoming
         self._flush(incoming.exchange, client)
 
@@ -201,9 +183,7 @@ class MissionService:
 
     def _take(self, message: m.ItemAt, client: Target, now: float) -> None:
         incoming = self._incoming.get(self._slot(message.kind))
-        if message.current in self.profile.item_orders:
-            self._ack(self.profile.item_orders[message.current], message.kind, client)
-        elif incoming is None or incoming.client != client:
+        if incoming is None or incoming.client != client:
             if self.profile.confirms_last_item_again and self._last_done == (client, message.kind, message.seq):
                 self._ack(m.Result.ACCEPTED, message.kind, client)
             else:

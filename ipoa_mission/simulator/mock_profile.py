@@ -79,9 +79,6 @@ class MockProfile:
     obeys_cancel: bool = False
     stray_item: Answer
     confirms_last_item_again: bool = False
-    partial_lists: bool = False
-    #: Results of orders by an item's `current` outside guided mode: 2 ("go there now"), 3 ("change altitude").
-    item_orders: Mapping[int, int] = field(default_factory=dict)
     reached_repeats: int = 0  # of MISSION_ITEM_REACHED
     reached_slot_s: float  # an item done within it is not reported
     clears_all: bool = False  # type 255, or unknown

@@ -163,17 +163,8 @@ def conversation_rows() -> list[Row]:
         Row("ardupilot: CLEAR_ALL ends an upload", begun(ARDUPILOT, 3, 2), [ClearAll()], [Ack(OK)], after=0),
         Row("ardupilot: reading in mid-upload", begun(ARDUPILOT, 3, 1), [RequestList(), Request(0)],
             [Ack(Result.DENIED), Ack(Result.DENIED)]),
-        Row("ardupilot: partial writing in mid-upload", begun(ARDUPILOT, 3, 1, 5), [WritePartialList(0, 1)],
-            [Ack(Result.DENIED)]),
         Row("ardupilot: COUNT of another in mid-upload", begun(ARDUPILOT, 3, 1), [Count(2)], [Ack(Result.DENIED)],
             source=STRANGER),
-        Row("ardupilot: a partial list is fetched", vehicle(ARDUPILOT, 5), [WritePartialList(2, 3)], [a(2)]),
-        Row("ardupilot: and the other items stay", vehicle(ARDUPILOT, 5),
-            [WritePartialList(2, 3), ItemAt(2, ap[2]), ItemAt(3, params(0, 4.0, 177))], [a(2), a(3), Ack(OK)], after=5),
-        Row("ardupilot: so in the fence", begun_list(ARDUPILOT, FENCE, [CIRCLE, CIRCLE]),
-            [WritePartialList(1, 1, FENCE), ItemAt(1, CIRCLE, FENCE)], [a(1, 1), Ack(OK, FENCE)], after=2, kind=FENCE),
-        Row("ardupilot: a partial list beyond the end", vehicle(ARDUPILOT, 3), [WritePartialList(2, 3)],
-            [Ack(Result.ERROR), "Flight plan update rejected"]),
         Row("ardupilot: the fence keeps its old items till the end", begun(ARDUPILOT), [Count(1, 1)], [a(0, 1)]),
         Row("ardupilot: item 0 is validated", begun(ARDUPILOT, 3), [ItemAt(0, having(latitude_deg=95.0))],
             [Ack(Result.INVALID_PARAM5_X)]),
@@ -182,9 +173,6 @@ def conversation_rows() -> list[Row]:
             [Count(1, 1), ItemAt(0, WAYPOINT, 1)], [a(0, 1), Ack(Result.UNSUPPORTED, 1)], after=2, kind=FENCE),
         Row("ardupilot: and the rally points not", begun_list(ARDUPILOT, MissionType.RALLY, [RALLY, RALLY]),
             [Count(1, 2), ItemAt(0, WAYPOINT, 2)], [a(0, 2), Ack(Result.UNSUPPORTED, 2)], after=1, kind=2),
-        Row("ardupilot: an item with current 2 is an order", begun(ARDUPILOT, 3, 1), [ItemAt(1, ap[1], 0, 2)],
-            [Ack(Result.ERROR)]),
-        Row("ardupilot: and so is one with current 3", begun(ARDUPILOT, 3, 1), [ItemAt(1, ap[1], 0, 3)], [Ack(OK)]),
         Row("ardupilot: items are given without a list", vehicle(ARDUPILOT, 3), [Request(9)],
             [Count(3), Ack(Result.INVALID_SEQUENCE)]),
         # PX4
@@ -213,7 +201,6 @@ def conversation_rows() -> list[Row]:
               [Count(1, kind), ItemAt(0, WAYPOINT, kind)], [Request(0, kind), Ack(Result.ERROR, kind)], after=2,
               kind=kind)
           for kind, item in ((1, CIRCLE), (2, RALLY))],
-        Row("px4: an item is an item, whatever its current", begun(PX4, 3, 1), [ItemAt(1, px[1], 0, 2)], [Request(2)]),
         # both
         *[Row(f"{autopilot}: a list of no known kind", vehicle(autopilot),
               [Count(1, 7), RequestList(7), Request(0, 7)], [Ack(Result.UNSUPPORTED, 7)] * 2)
@@ -298,4 +285,3 @@ def test_read_back_differs_as_measured(autopilot: Autopilot, item: Item, field: 
     (read,) = mock.hear(Request(1))
     assert isinstance(read, ItemAt)
     assert getattr(read.item, field) == pytest.approx(kept, abs=1e-5)
-    assert read.current == 0
