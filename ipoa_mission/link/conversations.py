@@ -179,19 +179,15 @@ def offer(
                 texts.note(heard)
 
 
-@dataclass(frozen=True)
-class RequestStyle:
-    legacy: bool = False
-    rebukes: bool = False
+def fetch(run: ItemsRead, legacy: bool = False) -> Dialogue[int]:
+    """Take items from `run.at` on; return the first refusal. The caller sends the closing Ack.
 
-
-def fetch(run: ItemsRead, style: RequestStyle | None = None) -> Dialogue[int]:
-    """Take items from `run.at` on; return the first refusal. The caller sends the closing Ack."""
+    `legacy`: request by MISSION_REQUEST, and refuse other items, as ArduPilot does.
+    """
     doubt: int | None = None
-    style = style or RequestStyle()
     kind = run.kind
     while run.at < run.count:
-        step: Step = Ask(m.Request(run.at, kind, style.legacy), item=True, run=run)
+        step: Step = Ask(m.Request(run.at, kind, legacy), item=True, run=run)
         while True:
             try:
                 heard = yield step
@@ -206,7 +202,7 @@ def fetch(run: ItemsRead, style: RequestStyle | None = None) -> Dialogue[int]:
                     if result != m.Result.ACCEPTED:
                         return result
                     break
-                case m.ItemAt(_, _, k) if k == kind and style.rebukes:
+                case m.ItemAt(_, _, k) if k == kind and legacy:
                     yield SendOnce(m.Ack(m.Result.INVALID_SEQUENCE, kind))
                 case m.Ack(result, k) if k == kind and result in DOUBTFUL_REFUSALS:
                     doubt = result

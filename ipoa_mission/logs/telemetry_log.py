@@ -5,7 +5,6 @@ Heartbeats come once a second. The first report since the last one in the old st
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from enum import IntEnum
 from pathlib import Path
 
 import numpy as np
@@ -148,13 +147,6 @@ DISARMING_TEXTS = ("Disarming motors", "Disarmed by", "DISARMED by")
 NO_CLOCK = "the log has no clock of the vehicle: its times are those of the ground station"
 
 
-class PX4Event(IntEnum):
-    """Events commander_armed_by, commander_disarmed_by: component 1, FNV-1a of the name."""
-
-    ARMED_BY = 0x190CAF3
-    DISARMED_BY = 0x1F46777
-
-
 def read_telemetry_log(path: Path, system: int | None = None) -> Log:
     """Return positions and events of one autopilot: this system id, or the first multicopter."""
     codec = Codec(m.STATION_SYSTEM, m.STATION_COMPONENT)
@@ -245,8 +237,6 @@ class _Reader:
                 self._beat(number, message)
             case m.CommandAck(Command.COMPONENT_ARM_DISARM, m.CommandResult.ACCEPTED):
                 self._note_arming(number, not self._is_armed if self.ordered is None else self.ordered)
-            case m.Event(PX4Event.ARMED_BY | PX4Event.DISARMED_BY as event):
-                self._note_arming(number, event == PX4Event.ARMED_BY)
             case m.Text(_, text):
                 if text.startswith((*ARMING_TEXTS, *DISARMING_TEXTS)) and not self.changes:  # else an echo
                     self._note_arming(number, text.startswith(ARMING_TEXTS))

@@ -173,7 +173,7 @@ class MissionService:
                 incoming.received += 1
             return result
 
-        dialogue = fetch(ItemsRead(kind, count, 0, take), profile.protocol_profile)
+        dialogue = fetch(ItemsRead(kind, count, 0, take), profile.requests_legacy)
         incoming = Incoming(client, kind, count, 0, Exchange(dialogue, now, profile.patience))
         self._incoming[self._slot(kind)] = incoming
         self._flush(incoming.exchange, client)

@@ -11,7 +11,6 @@ from ipoa_mission.autopilot.firmware_tables import NO_VERSION
 from ipoa_mission.autopilot.firmware_tables import Firmware as Tables
 from ipoa_mission.autopilot.parameters import Parameters
 from ipoa_mission.autopilot.version import Version
-from ipoa_mission.link.conversations import RequestStyle
 from ipoa_mission.link.dialogue import Patience
 from ipoa_mission.link.messages import CommandResult, MissionType
 from ipoa_mission.mission.items import Item
@@ -65,7 +64,7 @@ class MockProfile:
 
     autopilot: Autopilot
     controller: Callable[[Situation, Parameters, random.Random], FlightController]
-    protocol_profile: RequestStyle
+    requests_legacy: bool = False  # by MISSION_REQUEST; it refuses other items
     patience: Patience
     timeout_result: int | None = None
     timeout_text: str

@@ -8,7 +8,6 @@ from ipoa_mission.errors import MissionError
 from ipoa_mission.link.conversations import (
     REFUSAL_TIMEOUT_S,
     MissionRefused,
-    RequestStyle,
     VehicleTexts,
     clear,
     download,
@@ -232,7 +231,7 @@ def test_a_duplicate_of_an_item_is_ignored() -> None:
 
 
 def test_a_fetcher_with_a_temper_rebukes_it() -> None:
-    talk = Talk(fetch(items_to_read(3), RequestStyle(legacy=True, rebukes=True))).hear(item(0))
+    talk = Talk(fetch(items_to_read(3), legacy=True)).hear(item(0))
     assert talk.sent == [Request(0, legacy=True), Request(1, legacy=True)]
     assert talk.hear(item(0)).sent == [Ack(Result.INVALID_SEQUENCE)]
 

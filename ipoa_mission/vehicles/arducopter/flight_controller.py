@@ -6,7 +6,6 @@ from collections.abc import Callable, Iterator
 
 from ipoa_mission.autopilot.commands import Command, VehicleCommand
 from ipoa_mission.autopilot.parameters import Parameters
-from ipoa_mission.link.conversations import RequestStyle
 from ipoa_mission.link.messages import CommandResult, MissionType, Result
 from ipoa_mission.mission.items import Item
 from ipoa_mission.simulator.mock_profile import CAPABILITIES, FTP, Answer, MockProfile, StartUp, asks_every
@@ -175,7 +174,7 @@ class ArduCopterController:
 MOCK_PROFILE = MockProfile(
     autopilot=ARDUCOPTER,
     controller=ArduCopterController,
-    protocol_profile=RequestStyle(legacy=True, rebukes=True),
+    requests_legacy=True,
     patience=asks_every(1.0, 8.0),
     timeout_result=Result.OPERATION_CANCELLED,
     timeout_text="Mission upload timeout",

@@ -7,7 +7,6 @@ from ipoa_mission.autopilot.commands import Command, VehicleCommand
 from ipoa_mission.autopilot.guidance_profile import mode_number
 from ipoa_mission.autopilot.parameters import Parameters
 from ipoa_mission.geometry import Enu
-from ipoa_mission.link.conversations import RequestStyle
 from ipoa_mission.link.messages import CommandResult, MissionType
 from ipoa_mission.mission.items import Item
 from ipoa_mission.simulator.mock_profile import BYTEWISE, CAPABILITIES, Answer, MockProfile, StartUp, asks_every
@@ -190,7 +189,6 @@ class Px4Controller:
 MOCK_PROFILE = MockProfile(
     autopilot=PX4_MULTICOPTER,
     controller=Px4Controller,
-    protocol_profile=RequestStyle(),
     patience=asks_every(0.25, 5.0),
     timeout_text="Operation timeout",
     count_from_stranger=Answer.ERROR,
