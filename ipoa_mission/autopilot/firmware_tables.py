@@ -171,12 +171,3 @@ class Refusals(NamedTuple):
     mission: Callable[[Firmware, int, int, Sequence[float], int], Refused | None]
     fence: Refusal
     rally: Refusal
-
-
-def param_name(n: int) -> str:
-    """Name a value, from 1.
-
-    >>> param_name(5)
-    'latitude'
-    """
-    return PARAM_NAMES[n - 1]

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.autopilot.commands import FLOWN_TO, HOLDING, LANDINGS, LAST_NAV, MAY_PRECEDE_TAKEOFF, Command, Frame
-from ipoa_mission.autopilot.firmware_tables import Firmware, param_name
+from ipoa_mission.autopilot.firmware_tables import PARAM_NAMES, Firmware
 from ipoa_mission.autopilot.guidance_profile import JumpProfile
 from ipoa_mission.autopilot.parameters import SINGLE_MAX
 from ipoa_mission.autopilot.vehicle_kind import NO_AIRCRAFT
@@ -107,7 +107,7 @@ def _refused(mission: Mission, firmware: Firmware, wire: Sequence[Item]) -> Iter
         is_place = wrong.param in (5, 6) and out_of_range(spoken.latitude_deg, spoken.longitude_deg)
         is_height = wrong.param == 7 and spoken.command in FLOWN_TO
         if at.item.frame == Frame.MISSION or not (is_place or is_height):
-            words = f"{param_name(wrong.param)}: {wrong.words}: {firmware} refuses the mission"
+            words = f"{PARAM_NAMES[wrong.param - 1]}: {wrong.words}: {firmware} refuses the mission"
             yield at.error("param-refused", words)
     for seq, item in enumerate(fence_to_wire(mission.fence), 1):
         wrong = mission.autopilot.refusals.fence(firmware, item.command, item.frame, values_of(item))

@@ -282,10 +282,9 @@ class Interrupt:
         self._is_noted = self.is_pending = True
 
     def take(self) -> bool:
-        if not self.is_pending:
-            return False
+        was_pending = self.is_pending
         self.is_pending = False
-        return True
+        return was_pending
 
 
 @contextmanager

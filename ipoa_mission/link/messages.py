@@ -214,8 +214,6 @@ class CommandInt(Message, name="COMMAND_INT"):
 class CommandAck(Message, name="COMMAND_ACK"):
     command: int
     result: int
-    progress: int = 0
-    result_param2: int = 0
 
 
 class SetMode(Message, name="SET_MODE"):
@@ -351,7 +349,6 @@ class WindVelocity(Message, name="WIND_COV"):
 
 class ExtendedState(Message, name="EXTENDED_SYS_STATE"):
     landed_state: int  # 1 on the ground, 2 in the air, 3 taking off, 4 landing
-    vtol_state: int = 0
 
 
 class SystemTime(Message, name="SYSTEM_TIME"):

@@ -27,8 +27,6 @@ _LARGEST = {f"{sign}int{bits}_t": 2 ** (bits - (not sign)) - 1 for bits in (16, 
 #: Fields without a class's own: not measured, or a charged lithium polymer battery of the whole vehicle.
 _CONSTANTS: Mapping[str, Fields] = {
     "HEARTBEAT": {"mavlink_version": 3},
-    "COMMAND_INT": {"current": 0, "autocontinue": 0},
-    "FILE_TRANSFER_PROTOCOL": {"target_network": 0},
     "HOME_POSITION": {"q": [1.0, 0.0, 0.0, 0.0]},
     "GPS_RAW_INT": {"eph": 80, "epv": 120, "cog": 0xFFFF},
     "SYS_STATUS": {"load": 200},
