@@ -43,7 +43,7 @@ class Fate:
 
 
 class Vehicle:
-    def __init__(self, autopilot: Autopilot, nak_at: int | None = None) -> None:
+    def __init__(self, autopilot: Autopilot) -> None:
         self.outbox: list[tuple[Message, Target]] = []
         self.changed: list[int] = []
         self.transfers = MissionService(
@@ -51,7 +51,6 @@ class Vehicle:
             lambda: HOME,
             lambda message, to: self.outbox.append((message, to)),
             self.changed.append,
-            nak_at,
         )
         self.transfers.booted = True
 

@@ -36,17 +36,15 @@ class BuiltInAutopilot:
         family: Autopilot,
         home: Geodetic,
         parameters: Parameters | None = None,
-        nak_at: int | None = None,
         conditions: Conditions = STANDARD_CONDITIONS,
     ) -> None:
-        """`nak_at`: an item that it refuses; it then takes no mission as a file."""
         self.profile = profile = mock_profile(family, conditions.version)
         self.table = ParameterServer(family, parameters or {}, conditions.version)
         self.flight = SimulatedFlight(family, home, self.table.values, conditions)
         powered_s = 0.0 if conditions.cold else -math.inf
-        self.vehicle = Commander(profile, self.flight, self.table.values, powered_s, nak_at)
+        self.vehicle = Commander(profile, self.flight, self.table.values, powered_s)
         self.transfers = transfers = self.vehicle.transfers
-        takes_file = profile.autopilot.protocol_profile.takes_mission_file and nak_at is None
+        takes_file = profile.autopilot.protocol_profile.takes_mission_file
         limit = profile.limits[m.MissionType.MISSION]
         self._files = FileService(takes_file, limit, transfers.listed, transfers.replace)
         self._schedule = Schedule(profile.streams, profile.fixed_streams)

@@ -18,7 +18,6 @@ class Faults:
         delay_s: one-way delay [s].
         reorder: probability that it is held back.
         reorder_s: longest time of that [s].
-        nak_at: the number of an item that the vehicle refuses.
 
     Raises:
         BadInput: a probability is not from 0 to 1, or a time not from 0 to 60 s.
@@ -33,7 +32,6 @@ class Faults:
     delay_s: float = 0.0
     reorder: float = 0.0
     reorder_s: float = 0.2
-    nak_at: int | None = None
 
     def __post_init__(self) -> None:
         for name in ("loss", "duplicate", "reorder"):

@@ -83,7 +83,7 @@ def board(
     mission: Mission, conditions: Conditions | None = None, faults: Faults = PERFECT, log: str | Path | None = None
 ) -> Vehicle:
     conditions = conditions or conditions_for(mission)
-    autopilot = BuiltInAutopilot(mission.autopilot, mission.home, mission.parameters, faults.nak_at, conditions)
+    autopilot = BuiltInAutopilot(mission.autopilot, mission.home, mission.parameters, conditions)
     station = Station(autopilot)
     channel = Loopback(station, faults, conditions.seed)
     return meet(Line(channel, Codec(STATION_SYSTEM, STATION_COMPONENT), log))

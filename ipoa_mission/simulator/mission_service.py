@@ -72,7 +72,6 @@ class MissionService:
     home: Callable[[], Geodetic]
     say: Callable[[m.Message, Target], None]
     changed: Callable[[int], None]
-    nak_at: int | None = None
     booted: bool = False
     _incoming: dict[int, Incoming] = field(default_factory=dict)
     _readers: dict[tuple[Target, int], Exchange[int | None]] = field(default_factory=dict)
@@ -167,7 +166,7 @@ class MissionService:
 
         def take(seq: int, heard: Item | bytes) -> int:
             item = item_of(heard)
-            result = m.Result.ERROR if seq == self.nak_at else self._judge(item, kind, count)
+            result = self._judge(item, kind, count)
             if result == m.Result.ACCEPTED:
                 store.keep(item)
                 incoming.received += 1

@@ -63,18 +63,11 @@ class MissionMode(IntEnum):
 
 
 class MockVehicle:
-    def __init__(
-        self,
-        profile: MockProfile,
-        flight: SimulatedFlight,
-        parameters: Parameters,
-        powered_s: float,
-        nak_at: int | None,
-    ) -> None:
+    def __init__(self, profile: MockProfile, flight: SimulatedFlight, parameters: Parameters, powered_s: float) -> None:
         self.profile = profile
         self.flight = flight
         self.parameters = parameters
-        self.transfers = MissionService(profile, lambda: flight.home, self.send, self.load_list, nak_at)
+        self.transfers = MissionService(profile, lambda: flight.home, self.send, self.load_list)
         self.now = 0.0
         self.powered_s = powered_s
         self.outbox: list[tuple[Message, Target]] = []

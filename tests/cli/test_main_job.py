@@ -1,5 +1,6 @@
 import json
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -7,7 +8,6 @@ import pytest
 from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.mission.items import Item
 from ipoa_mission.mission.mission_io import read_mission
-from ipoa_mission.simulator.faults import Faults
 from ipoa_mission.simulator.fly import fly_built_in
 from tests.cli.conftest import Planned, Run
 from tests.examples import some
@@ -62,9 +62,12 @@ def test_a_mission_file_flies_without_its_scenario(run: Run, planned: Planned) -
 @pytest.mark.parametrize("autopilot", registered())
 def test_a_refused_item_is_named_by_its_number_for_both_autopilots(planned: Planned, autopilot: Autopilot) -> None:
     mission = read_mission(planned("sitl")[1] / "sitl.plan", autopilot)
-    number = 2 if autopilot is Autopilot.ARDUPILOT else 3  # PX4's list begins with the first item, not with home
-    with refuses("mission-refused", "", f"item {number} ", "ERROR"):
-        fly_built_in(mission, faults=Faults(nak_at=2))
+    wrong = Item(177, 2, (99.0, 1.0, 0.0, 0.0))  # a jump to nowhere
+    if autopilot is Autopilot.PX4:
+        wrong = Item(5003, 3, (20.0, 0.0, 0.0, 0.0), 47.0, 8.0)  # of a fence
+    items = (*mission.items[:2], wrong, *mission.items[3:])
+    with refuses("mission-refused", "", "item 3 ", "ERROR"):
+        fly_built_in(replace(mission, items=items))
 
 
 @pytest.mark.parametrize("name", some(2, SCENARIOS))

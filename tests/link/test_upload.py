@@ -47,10 +47,12 @@ def test_home_alone_is_an_empty_mission_of_ardupilots() -> None:
 
 
 def test_a_second_refusal_is_final_and_its_hint_names_the_vehicles_mission() -> None:
-    vehicle = Vehicle(ARDUPILOT, nak_at=2)
+    vehicle = Vehicle(ARDUPILOT)
     vehicle.store(items_of(ARDUPILOT, 5, shift=0.1))
+    items = [*items_of(ARDUPILOT, 5)]
+    items[2] = Item(177, 2, (99.0, 1.0, 0.0, 0.0))  # a jump to nowhere
     with refuses("mission-refused", "", "item 2", "ERROR") as refusal:
-        Air(vehicle).hold(upload(Upload(items_of(ARDUPILOT, 5), ARDUPILOT)))
+        Air(vehicle).hold(upload(Upload(items, ARDUPILOT)))
     assert "mixture" in str(refusal.value.hint)
 
 
