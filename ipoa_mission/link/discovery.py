@@ -4,10 +4,8 @@ import math
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
-from itertools import cycle
 from typing import Any, Self
 
-from ipoa_mission.autopilot.commands import VehicleCommand
 from ipoa_mission.autopilot.vehicle_kind import VehicleKind
 from ipoa_mission.autopilot.version import Version
 from ipoa_mission.link import messages as m
@@ -16,7 +14,7 @@ from ipoa_mission.link.conversations import observed
 from ipoa_mission.link.dialogue import SPECIFIED, Dialogue, Patience, T, Tempo
 from ipoa_mission.link.line import Carrier, Line, Listening, converse
 from ipoa_mission.link.mavutil_channel import expect_line, messages_from, payload_of
-from ipoa_mission.link.orders import command_long, message_request, request_version
+from ipoa_mission.link.orders import message_request, request_version
 from ipoa_mission.link.vehicle_state import VehicleState
 
 VERSIONS_S = 3.0
@@ -42,14 +40,9 @@ def versions_of(line: Line, systems: Iterable[int], seconds: float = VERSIONS_S)
     silent = set(systems)
     versions = dict[int, Version]()
     until = line.now() + seconds
-    # today's request and its predecessor
-    turns = cycle(
-        (message_request("AUTOPILOT_VERSION"), command_long(VehicleCommand.REQUEST_AUTOPILOT_CAPABILITIES, 1.0))
-    )
     while silent and line.now() < until:
-        request = next(turns)
         for system in sorted(silent):
-            line.send(request, Target(system, m.AUTOPILOT_COMPONENT))
+            line.send(message_request("AUTOPILOT_VERSION"), Target(system, m.AUTOPILOT_COMPONENT))
         again = min(line.now() + 0.7, until)
         while silent and line.now() < again:
             for heard in line.receive(again):
