@@ -15,7 +15,6 @@ from ipoa_mission.mission.flight_record import FlightRecord, Sample
 from ipoa_mission.mission.items import Item
 from ipoa_mission.progress import Progress, count, silent
 
-COMPLETE = 5  # MISSION_STATE
 LANDING_RADIUS = 20.0  # around the place of its LAND [m]
 
 
@@ -80,7 +79,7 @@ class Logbook:
     @property
     def is_flown(self) -> bool:
         flight = self._flight
-        return flight is not None and (flight.state == COMPLETE or self._final in flight.reached)
+        return flight is not None and (flight.state == m.MissionState.COMPLETE or self._final in flight.reached)
 
     def note(self, message: m.Message) -> None:
         flight = self._flight

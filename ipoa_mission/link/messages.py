@@ -52,6 +52,17 @@ class CommandResult(IntEnum):
     CANCELLED = 6
 
 
+class MissionState(IntEnum):
+    """MISSION_STATE."""
+
+    UNKNOWN = 0
+    NO_MISSION = 1
+    NOT_STARTED = 2
+    ACTIVE = 3
+    PAUSED = 4
+    COMPLETE = 5
+
+
 class MavAutopilot(IntEnum):
     GENERIC = 0
     ARDUPILOT = 3
@@ -59,8 +70,6 @@ class MavAutopilot(IntEnum):
     PX4 = 12
 
 
-#: MISSION_STATE.
-NO_MISSION = 1
 #: MAV_STATE_STANDBY; lower: still booting.
 STANDBY = 3
 #: MAV_MODE_FLAG_SAFETY_ARMED in HEARTBEAT.base_mode.
@@ -131,14 +140,11 @@ class SetCurrent(Message, name="MISSION_SET_CURRENT"):
 
 
 class Current(Message, name="MISSION_CURRENT"):
-    """States: 0 unknown, 1 none, 2 not started, 3 active, 4 paused, 5 done.
-
-    `total`: 0 unknown, 65535 no mission; `mission_id`: as in its `Ack`.
-    """
+    """`total`: 0 unknown, 65535 no mission; `mission_id`: as in its `Ack`."""
 
     seq: int
     total: int = 0
-    mission_state: int = 0
+    mission_state: int = MissionState.UNKNOWN
     mission_mode: int = 0
     mission_id: int = 0
 

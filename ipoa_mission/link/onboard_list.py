@@ -9,7 +9,7 @@ from ipoa_mission.errors import MissionError
 from ipoa_mission.link.conversations import KeepsChanging, MissionRefused, list_name, open_list, read_consistent
 from ipoa_mission.link.dialogue import Dialogue, NoAnswer, SendOnce, until
 from ipoa_mission.link.mavftp import answer_in, checksum_question, list_checksum
-from ipoa_mission.link.messages import NO_MISSION, Current, Message, MissionType
+from ipoa_mission.link.messages import Current, Message, MissionState, MissionType
 from ipoa_mission.link.upload import Replaced, Upload
 from ipoa_mission.link.vehicle_state import NotReady, VehicleState
 from ipoa_mission.mission.item_words import count_words
@@ -67,7 +67,7 @@ class OnboardList:
             return f"it has the id {current.mission_id}, and ours has {self.list_id}"
         total = current.total
         is_unknown = total in (0, 65535)
-        if is_unknown and current.mission_state == NO_MISSION:
+        if is_unknown and current.mission_state == MissionState.NO_MISSION:
             return "there is none any more"
         sent = len(self.job.items) - self.job.autopilot.counts_home
         return "" if is_unknown or total == sent else f"it has {count_words(total)}, and ours has {sent}"

@@ -10,7 +10,7 @@ from ipoa_mission.link import conversations, mavftp
 from ipoa_mission.link.conversations import list_name, share_words
 from ipoa_mission.link.dialogue import Cancelled, Dialogue, NoAnswer, Pause, SendOnce, Step, TimeUp, hear, wait
 from ipoa_mission.link.item_run import ItemsSent
-from ipoa_mission.link.messages import NO_MISSION, WARNING, Ack, Current, Message, MissionType, Request, Result
+from ipoa_mission.link.messages import WARNING, Ack, Current, Message, MissionState, MissionType, Request, Result
 from ipoa_mission.link.wire import item_of, item_payload, stored_part
 from ipoa_mission.mission.item_words import count_words
 from ipoa_mission.mission.items import Item
@@ -141,7 +141,7 @@ class MissionReports(conversations.VehicleTexts):
                     self.stored_as = self.stored_as or number
                 self.is_disputed |= number != self.stored_as
             case Current(total=total, mission_state=state, mission_id=number):
-                if total or state == NO_MISSION:
+                if total or state == MissionState.NO_MISSION:
                     self.total = total
                 self.ids |= {number} - {0}
                 self.is_named |= number == self.stored_as != 0
@@ -195,9 +195,9 @@ def upload(job: Upload, progress: Progress = silent) -> Dialogue[int]:
                 hint="its check of the mission was not awaited",
                 list_on_vehicle="new",
             ) from None
-        if not (verdict == NO_MISSION and state.reports.agrees(job)):
+        if not (verdict == MissionState.NO_MISSION and state.reports.agrees(job)):
             yield from _confirm_stored(job, state.reports)
-        if verdict == NO_MISSION:
+        if verdict == MissionState.NO_MISSION:
             raise Unflyable(str(state.reports))
         return state.reports.stored_as if state.reports.proves(job) else 0
     return state.checksum
@@ -327,7 +327,7 @@ def _verdict(reports: MissionReports) -> Dialogue[int]:
         match heard:
             case Current(mission_state=latest) if latest:
                 if state != latest:
-                    step = Pause(VERDICT_S if latest == NO_MISSION else REVISION_S)
+                    step = Pause(VERDICT_S if latest == MissionState.NO_MISSION else REVISION_S)
                 state = latest
         heard = yield step
 

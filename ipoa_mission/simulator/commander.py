@@ -6,9 +6,9 @@ from collections.abc import Sequence
 from ipoa_mission.autopilot import commands
 from ipoa_mission.autopilot.commands import WAYPOINTS, Command, Frame, VehicleCommand
 from ipoa_mission.link.definitions import message_name
-from ipoa_mission.link.messages import CRITICAL, INFO, WARNING, CommandResult
+from ipoa_mission.link.messages import CRITICAL, INFO, WARNING, CommandResult, MissionState
 from ipoa_mission.simulator.mock_vehicle import MockVehicle
-from ipoa_mission.simulator.situation import FlightMode, MissionState
+from ipoa_mission.simulator.situation import FlightMode
 from ipoa_mission.simulator.streams import KNOWN_MESSAGES
 
 GUIDED = 4  # ArduCopter's mode of take-off by command

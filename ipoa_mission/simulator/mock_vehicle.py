@@ -11,7 +11,7 @@ from ipoa_mission.autopilot.vehicle_kind import QUADROTOR
 from ipoa_mission.link import messages as m
 from ipoa_mission.link.codec import EVERYONE, Target
 from ipoa_mission.link.conversations import mission_event
-from ipoa_mission.link.messages import CRITICAL, INFO, Message, MissionType
+from ipoa_mission.link.messages import CRITICAL, INFO, Message, MissionState, MissionType
 from ipoa_mission.link.vehicle_state import PREARM_CHECK
 from ipoa_mission.link.wire import saturated
 from ipoa_mission.mission.items import Item
@@ -19,7 +19,7 @@ from ipoa_mission.simulator.judgement import Infeasible, infeasibility
 from ipoa_mission.simulator.mission_service import MissionService
 from ipoa_mission.simulator.mock_profile import MockProfile
 from ipoa_mission.simulator.simulated_flight import SimulatedFlight
-from ipoa_mission.simulator.situation import FlightMode, MissionState
+from ipoa_mission.simulator.situation import FlightMode
 
 ERROR_LEVELS = 0x63  # of an event
 TEXT_BYTES = 50  # of a STATUSTEXT

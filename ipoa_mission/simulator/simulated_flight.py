@@ -13,17 +13,11 @@ from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.autopilot.parameters import Parameters
 from ipoa_mission.geodesy import Geodetic, LocalFrame
 from ipoa_mission.geometry import GRAVITY, Vector
+from ipoa_mission.link.messages import MissionState
 from ipoa_mission.mission.items import Item
 from ipoa_mission.mission.program import Program
 from ipoa_mission.simulator.mock_profile import FlightController, MockProfile
-from ipoa_mission.simulator.situation import (
-    STANDARD_CONDITIONS,
-    STEP_S,
-    Conditions,
-    FlightMode,
-    MissionState,
-    Situation,
-)
+from ipoa_mission.simulator.situation import STANDARD_CONDITIONS, STEP_S, Conditions, FlightMode, Situation
 
 
 class SimulatedFlight(Situation):

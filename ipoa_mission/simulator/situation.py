@@ -11,6 +11,7 @@ from ipoa_mission.autopilot.returning import HOME, ReturnOrder
 from ipoa_mission.autopilot.version import Version
 from ipoa_mission.geometry import Place
 from ipoa_mission.ground import LEVEL, Ground
+from ipoa_mission.link.messages import MissionState
 from ipoa_mission.mission.items import Item
 from ipoa_mission.mission.program import MAX_ACTIONS, Program
 from ipoa_mission.wind import CALM, Wind
@@ -29,15 +30,6 @@ class Conditions:
 
 
 STANDARD_CONDITIONS = Conditions()
-
-
-class MissionState(IntEnum):
-    UNKNOWN = 0
-    NO_MISSION = 1
-    NOT_STARTED = 2
-    ACTIVE = 3
-    PAUSED = 4
-    COMPLETE = 5
 
 
 class FlightMode(IntEnum):

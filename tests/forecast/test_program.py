@@ -6,9 +6,10 @@ from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.autopilot.commands import Command, Frame
 from ipoa_mission.forecast.itinerary.itinerary import itinerary
 from ipoa_mission.geodesy import Geodetic, LocalFrame
+from ipoa_mission.link.messages import MissionState
 from ipoa_mission.mission.items import Item, Mission, change_speed, takeoff, waypoint
 from ipoa_mission.mission.program import Program
-from ipoa_mission.simulator.situation import MissionState, Situation
+from ipoa_mission.simulator.situation import Situation
 from tests.refused import refuses
 
 HOME = Geodetic(47.397742, 8.545594, 488.0)

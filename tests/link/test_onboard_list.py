@@ -12,13 +12,13 @@ from ipoa_mission.link.connect import meet
 from ipoa_mission.link.dialogue import Dialogue, NoAnswer
 from ipoa_mission.link.line import Line
 from ipoa_mission.link.messages import (
-    NO_MISSION,
     AutopilotVersion,
     CommandLong,
     Count,
     Current,
     ItemAt,
     Message,
+    MissionState,
     MissionType,
     Position,
 )
@@ -285,9 +285,9 @@ def onboard_list(family: Autopilot, list_id: int = 0, count: int = 4) -> Onboard
         (onboard_list(PX4, 77), Current(0, 4, 2, 0, 0), ""),
         (onboard_list(PX4), Current(0, 4, 2, 0, 78), ""),
         (onboard_list(PX4), Current(0, 5, 2), "it has 5 items, and ours has 4"),
-        (onboard_list(PX4), Current(0, 65535, NO_MISSION), "there is none any more"),
+        (onboard_list(PX4), Current(0, 65535, MissionState.NO_MISSION), "there is none any more"),
         (onboard_list(ARDUPILOT), Current(0, 3, 2), ""),
-        (onboard_list(ARDUPILOT), Current(0, 0, NO_MISSION), "there is none any more"),
+        (onboard_list(ARDUPILOT), Current(0, 0, MissionState.NO_MISSION), "there is none any more"),
         (onboard_list(ARDUPILOT), Current(0), ""),  # an old one tells neither
     ],
 )

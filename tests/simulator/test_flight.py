@@ -5,9 +5,9 @@ import pytest
 from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.autopilot.commands import Command, Frame
 from ipoa_mission.geodesy import Geodetic, LocalFrame
+from ipoa_mission.link.messages import MissionState
 from ipoa_mission.mission.items import Item, change_speed, land, return_to_launch, takeoff, waypoint
 from ipoa_mission.simulator.simulated_flight import SimulatedFlight
-from ipoa_mission.simulator.situation import MissionState
 
 HOME = Geodetic(39.101, 121.82, 20.0)
 both = pytest.mark.parametrize("autopilot", list(registered()))

@@ -7,10 +7,10 @@ from ipoa_mission.autopilot.commands import Command, VehicleCommand
 from ipoa_mission.autopilot.guidance_profile import mode_number
 from ipoa_mission.autopilot.parameters import Parameters
 from ipoa_mission.geometry import Enu
-from ipoa_mission.link.messages import CommandResult, MissionType
+from ipoa_mission.link.messages import CommandResult, MissionState, MissionType
 from ipoa_mission.mission.items import Item
 from ipoa_mission.simulator.mock_profile import BYTEWISE, CAPABILITIES, Answer, MockProfile, StartUp, asks_every
-from ipoa_mission.simulator.situation import STEP_S, FlightMode, MissionState, Situation
+from ipoa_mission.simulator.situation import STEP_S, FlightMode, Situation
 from ipoa_mission.vehicles.px4_multicopter.dynamics import navigator
 from ipoa_mission.vehicles.px4_multicopter.dynamics.flight import at_rest, begin, is_over, step
 from ipoa_mission.vehicles.px4_multicopter.dynamics.state import SIH_SENSORS, Level, Order, no_errors

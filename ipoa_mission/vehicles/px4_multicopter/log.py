@@ -15,8 +15,7 @@ from ipoa_mission.errors import BadInput, WrongFormat, imported
 from ipoa_mission.files import read_bytes
 from ipoa_mission.geodesy import SphericalPlane
 from ipoa_mission.geometry import Matrix, Vector
-from ipoa_mission.link.logbook import COMPLETE
-from ipoa_mission.link.messages import INFO, Current, HomePosition, Message, ParamValue, Reached, Text
+from ipoa_mission.link.messages import INFO, Current, HomePosition, Message, MissionState, ParamValue, Reached, Text
 from ipoa_mission.logs.logged import Battery, Fixes, Log, LogFormat, Measured, presence, version_name
 from ipoa_mission.vehicles.px4_multicopter.vehicle import PX4_MULTICOPTER
 
@@ -191,7 +190,7 @@ def _items(result: Any | None) -> Iterator[Event]:
         if seq_reached != reached and seq_reached >= 0:
             yield time, Reached(int(seq_reached))
         if (seq_current, finished) != turned:
-            yield time, Current(int(seq_current), int(total), COMPLETE if finished else 0)
+            yield time, Current(int(seq_current), int(total), MissionState.COMPLETE if finished else 0)
         reached = seq_reached
         turned = (seq_current, finished)
 
