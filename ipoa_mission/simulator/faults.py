@@ -4,6 +4,7 @@ import heapq
 import math
 import random
 from dataclasses import dataclass
+from typing import Generic, TypeVar
 
 from ipoa_mission.errors import BadInput
 
@@ -45,7 +46,10 @@ class Faults:
 PERFECT = Faults()
 
 
-class Pipe:
+T = TypeVar("T")
+
+
+class Pipe(Generic[T]):
     """One direction; the same seed gives the same faults."""
 
     MAX_QUEUED = 100_000
@@ -53,10 +57,10 @@ class Pipe:
     def __init__(self, faults: Faults, seed: int) -> None:
         self._faults = faults
         self._random = random.Random(seed)
-        self._queue: list[tuple[float, int, bytes]] = []
+        self._queue: list[tuple[float, int, T]] = []
         self._pushed = 0
 
-    def push(self, data: bytes, now: float) -> None:
+    def push(self, data: T, now: float) -> None:
         faults = self._faults
         chance = self._random.random
         for _ in range(2 if chance() < faults.duplicate else 1):
@@ -66,8 +70,8 @@ class Pipe:
                 self._pushed += 1
                 heapq.heappush(self._queue, (now + faults.delay_s + late, self._pushed, data))
 
-    def pop(self, now: float) -> list[bytes]:
-        arrived = []
+    def pop(self, now: float) -> list[T]:
+        arrived = list[T]()
         while self._queue and self._queue[0][0] <= now:
             arrived.append(heapq.heappop(self._queue)[2])
         return arrived

@@ -2,8 +2,9 @@
 
 import logging
 import math
+from collections import Counter
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 from ipoa_mission.errors import BadInput
 from ipoa_mission.link.channel import Channel, Peer
@@ -20,7 +21,6 @@ class ServerLimits:
     reported_lag_s: float = 10.0
     frames_hz: float = 2000.0  # to a peer: more overrun a ground station's socket
     frames_at_once: int = 100  # Linux keeps 277 small ones in an unread socket
-    pipes: int = 32
 
 
 LIMITS = ServerLimits()
@@ -41,13 +41,13 @@ class Server:
     _virtual_s: float = 0.0
     _lost_s: float = 0.0
     _unread: float = 0.0  # frames above the allowed rate
-    _inward: dict[Peer, Pipe] = field(default_factory=dict)
-    _outward: dict[Peer | None, Pipe] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         if not 0.01 <= self.speedup <= 1000.0:
             raise BadInput(f"expected 0.01 to 1000, not {self.speedup}", place="speedup")
         self._real_s = self.channel.now()
+        self._inward = Pipe[tuple[bytes, Peer]](self.faults, 1000 * self.seed + 100)
+        self._outward = Pipe[tuple[bytes, Peer | None]](self.faults, 1000 * self.seed + 200)
 
     def run(self, until: Callable[[], bool]) -> None:
         """Run until `until` returns true (asked ten times a second), or Ctrl-C."""
@@ -59,25 +59,22 @@ class Server:
         hurry = min(self.speedup, 1.0) if waits else self.speedup
         due = self._real_s + max(self.station.deadline - self._virtual_s, 0.0) / hurry
         rested_s = (self._unread - LIMITS.frames_at_once) / LIMITS.frames_hz if self._is_ahead else math.inf
-        pipes = [pipe.deadline for pipe in (*self._inward.values(), *self._outward.values())]
-        wake = min(due, self._real_s + rested_s, *pipes, self.channel.now() + LIMITS.wait_s)
-        for data, peer in self.channel.receive(wake):
-            self._pipe(self._inward, peer, 1).push(data, self.channel.now())
+        arriving = min(self._inward.deadline, self._outward.deadline)
+        wake = min(due, self._real_s + rested_s, arriving, self.channel.now() + LIMITS.wait_s)
+        for received in self.channel.receive(wake):
+            self._inward.push(received, self.channel.now())
         now = self.channel.now()
         self._advance_clock(now, hurry)
-        for peer, pipe in self._inward.items():
-            for data in pipe.pop(now):
-                self.station.receive(data, peer, self._virtual_s)
+        for data, peer in self._inward.pop(now):
+            self.station.receive(data, peer, self._virtual_s)
         self.station.tick(self._virtual_s)
-        for data, to in self.station.outgoing():
-            self._pipe(self._outward, to, 2).push(data, now)
-        most = 0
-        for to, pipe in self._outward.items():
-            through = pipe.pop(now)
-            for data in through:
-                self.channel.send(data, to)
-            most = max(most, len(through))
-        self._unread += most
+        for sent in self.station.outgoing():
+            self._outward.push(sent, now)
+        frames = Counter[Peer | None]()
+        for data, to in self._outward.pop(now):
+            self.channel.send(data, to)
+            frames[to] += 1
+        self._unread += max(frames.values(), default=0)
 
     @property
     def _is_ahead(self) -> bool:
@@ -95,10 +92,3 @@ class Server:
             if self._lost_s <= LIMITS.reported_lag_s < self._lost_s + late_s:
                 log.warning("the machine is too slow for speed %g: the clock is slowed", self.speedup)
             self._lost_s += late_s
-
-    def _pipe(self, pipes: dict[Peer, Pipe] | dict[Peer | None, Pipe], peer: Peer, direction: int) -> Pipe:
-        if peer not in pipes:
-            while len(pipes) >= LIMITS.pipes:
-                del pipes[next(iter(pipes))]
-            pipes[peer] = Pipe(self.faults, self.seed * 1000 + direction * 100 + len(pipes))
-        return pipes[peer]

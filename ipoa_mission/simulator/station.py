@@ -71,8 +71,8 @@ class Loopback:
 
     def __init__(self, far: FarEnd, faults: Faults = PERFECT, seed: int = 0) -> None:
         self.far = far
-        self._there = Pipe(faults, 2 * seed)
-        self._back = Pipe(faults, 2 * seed + 1)
+        self._there = Pipe[bytes](faults, 2 * seed)
+        self._back = Pipe[bytes](faults, 2 * seed + 1)
         self._now = 0.0
 
     def now(self) -> float:
