@@ -203,11 +203,7 @@ class Autopilot(metaclass=_ByName):
         return self.measured[-1]
 
     def checked_for(self, version: Version | None) -> str:
-        """Name the assumed firmware.
-
-        >>> Autopilot.PX4.checked_for(Version(1, 16))
-        'px4 1.16 (not measured)'
-        """
+        """Name the assumed firmware."""
         major, minor = (version or self.newest).series
         return f"{self.name} {major}.{minor}" + ("" if self.is_measured(version) else " (not measured)")
 

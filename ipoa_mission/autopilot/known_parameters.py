@@ -68,11 +68,7 @@ def translated(
 
 
 def firmware_of(names: Iterable[str]) -> Autopilot | None:
-    """Return the firmware of the first known parameter.
-
-    >>> firmware_of(["WP_SPD", "BATT_MONITOR"])
-    <Autopilot ardupilot>
-    """
+    """Return the firmware of the first known parameter."""
     return next((autopilot for name in names for autopilot in registered() if name in autopilot.parameter_names), None)
 
 

@@ -38,10 +38,5 @@ class LearnedVehicle:
         return replace(self, **changes)
 
     def value(self, name: str, otherwise: float) -> float:
-        """Return a fitted value.
-
-        >>> LearnedVehicle(Autopilot.PX4, drag=Learned(1.6, 1.5, 1.7)).value("drag", 1.0)
-        1.6
-        """
         learned: Learned | None = getattr(self, name)
         return otherwise if learned is None else learned.value

@@ -18,20 +18,10 @@ NO_AIRCRAFT = frozenset({10, 11, 12})
 
 
 def class_name(mav_type: int) -> str:
-    """Name a MAV_TYPE.
-
-    >>> class_name(1), class_name(13), class_name(18)
-    ('plane', 'multicopter', 'vehicle of MAV_TYPE 18')
-    """
     return _CLASSES.get(mav_type, f"vehicle of MAV_TYPE {mav_type}")
 
 
 def with_article(name: str) -> str:
-    """Add "a" or "an".
-
-    >>> with_article("airship"), with_article("PX4 VTOL")
-    ('an airship', 'a PX4 VTOL')
-    """
     return f"{'an' if name[0] in 'AEIOaeio' else 'a'} {name}"
 
 

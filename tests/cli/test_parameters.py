@@ -111,6 +111,10 @@ def test_parameters_are_translated_for_another_autopilot_or_left_out(run: Run, m
         assert "left out, of ardupilot only: WPNAV_JERK" in ended.out
 
 
+def test_new_names_of_parameters_tell_their_firmware() -> None:
+    assert firmware_of(["WP_SPD", "BATT_MONITOR"]) is Autopilot.ARDUPILOT
+
+
 def test_a_switch_is_no_quantity_to_translate() -> None:
     parameters = translated({"RTL_LAND_DELAY": -1.0, "RTL_RETURN_ALT": 40.0}, Autopilot.PX4, Autopilot.ARDUPILOT)[0]
     assert parameters == {"RTL_ALT": 4000.0}  # -1: PX4 never lands

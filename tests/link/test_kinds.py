@@ -5,7 +5,7 @@ from typing import Any
 import pytest
 
 from ipoa_mission.autopilot.autopilot import Autopilot
-from ipoa_mission.autopilot.vehicle_kind import MULTICOPTERS, VehicleKind
+from ipoa_mission.autopilot.vehicle_kind import MULTICOPTERS, VehicleKind, class_name, with_article
 from ipoa_mission.errors import BadInput
 from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.link.codec import Codec, Target, frames
@@ -35,6 +35,11 @@ CHANGES: dict[str, Callable[[Vehicle], object]] = {
     "prepare": lambda vehicle: vehicle.prepare(),
     "set_parameter": lambda vehicle: vehicle.set_parameter("FENCE_ENABLE", 0.0),
 }
+
+
+def test_classes_of_vehicles_are_named_in_words() -> None:
+    assert [class_name(mav_type) for mav_type in (1, 13, 18)] == ["plane", "multicopter", "vehicle of MAV_TYPE 18"]
+    assert [with_article(name) for name in ("airship", "PX4 VTOL")] == ["an airship", "a PX4 VTOL"]
 
 
 class Disguised(Mock):

@@ -308,11 +308,7 @@ class Px4Multicopter(Autopilot):
         return goal_up + Px4Return.of(parameters).height(height - goal_up, distance)
 
     def fence_margin(self, parameters: Parameters, version: Version | None = None) -> float | None:
-        """Return the distance, from 1.19 on (40e61d2429), except on the smallest boards; not modeled.
-
-        >>> Px4Multicopter().fence_margin({}), Px4Multicopter().fence_margin({"NAV_ACC_RAD": 2.0}, Version(1, 19))
-        (None, 4.0)
-        """
+        """Return the distance, from 1.19 on (40e61d2429), except on the smallest boards; not modeled."""
         if (version or self.newest).series < (1, 19):
             return None
         return 2.0 * self.complete(parameters, version)["NAV_ACC_RAD"]
