@@ -279,7 +279,9 @@ def surround(name: str, around: Candidate, spread: float, task: PathTask, part: 
         matrix = np.zeros((inner, 2, n, 3))
         matrix[:, :, varied] = np.einsum("mi,iak->maik", shapes, _axes(control)[part])
     lift, project, _ = _pins(around, task)
-    matrix = np.einsum("ij,djk->dik", project, matrix.reshape(-1, n, 3))
+    matrix = matrix.reshape(-1, n, 3)
+    if len(task.places) > 2:
+        matrix = np.einsum("ij,djk->dik", project, matrix)
     return Encoding(lift + project @ origin, matrix, box)
 
 

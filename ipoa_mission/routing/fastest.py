@@ -370,7 +370,8 @@ def _is_open(candidate: Attempt, attempt: Attempt) -> bool:
 
 def _may_gain(candidate: Attempt, attempt: Attempt) -> bool:
     """Return whether a flight until it has settled behind the change, and no further, gains enough."""
-    points, others = attempt.route.points, candidate.route.points
+    points = attempt.route.points
+    others = candidate.route.points
     behind = len(points) - _changed(points, others)[1]
     reached = attempt.quick_prediction.reached
     after = reached[min(behind + 1, len(points) - 1)] + SEARCH.settled_s

@@ -35,7 +35,6 @@ class Clearance:
 
 
 ROUNDING = 1e-6  # [m]
-FEW = 8  # points: asked for without an index
 NOTHING_NEAR = Clearance(float("inf"), (float("nan"),) * 3, "nothing")
 
 
@@ -142,7 +141,7 @@ class Airspace:
         least = np.full(len(points), np.inf)
         if not self.obstacles:
             return least
-        if len(points) <= FEW:
+        if len(points) <= 8:  # quicker without an index
             return self._distance_of_few(points)
         spots = shapely.points(points[:, :2])
         for body, which in _grouped(self._index.query_nearest(spots, all_matches=False)):

@@ -48,8 +48,6 @@ class TimeUncertainty(NamedTuple):
 
 
 UNCERTAINTY = TimeUncertainty()
-CONTINUED_FLIGHTS = 4  # the latest, kept for others with the same first items
-CONTINUED_VISITS = 400  # at most in each
 
 
 class ArduCopterModel(FlightModel):
@@ -58,11 +56,13 @@ class ArduCopterModel(FlightModel):
     scatter = (0.15, 0.01, 0.6)
     is_always_noise_free = True
     simulated_lag = ARDUPILOT_SIMULATOR.lag
-    _recent: "tuple[_Flight, ...]" = ()
+    kept_flights = 4  # the latest, for others with the same first items
+    most_kept_visits = 400  # of each
+    _latest: "tuple[_Flight, ...]" = ()
 
     def predicted(self, itinerary: Itinerary, wind: Wind, fast: bool | None, noise_free: bool) -> Prediction:
         flight = _Flight(itinerary, wind, fast)
-        flight.continue_one_of(self._recent)
+        flight.continue_one_of(self._latest)
         for n in range(len(flight.moments), len(itinerary.visits)):
             try:
                 reason = flight.visit(n)
@@ -71,8 +71,8 @@ class ArduCopterModel(FlightModel):
             except MissionError as lost:
                 raise lost.at(f"item {itinerary.visits[n].seq}") from None
             flight.moments.append(flight.moment(reason))
-        if len(flight.moments) <= CONTINUED_VISITS:
-            self._recent = (flight, *self._recent)[:CONTINUED_FLIGHTS]
+        if len(flight.moments) <= self.most_kept_visits:
+            self._latest = (flight, *self._latest)[: self.kept_flights]
         track = Track.joined(flight.samples)
         reasons = tuple(moment.reason for moment in flight.moments)
         done = np.array([moment.time for moment in flight.moments], dtype=np.float64)
@@ -121,12 +121,12 @@ class ArduCopterModel(FlightModel):
 
 
 class _Moment(NamedTuple):
-    """A flight after a visit, with numbers of its samples and remarks until then."""
+    """A flight after a visit."""
 
     copter: Copter
     airborne: bool
     touched: float
-    samples: int
+    samples: int  # numbers until then
     remarks: int
     reason: str
 

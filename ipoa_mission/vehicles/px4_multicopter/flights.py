@@ -180,10 +180,10 @@ class Flights:
 
 
 class _Stop(NamedTuple):
-    """A flight after some orders, with the number of its samples."""
+    """A flight after some orders."""
 
     orders: int
-    samples: int
+    samples: int  # number until then
     progress: state.FlightProgress
 
 
