@@ -279,10 +279,10 @@ def surround(name: str, around: Candidate, spread: float, task: PathTask, part: 
         matrix = np.zeros((inner, 2, n, 3))
         matrix[:, :, varied] = np.einsum("mi,iak->maik", shapes, _axes(control)[part])
     lift, project, _ = _pins(around, task)
-    matrix = matrix.reshape(-1, n, 3)
+    moves = matrix.reshape(-1, n, 3)
     if len(task.places) > 2:
-        matrix = np.einsum("ij,djk->dik", project, matrix)
-    return Encoding(lift + project @ origin, matrix, box)
+        moves = np.einsum("ij,djk->dik", project, moves)
+    return Encoding(lift + project @ origin, moves, box)
 
 
 def _pins(candidate: Candidate, task: PathTask) -> tuple[Points, Matrix, NDArray[np.intp]]:

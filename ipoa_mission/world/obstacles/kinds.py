@@ -98,7 +98,7 @@ class Sphere(Part):
     def __post_init__(self) -> None:
         expect_positive(self.name, "radius", self.radius)
 
-    @property
+    @cached_property
     def bounds(self) -> NDArray[np.float64]:
         return np.array([np.subtract(self.center, self.radius), np.add(self.center, self.radius)])
 
@@ -179,12 +179,12 @@ class Cylinder(Part):
         expect_positive(self.name, "radius", self.radius)
         expect_positive(self.name, "top - base", self.top - self.base)
 
-    @property
+    @cached_property
     def bounds(self) -> NDArray[np.float64]:
         r = self.radius
         return np.array([[self.east - r, self.north - r, self.base], [self.east + r, self.north + r, self.top]])
 
-    @property
+    @cached_property
     def column(self) -> Column:
         return Column(shapely.Point(self.east, self.north), self.radius, self.base, self.top)
 
@@ -273,7 +273,7 @@ class Prism(Part):
         except BadInput as error:
             raise error.at(self.name) from None
 
-    @property
+    @cached_property
     def bounds(self) -> NDArray[np.float64]:
         corners, _ = self.footprint.edges
         return np.array([[*corners.min(axis=0), self.base], [*corners.max(axis=0), self.top]])
@@ -282,7 +282,7 @@ class Prism(Part):
     def convex(self) -> bool:
         return self.footprint.convex
 
-    @property
+    @cached_property
     def column(self) -> Column:
         return Column(self.footprint.shape, 0.0, self.base, self.top)
 
