@@ -30,7 +30,6 @@ class Spline:
         return self._combined(*local_basis(len(self.control), u, order))
 
     def even_points(self, count: int) -> Points:
-        """Return points at `count` even parameters, (count, 3)."""
         return self._combined(*_even_local_basis(len(self.control), count))
 
     def _combined(self, first: NDArray[np.intp], values: Matrix) -> Points:
@@ -84,7 +83,7 @@ def _even_local_basis(n: int, count: int) -> LocalBasis:
 
 @lru_cache(maxsize=16)
 def _quadrature(n: int) -> tuple[LocalBasis, Vector]:
-    """Return the derivative's basis at the nodes of Gauss and Legendre in each span, and their weights."""
+    """Return the derivative's basis at the nodes of each span, and weights."""
     nodes, weights = np.polynomial.legendre.leggauss(24)
     spans = n - DEGREE
     u = (np.arange(spans)[:, None] + (nodes + 1) / 2).ravel() / spans
@@ -93,7 +92,7 @@ def _quadrature(n: int) -> tuple[LocalBasis, Vector]:
 
 @lru_cache(maxsize=16)
 def _arc_table(n: int) -> tuple[Vector, LocalBasis, LocalBasis]:
-    """Return the parameters of the arc table, and the derivative's basis there and in the middles."""
+    """Return parameters, and the derivative's basis there and in the middles."""
     u = np.linspace(0.0, 1.0, (n - DEGREE) * ARC_TABLE + 1)
     return u, local_basis(n, u, 1), local_basis(n, (u[1:] + u[:-1]) / 2, 1)
 

@@ -329,7 +329,8 @@ def _quickest(drawn: list[Attempt], scenario: Scenario) -> list[Attempt]:
 def _improve(attempt: Attempt) -> Attempt:
     if np.ndim(attempt.route.radius):
         return attempt
-    scenario, tried = attempt.scenario, set[bytes]()
+    scenario = attempt.scenario
+    tried = set[bytes]()
     trials = min(SEARCH.trials, SEARCH.legs // len(attempt.route.points))
     for share in SEARCH.step_shares:
         step = share * scenario.route.tolerance
@@ -345,10 +346,12 @@ def _improve(attempt: Attempt) -> Attempt:
                 and candidate.quick_prediction.seconds < attempt.quick_prediction.seconds - SEARCH.min_gain_s
                 and candidate.is_fit
             ):
-                attempt, in_vain = candidate, 0
+                attempt = candidate
+                in_vain = 0
                 changes = [*_changes(attempt.route.points, step, scenario.via_points, tried)]
             else:
-                at, in_vain = at + 1, in_vain + 1
+                at += 1
+                in_vain += 1
     return attempt
 
 
@@ -369,7 +372,7 @@ def _is_open(candidate: Attempt, attempt: Attempt) -> bool:
 
 
 def _may_gain(candidate: Attempt, attempt: Attempt) -> bool:
-    """Return whether a flight until it has settled behind the change, and no further, gains enough."""
+    """Return whether a flight that ends where it has settled behind the change gains enough."""
     points = attempt.route.points
     others = candidate.route.points
     behind = len(points) - _changed(points, others)[1]

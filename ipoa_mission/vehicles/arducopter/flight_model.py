@@ -154,7 +154,6 @@ class _Flight:
         self.note()
 
     def continue_one_of(self, flights: "tuple[_Flight, ...]") -> None:
-        """Continue the flight with the most visits in common after them."""
         shared = [self._visits_shared(flight) for flight in flights]
         most = max(shared, default=0)
         if most == 0:
@@ -169,7 +168,7 @@ class _Flight:
         self.moments = other.moments[:most]
 
     def _visits_shared(self, other: "_Flight") -> int:
-        """Return how many visits another flight made likewise; a visit depends on the next two places."""
+        """Count the equal visits; a visit depends on the next two places."""
         if self._conditions != other._conditions:
             return 0
         visits = self.itinerary.visits

@@ -62,7 +62,6 @@ class Px4Model(FlightModel):
         return Prediction(done, low, high, reasons, track, tuple(remarks), _missed(itinerary, times))
 
     def _noisy_times(self, flights: Flights, steps: float, fast: bool | None) -> "_NoisyTimes":
-        """Return the times of the visits with noise, kept from the latest equal flights."""
         planned = flights.mission_orders
         ends = list(planned.done)
         constants = flights.noise_free_constants.senses, flights.conditions

@@ -56,9 +56,9 @@ class FlownOnce(NamedTuple):
 
 
 class FlyOn(Protocol):
-    def __call__(self, flight: FlownOnce, until: float = math.inf, to: int | None = None) -> FlownOnce: ...
+    """Fly on to the end of all or the first `to` orders, or until a time [s]."""
 
-    """Fly on to the end of all orders or of the first `to`, or until a time [s]."""
+    def __call__(self, flight: FlownOnce, until: float = math.inf, to: int | None = None) -> FlownOnce: ...
 
 
 _start = lru_cache(maxsize=128)(at_start)
@@ -194,7 +194,7 @@ class _Flight(NamedTuple):
     stops: list[_Stop]
 
     def shared_with(self, conditions: bytes, orders: NDArray[np.void]) -> int:
-        """Return how many orders another flight has in common, before a LAND."""
+        """Count the common orders before a LAND."""
         if conditions != self.conditions:
             return 0
         count = min(len(orders), len(self.orders))
@@ -205,7 +205,7 @@ class _Flight(NamedTuple):
 
 
 class LatestFlights:
-    """The latest noise-free flights: another one continues that with the most orders in common, to equal bits."""
+    """Another noise-free flight continues the one with the most orders in common, to equal bits."""
 
     kept = 4
     most_stops = 16
@@ -215,7 +215,6 @@ class LatestFlights:
         self._flights: tuple[_Flight, ...] = ()
 
     def fly(self, flights: Flights, fast: bool | None) -> FlownOnce:
-        """Return the noise-free flight of all orders; raises as `Flights.simulation`."""
         orders = flights.mission_orders.orders
         fly_on = flights.simulation(orders, noisy=False, fast=fast)
         flown = flights.at_start(0)
