@@ -1,5 +1,3 @@
-import csv
-import io
 import re
 import textwrap
 from collections.abc import Callable, Sequence
@@ -21,11 +19,6 @@ class Table:
         for note in self.notes:
             lines += ["", note]
         return filled("\n".join(lines))
-
-    def csv(self) -> str:
-        text = io.StringIO()
-        csv.writer(text, lineterminator="\n").writerows([self.heading, *self.rows])
-        return text.getvalue()
 
 
 def _line(cells: Sequence[str]) -> str:

@@ -103,7 +103,7 @@ def reproduce(
 ) -> list[Path]:
     """Measure and write one of `ITEMS`, or "all" with a page.
 
-    `out` gets tables as Markdown and CSV, figures as SVG, and `rows`, which are not measured again. `runs`: of each;
+    `out` gets tables as Markdown, figures as SVG, and `rows`, which are not measured again. `runs`: of each;
     None as in the paper. `pool`: of `open_executor`; it is not opened if nothing needs a run.
     """
     if what != "all" and what not in ITEMS:
@@ -121,7 +121,7 @@ def reproduce(
     written = []
     for name, item in made.items():
         if isinstance(item, Table):
-            written += [_write(out / f"{name}.md", item.markdown()), _write(out / f"{name}.csv", item.csv())]
+            written.append(_write(out / f"{name}.md", item.markdown()))
         else:
             written.append(_write(out / f"{name}.svg", item))
     if what == "all":
