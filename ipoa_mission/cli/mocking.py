@@ -13,7 +13,6 @@ from ipoa_mission.terminal import notes, print_json, print_lines
 
 if TYPE_CHECKING:
     from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot
-    from ipoa_mission.simulator.faults import Faults
 
 faulty_option = partial(typer.Option, rich_help_panel="Faults of the link")
 ZURICH = (47.397742, 8.545594, 488.0)
@@ -29,11 +28,6 @@ class FaultOptions:
     reorder: Annotated[
         float, faulty_option("--reorder", metavar="SHARE", min=0, max=1, help="Share of reordered frames.")
     ] = 0.0
-
-    def faults(self) -> "Faults":
-        from ipoa_mission.simulator.faults import Faults
-
-        return Faults(self.loss, self.duplicate, self.delay, self.reorder)
 
 
 @dataclass
@@ -71,6 +65,7 @@ def mock(worse: FaultOptions, how: MockOptions, as_json: options.JsonOption = Fa
     Example: `ipoa-mission mock --scenario campus --link tcpin:127.0.0.1:5760 --speedup 10`
     """
     from ipoa_mission.link.channel import open_channel, parse_address
+    from ipoa_mission.simulator.faults import Faults
     from ipoa_mission.simulator.mock_server import Server
     from ipoa_mission.simulator.station import Station
 
@@ -82,6 +77,7 @@ def mock(worse: FaultOptions, how: MockOptions, as_json: options.JsonOption = Fa
     version = autopilot.profile.version
     home = autopilot.flight.home
     signer = options.signer_of(how.key, "mock")
+    faults = Faults(worse.loss, worse.duplicate, worse.delay, worse.reorder)
 
     @cache
     def print_address() -> bool:
@@ -98,7 +94,7 @@ def mock(worse: FaultOptions, how: MockOptions, as_json: options.JsonOption = Fa
 
     with suppress(KeyboardInterrupt), closing(open_channel(how.link)) as channel:
         station = Station(autopilot, system, signer)
-        Server(channel, station, how.speedup, worse.faults(), how.seed).run(print_address)
+        Server(channel, station, how.speedup, faults, how.seed).run(print_address)
 
 
 def built_in_autopilot(how: MockOptions, parameters: Mapping[str, float]) -> "BuiltInAutopilot":
