@@ -2,8 +2,9 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import Any, Literal, NamedTuple
+from typing import Annotated, Any, Literal, NamedTuple
+
+from pydantic import BaseModel, ConfigDict, Field
 
 from ipoa_mission.maps.keys import Means, keys_of
 from ipoa_mission.maps.kinds import TALL, WOODS, is_bridge, is_tagged, values_of
@@ -82,23 +83,35 @@ def is_turbine(tags: Mapping[str, str]) -> bool:
     )  # fmt: skip
 
 
-@dataclass(frozen=True)
-class BuildingRules:
-    """Rules for features whose tags give no size [m].
+Length = Annotated[float, Field(gt=0, strict=True)]
+Height = Annotated[float, Field(ge=0, strict=True)]
 
-    `take`: `all` features not tagged as flat, or `tagged` ones; None: `all` in a file with buildings only. Sizes of
-    None depend on the kind. Without `wood_height`, woods are possible obstacles. A height of 0 means no obstacle.
-    """
 
-    default_height: float | None = None
-    storey_height: float = 3.0
-    point_height: float | None = None
-    point_radius: float | None = None
-    line_height: float | None = None
-    aerialway_height: float = 40.0
-    wood_height: float | None = None
-    height_key: str = "height"
+class BuildingRules(BaseModel):
+    """Rules for features whose tags give no size. A height of 0 means no obstacle."""
+
+    model_config = ConfigDict(frozen=True, use_attribute_docstrings=True)
+
     take: Literal["tagged", "all"] | None = None
+    """`all`: every feature is an obstacle, except roads, land use and the like without a height. `tagged`: only
+    features tagged as building, mast, tree or power line, or with a height. Default: as `tagged`, but a file of
+    buildings only is taken whole. A flight near a passed-over feature that may be an obstacle is refused."""
+    height_key: str = "height"
+    """Property with the height of the top above the ground [m, or feet if stated]."""
+    default_height: Length | None = None
+    """Height of a building without height and storeys [m]. Default: by its kind."""
+    storey_height: Length = 3.0
+    """Height of a storey if only the number of storeys is known [m]."""
+    point_height: Length | None = None
+    """Height of a mast, tree or other point without one [m]. Default: by its kind."""
+    point_radius: Length | None = None
+    """Radius of a mast, tree or other point, and half width of a wall [m]. Default: by its kind."""
+    line_height: Height | None = None
+    """Height of a power or telephone line without one [m]; 0 excludes lines. Default: by its voltage."""
+    aerialway_height: Height = 40.0
+    """Height of a cable car, lift or zip line without one [m], at most 15 m for drag lifts; 0 excludes them."""
+    wood_height: Height | None = None
+    """Height of a wood or orchard without one [m]; 0 excludes them. Default: no flight may be near one."""
 
 
 def area_height(tags: Mapping[str, str], rules: BuildingRules) -> tuple[str, float]:

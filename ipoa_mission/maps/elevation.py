@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any, Literal, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import scipy
@@ -20,7 +20,7 @@ from pyproj.exceptions import ProjError
 from ipoa_mission.errors import BadInput, DamagedFile, NoCoordinateSystem, NotCovered, imported
 from ipoa_mission.geodesy import Geodetic, LocalFrame
 from ipoa_mission.geometry import Vector
-from ipoa_mission.maps.geoid import undulation
+from ipoa_mission.maps.geoid import ElevationRules, undulation
 from ipoa_mission.maps.lengths import FOOT
 from ipoa_mission.world.terrain import Grid
 
@@ -33,17 +33,6 @@ HEIGHT_UNITS = {
 LOWEST = -500.0  # ground [m]
 HIGHEST = 9_000.0  # ground [m]
 SUSPECT_STEP = 100.0  # larger ones may be spoiled heights [m]
-
-
-@dataclass(frozen=True)
-class ElevationRules:
-    """`heights` None: the coordinate system's datum, or mean sea level; `geoid`: [m] or a PROJ grid."""
-
-    heights: Literal["amsl", "ellipsoidal"] | None = None
-    geoid: float | Path | None = None
-    spacing: float | None = None
-    nodata: float | None = None
-    level_at_home: bool = False
 
 
 class _Posts(NamedTuple):

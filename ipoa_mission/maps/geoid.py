@@ -1,7 +1,9 @@
-"""One value serves a flight: the geoid tilts by centimeters over kilometers."""
+"""Rules of elevation models, and the geoid: one value serves a flight, as it tilts by centimeters over kilometers."""
 
 from pathlib import Path
+from typing import Annotated, Literal
 
+from pydantic import BaseModel, ConfigDict, Field
 from pyproj import Transformer
 from pyproj.exceptions import ProjError
 
@@ -9,6 +11,22 @@ from ipoa_mission.errors import BadInput, NotCovered
 
 # Best match to an autopilot's mean sea level first.
 GRIDS = ("us_nga_egm96_15.tif", "egm96_15.gtx", "us_nga_egm08_25.tif", "egm08_25.gtx")
+
+
+class ElevationRules(BaseModel):
+    """Rules for the heights of a file; `geoid`: [m] or a PROJ grid."""
+
+    model_config = ConfigDict(frozen=True, use_attribute_docstrings=True)
+
+    heights: Literal["amsl", "ellipsoidal"] | None = None
+    """Datum of its heights: mean sea level (SRTM), or the WGS 84 ellipsoid. Default: as the file states."""
+    geoid: float | Path | None = None
+    spacing: Annotated[float, Field(gt=0, strict=True)] | None = None
+    """Distance between the nodes of the local grid [m]. Default: that of the model's posts."""
+    nodata: float | None = None
+    """Number that marks a missing height, if the file does not state it."""
+    level_at_home: bool = False
+    """Shift the model so that its ground at home is at home's altitude: only differences count then."""
 
 
 def undulation(latitude_deg: float, longitude_deg: float, known: float | Path | None, place: Path) -> tuple[float, str]:

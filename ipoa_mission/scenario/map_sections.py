@@ -1,5 +1,4 @@
 from collections.abc import Iterator
-from dataclasses import fields
 from pathlib import Path
 from typing import Annotated, ClassVar, Literal, TypeAlias
 
@@ -11,9 +10,10 @@ from ipoa_mission.geodesy import LocalFrame
 from ipoa_mission.maps.areas import RESTRICTIONS, Restriction, Zones, find_zones
 from ipoa_mission.maps.building_rules import BuildingRules
 from ipoa_mission.maps.buildings import Buildings, search_buildings
+from ipoa_mission.maps.geoid import ElevationRules
 from ipoa_mission.maps.map_reader import READERS, compare_with_gdal, read_features
 from ipoa_mission.maps.map_window import Box, MapWindow
-from ipoa_mission.scenario.section import NotNegative, Positive, Section, existing_file
+from ipoa_mission.scenario.section import Section, existing_file
 from ipoa_mission.world.terrain import Grid
 
 
@@ -30,34 +30,13 @@ class MapFile(Section):
         return compare_with_gdal(self.file)
 
 
-class BuildingsMap(MapFile):
+class BuildingsMap(BuildingRules, MapFile):
     """Buildings, masts and trees on the ground, as OpenStreetMap exports them."""
 
     kind: Literal["buildings"]
-    take: Literal["tagged", "all"] | None = None
-    """`all`: every feature is an obstacle, except roads, land use and the like without a height. `tagged`: only
-    features tagged as building, mast, tree or power line, or with a height. Default: as `tagged`, but a file of
-    buildings only is taken whole. A flight near a passed-over feature that may be an obstacle is refused."""
-    height_key: str = "height"
-    """Property with the height of the top above the ground [m, or feet if stated]."""
-    default_height: Positive | None = None
-    """Height of a building without height and storeys [m]. Default: by its kind."""
-    storey_height: Positive = 3.0
-    """Height of a storey if only the number of storeys is known [m]."""
-    point_height: Positive | None = None
-    """Height of a mast, tree or other point without one [m]. Default: by its kind."""
-    point_radius: Positive | None = None
-    """Radius of a mast, tree or other point, and half width of a wall [m]. Default: by its kind."""
-    line_height: NotNegative | None = None
-    """Height of a power or telephone line without one [m]; 0 excludes lines. Default: by its voltage."""
-    aerialway_height: NotNegative = 40.0
-    """Height of a cable car, lift or zip line without one [m], at most 15 m for drag lifts; 0 excludes them."""
-    wood_height: NotNegative | None = None
-    """Height of a wood or orchard without one [m]; 0 excludes them. Default: no flight may be near one."""
 
     def read(self, frame: LocalFrame, within: Box) -> Buildings:
-        rules = BuildingRules(**self.model_dump(include={field.name for field in fields(BuildingRules)}))
-        buildings = search_buildings(self.file, rules, frame, within)
+        buildings = search_buildings(self.file, self, frame, within)
         if not (buildings.obstacles or buildings.elsewhere):
             words = f"expected buildings, but none of {buildings.features} features is tagged as one"
             raise NothingThere(words, hint='`take = "all"` takes every feature, whatever its tags', place=self.file)
@@ -107,28 +86,19 @@ class FlightAreaMap(ZoneMap):
 MapSection: TypeAlias = Annotated[BuildingsMap | NoFlyMap | FlightAreaMap, Field(discriminator="kind")]
 
 
-class ElevationTerrain(Section):
+class ElevationTerrain(ElevationRules, Section):
     """An elevation model: GeoTIFF, SRTM `.hgt`, or another raster that GDAL reads (needs rasterio)."""
 
     kind: Literal["elevation"]
     file: Annotated[Path, existing_file("an elevation model")]
     """The model, relative to the scenario file, in any coordinate system that it names."""
-    heights: Literal["amsl", "ellipsoidal"] | None = None
-    """Datum of its heights: mean sea level (SRTM), or the WGS 84 ellipsoid. Default: as the file states."""
     geoid: Annotated[float | Path | None, existing_file("a number or a grid")] = None
     """For ellipsoidal heights: the geoid's height above the ellipsoid [m], or a PROJ grid. Default: PROJ's own grid."""
-    spacing: Positive | None = None
-    """Distance between the nodes of the local grid [m]. Default: that of the model's posts."""
-    nodata: float | None = None
-    """Number that marks a missing height, if the file does not state it."""
-    level_at_home: bool = False
-    """Shift the model so that its ground at home is at home's altitude: only differences count then."""
 
     def read(
         self, frame: LocalFrame, lower: tuple[float, float], upper: tuple[float, float]
     ) -> tuple[Grid, tuple[str, ...]]:
         """Return the ground above home [m], and remarks."""
-        from ipoa_mission.maps.elevation import ElevationRules, local_grid  # slow import
+        from ipoa_mission.maps.elevation import local_grid  # slow import
 
-        rules = ElevationRules(**self.model_dump(include={field.name for field in fields(ElevationRules)}))
-        return local_grid(self.file, rules, frame, lower, upper)
+        return local_grid(self.file, self, frame, lower, upper)
