@@ -128,7 +128,7 @@ def _describe(value: Any) -> str:
         case str() if len(value) > 40:
             return f'"{value[:37]}..."'
         case _:
-            words = json.dumps(value)
+            words = json.dumps(value, ensure_ascii=False)
             return words if len(words) <= 40 else f"a number of {len(words)} digits"
 
 

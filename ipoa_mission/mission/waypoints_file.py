@@ -113,9 +113,15 @@ def _rows(path: Path, text: str) -> Iterator[tuple[Node, Item]]:
         place = f"{path}: line {number}"
         if len(words) != len(FIELDS):
             raise BadInput(f"expected {len(FIELDS)} fields, not {len(words)}", place=place)
-        values = (float(word) if NUMBER.fullmatch(word) else word for word in words)
-        row = Node(place, "", dict(zip(FIELDS, values, strict=True)))
+        row = Node(place, "", dict(zip(FIELDS, map(_value, words), strict=True)))
         yield row, _item(row)
+
+
+def _value(word: str) -> float | str:
+    if not NUMBER.fullmatch(word):
+        return word
+    number = float(word)
+    return int(number) if number.is_integer() else number
 
 
 def _check_numbers(rows: Sequence[tuple[Node, Item]]) -> Iterator[Finding]:
@@ -146,7 +152,7 @@ def _item(row: Node) -> Item:
         (p1, p2, p3, p4),
         latitude,
         longitude,
-        row["altitude"].number("a finite number"),
+        row["altitude"].number(),
         bool(_whole(row["autocontinue"], 1)),
     )
 
@@ -156,7 +162,7 @@ def _whole(node: Node, most: int) -> int:
 
 
 def _degrees(node: Node) -> float:
-    value = node.number("a finite number")
+    value = node.number()
     if abs(value) > 180:
         scaled = "divide it by 1e7: MISSION_ITEM_INT has units of 1e-7 degrees" if abs(value) > 1e6 else None
         raise node.wrong("degrees from -180 to 180", scaled)
