@@ -16,9 +16,9 @@ from ipoa_mission.link.wire import degrees
 from ipoa_mission.simulator.commander import Commander, as_integer
 from ipoa_mission.simulator.file_service import FileService
 from ipoa_mission.simulator.mock_profile import mock_profile
+from ipoa_mission.simulator.mock_vehicle import Schedule
 from ipoa_mission.simulator.simulated_flight import SimulatedFlight
 from ipoa_mission.simulator.situation import STANDARD_CONDITIONS, STEP_S, Conditions
-from ipoa_mission.simulator.streams import Schedule
 
 #: The message that each command older than REQUEST_MESSAGE requests.
 OLD_REQUESTS: Mapping[int, str] = {

@@ -7,9 +7,8 @@ from ipoa_mission.autopilot import commands
 from ipoa_mission.autopilot.commands import WAYPOINTS, Command, Frame, VehicleCommand
 from ipoa_mission.link.definitions import message_name
 from ipoa_mission.link.messages import CRITICAL, INFO, WARNING, CommandResult, MissionState
-from ipoa_mission.simulator.mock_vehicle import MockVehicle
+from ipoa_mission.simulator.mock_vehicle import KNOWN_MESSAGES, MockVehicle
 from ipoa_mission.simulator.situation import FlightMode
-from ipoa_mission.simulator.streams import KNOWN_MESSAGES
 
 GUIDED = 4  # ArduCopter's mode of take-off by command
 MAV_DO_REPOSITION_CHANGE_MODE = 1
