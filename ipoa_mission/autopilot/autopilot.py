@@ -5,7 +5,7 @@ from abc import ABCMeta, abstractmethod
 from collections.abc import Mapping
 from functools import cache
 from pkgutil import resolve_name
-from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, TypeVar
 
 from ipoa_mission.autopilot import guidance_profile as profile
 from ipoa_mission.autopilot import returning
@@ -22,6 +22,17 @@ if TYPE_CHECKING:
 Part = TypeVar("Part")
 _resolved = cache(resolve_name)
 STATIONARY_SPEED = 0.1  # [m/s]
+QUADROTOR = 2  # MAV_TYPE
+#: MAV_TYPE: quadrotor, coaxial, hexa-, octo-, tri-, dodeca-, decarotor.
+MULTICOPTERS = frozenset({QUADROTOR, 3, 13, 14, 15, 29, 35})
+
+_CLASSES = {
+    1: "plane", 4: "helicopter", 5: "antenna tracker", 7: "airship", 8: "balloon", 9: "rocket", 10: "rover", 11: "boat",
+    12: "submarine", 16: "flapping wing", 17: "kite", 28: "parafoil", **dict.fromkeys(MULTICOPTERS, "multicopter"),
+    **dict.fromkeys(range(19, 26), "VTOL"),
+}  # fmt: skip
+#: Rover, boat, submarine.
+NO_AIRCRAFT = frozenset({10, 11, 12})
 
 
 class _ByName(ABCMeta):
@@ -302,3 +313,39 @@ def autopilot_named(name: str) -> Autopilot:
 def autopilot_of(mav_autopilot: int, mav_type: int) -> Autopilot | None:
     of_firmware = (vehicle for vehicle in registered() if vehicle.mav_autopilot == mav_autopilot)
     return next((vehicle for vehicle in of_firmware if mav_type in vehicle.mav_types), None)
+
+
+def class_name(mav_type: int) -> str:
+    return _CLASSES.get(mav_type, f"vehicle of MAV_TYPE {mav_type}")
+
+
+def with_article(name: str) -> str:
+    return f"{'an' if name[0] in 'AEIOaeio' else 'a'} {name}"
+
+
+class VehicleKind(NamedTuple):
+    """Firmware (MAV_AUTOPILOT) and class (MAV_TYPE).
+
+    >>> str(VehicleKind(3, 1)), str(VehicleKind(12, QUADROTOR)), str(VehicleKind(0, QUADROTOR))
+    ('ArduPilot plane', 'PX4 multicopter', 'multicopter with another firmware (MAV_AUTOPILOT 0)')
+    """
+
+    firmware: int
+    mav_type: int
+
+    @property
+    def autopilot(self) -> Autopilot:
+        return autopilot_of(self.firmware, self.mav_type) or self._of_its_firmware or default_autopilot()
+
+    @property
+    def is_flown(self) -> bool:
+        return autopilot_of(self.firmware, self.mav_type) is not None
+
+    @property
+    def _of_its_firmware(self) -> Autopilot | None:
+        return next((vehicle for vehicle in registered() if vehicle.mav_autopilot == self.firmware), None)
+
+    def __str__(self) -> str:
+        if self._of_its_firmware is not None:
+            return f"{self._of_its_firmware.firmware_name} {class_name(self.mav_type)}"
+        return f"{class_name(self.mav_type)} with another firmware (MAV_AUTOPILOT {self.firmware})"

@@ -6,7 +6,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import ipoa_mission.checks.firmware_check as firmware
-from ipoa_mission.autopilot.vehicle_kind import NO_AIRCRAFT
+from ipoa_mission.autopilot.autopilot import NO_AIRCRAFT
 from ipoa_mission.checks.landings import check_landings
 from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.forecast.forecast import Forecast

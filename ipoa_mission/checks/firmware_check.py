@@ -5,12 +5,11 @@ from collections import defaultdict
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
-from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.autopilot.autopilot import NO_AIRCRAFT, Autopilot
 from ipoa_mission.autopilot.commands import FLOWN_TO, HOLDING, LANDINGS, LAST_NAV, MAY_PRECEDE_TAKEOFF, Command, Frame
 from ipoa_mission.autopilot.firmware_tables import PARAM_NAMES, Firmware
 from ipoa_mission.autopilot.guidance_profile import JumpProfile
 from ipoa_mission.autopilot.parameters import SINGLE_MAX
-from ipoa_mission.autopilot.vehicle_kind import NO_AIRCRAFT
 from ipoa_mission.autopilot.version import Version
 from ipoa_mission.errors import BadInput
 from ipoa_mission.finding import Finding, Severity

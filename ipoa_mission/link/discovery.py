@@ -6,7 +6,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any, Self
 
-from ipoa_mission.autopilot.vehicle_kind import VehicleKind
+from ipoa_mission.autopilot.autopilot import VehicleKind
 from ipoa_mission.autopilot.version import Version
 from ipoa_mission.link import messages as m
 from ipoa_mission.link.codec import Heard, Target

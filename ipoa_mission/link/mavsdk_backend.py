@@ -10,8 +10,7 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
-from ipoa_mission.autopilot.autopilot import default_autopilot, registered
-from ipoa_mission.autopilot.vehicle_kind import QUADROTOR, VehicleKind
+from ipoa_mission.autopilot.autopilot import QUADROTOR, VehicleKind, default_autopilot, registered
 from ipoa_mission.errors import BadInput, MissionError, imported
 from ipoa_mission.link import messages as m
 from ipoa_mission.link import wire

@@ -5,8 +5,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 
-from ipoa_mission.autopilot.autopilot import Autopilot
-from ipoa_mission.autopilot.vehicle_kind import VehicleKind, with_article
+from ipoa_mission.autopilot.autopilot import Autopilot, VehicleKind, with_article
 from ipoa_mission.errors import MissionError
 from ipoa_mission.link import messages as m
 

@@ -7,8 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ipoa_mission.autopilot.autopilot import Autopilot, registered
-from ipoa_mission.autopilot.vehicle_kind import QUADROTOR
+from ipoa_mission.autopilot.autopilot import QUADROTOR, Autopilot, registered
 from ipoa_mission.autopilot.version import Version
 from ipoa_mission.errors import LogUseless
 from ipoa_mission.geometry import Matrix, Points, Vector

@@ -10,9 +10,8 @@ from pathlib import Path
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
-from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.autopilot.autopilot import Autopilot, VehicleKind, with_article
 from ipoa_mission.autopilot.commands import Command
-from ipoa_mission.autopilot.vehicle_kind import VehicleKind, with_article
 from ipoa_mission.errors import BadInput, MissionError, NothingThere
 from ipoa_mission.geometry import Vector
 from ipoa_mission.link import messages as m

@@ -5,13 +5,19 @@ from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
 from ipoa_mission.autopilot import commands
-from ipoa_mission.autopilot.autopilot import Autopilot, default_autopilot
+from ipoa_mission.autopilot.autopilot import (
+    MULTICOPTERS,
+    QUADROTOR,
+    Autopilot,
+    class_name,
+    default_autopilot,
+    with_article,
+)
 from ipoa_mission.autopilot.commands import Command, Frame, plain_frame
 from ipoa_mission.autopilot.firmware_tables import Firmware
 from ipoa_mission.autopilot.known_parameters import expect_own
 from ipoa_mission.autopilot.learned import LearnedVehicle
 from ipoa_mission.autopilot.parameters import Parameters
-from ipoa_mission.autopilot.vehicle_kind import MULTICOPTERS, QUADROTOR, class_name, with_article
 from ipoa_mission.autopilot.version import Version
 from ipoa_mission.errors import Remedy
 from ipoa_mission.finding import Finding, Severity

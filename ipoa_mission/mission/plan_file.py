@@ -9,9 +9,8 @@ from enum import IntEnum
 from pathlib import Path
 from typing import Any
 
-from ipoa_mission.autopilot.autopilot import Autopilot, registered
+from ipoa_mission.autopilot.autopilot import QUADROTOR, Autopilot, registered
 from ipoa_mission.autopilot.commands import FLOWN_TO, PLAIN_FRAME, Command, Frame
-from ipoa_mission.autopilot.vehicle_kind import QUADROTOR
 from ipoa_mission.errors import BadInput
 from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.geodesy import Geodetic

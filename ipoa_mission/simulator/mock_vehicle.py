@@ -5,9 +5,9 @@ from collections.abc import Mapping, Set
 from dataclasses import astuple
 from enum import IntEnum
 
+from ipoa_mission.autopilot.autopilot import QUADROTOR
 from ipoa_mission.autopilot.commands import LAST_NAV, WAYPOINTS, Command
 from ipoa_mission.autopilot.parameters import Parameters
-from ipoa_mission.autopilot.vehicle_kind import QUADROTOR
 from ipoa_mission.link import messages as m
 from ipoa_mission.link.codec import EVERYONE, Target
 from ipoa_mission.link.conversations import mission_event

@@ -13,14 +13,13 @@ import numpy as np
 import pytest
 
 from ipoa_mission.autopilot import autopilot as register
-from ipoa_mission.autopilot.autopilot import Autopilot, registered
+from ipoa_mission.autopilot.autopilot import QUADROTOR, Autopilot, registered
 from ipoa_mission.autopilot.commands import FLOWN_TO, Command
 from ipoa_mission.autopilot.failsafe import OwnFence
 from ipoa_mission.autopilot.firmware_tables import Firmware, FirmwareTables, Refusals, Refused
 from ipoa_mission.autopilot.guidance_profile import GuidanceProfile, Modes, ProtocolProfile
 from ipoa_mission.autopilot.parameters import Parameter, Parameters, ParameterTable
 from ipoa_mission.autopilot.returning import ReturnBy, ReturnOrder, ReturnRoute, SlowedBy, SlowStretch
-from ipoa_mission.autopilot.vehicle_kind import QUADROTOR
 from ipoa_mission.autopilot.version import Version
 from ipoa_mission.forecast.deviation.law import DeviationLaw, Quantiles
 from ipoa_mission.forecast.itinerary.itinerary import Itinerary

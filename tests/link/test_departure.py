@@ -2,8 +2,7 @@ from dataclasses import replace
 
 import pytest
 
-from ipoa_mission.autopilot.autopilot import Autopilot, registered
-from ipoa_mission.autopilot.vehicle_kind import VehicleKind
+from ipoa_mission.autopilot.autopilot import Autopilot, VehicleKind, registered
 from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.link.departure import NotYet, depart, depart_when_ready, prepare
 from ipoa_mission.link.dialogue import TimeUp

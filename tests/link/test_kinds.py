@@ -4,8 +4,7 @@ from typing import Any
 
 import pytest
 
-from ipoa_mission.autopilot.autopilot import Autopilot
-from ipoa_mission.autopilot.vehicle_kind import MULTICOPTERS, VehicleKind, class_name, with_article
+from ipoa_mission.autopilot.autopilot import MULTICOPTERS, Autopilot, VehicleKind, class_name, with_article
 from ipoa_mission.errors import BadInput
 from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.link.codec import Codec, Target, frames

@@ -2,9 +2,8 @@ import logging
 
 import pytest
 
-from ipoa_mission.autopilot.autopilot import Autopilot, registered
+from ipoa_mission.autopilot.autopilot import QUADROTOR, Autopilot, registered
 from ipoa_mission.autopilot.commands import Command, VehicleCommand
-from ipoa_mission.autopilot.vehicle_kind import QUADROTOR
 from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.link.codec import Codec, Target
 from ipoa_mission.link.connect import meet

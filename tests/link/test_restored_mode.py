@@ -5,8 +5,7 @@ from typing import Any
 
 import pytest
 
-from ipoa_mission.autopilot.autopilot import Autopilot, registered
-from ipoa_mission.autopilot.vehicle_kind import VehicleKind
+from ipoa_mission.autopilot.autopilot import Autopilot, VehicleKind, registered
 from ipoa_mission.checks.unsafe import NotAtStart
 from ipoa_mission.errors import MissionError
 from ipoa_mission.flight.preflight import LowBattery

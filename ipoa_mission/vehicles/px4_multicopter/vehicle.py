@@ -11,14 +11,13 @@ import numpy as np
 
 from ipoa_mission.autopilot import guidance_profile as profile
 from ipoa_mission.autopilot import returning
-from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.autopilot.autopilot import MULTICOPTERS, Autopilot
 from ipoa_mission.autopilot.commands import FLOWN_TO, Command, Frame
 from ipoa_mission.autopilot.failsafe import FenceLimit, OwnFence
 from ipoa_mission.autopilot.firmware_tables import POLYGON, Firmware, FirmwareTables, Refusals, Refused, rows
 from ipoa_mission.autopilot.guidance_profile import mode_number
 from ipoa_mission.autopilot.parameters import Parameters
 from ipoa_mission.autopilot.returning import HOME, Contingency, ReturnBy, ReturnOrder, ReturnRoute, level_distance
-from ipoa_mission.autopilot.vehicle_kind import MULTICOPTERS
 from ipoa_mission.autopilot.version import Version
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.vehicles.px4_multicopter.failsafes import FAILSAFES
