@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 from xml.etree import ElementTree as Tree
 
 import numpy as np
+import shapely
 
 from ipoa_mission.autopilot.commands import Frame, plain_frame
 from ipoa_mission.errors import WrongSuffix
@@ -31,6 +32,8 @@ if TYPE_CHECKING:
 
 LonLatUp: TypeAlias = tuple[float, float, float]
 """Longitude [deg], latitude [deg], altitude [m]."""
+Ring: TypeAlias = list[tuple[float, float]]
+"""Longitude and latitude [deg], closed, counterclockwise."""
 
 
 @dataclass(frozen=True)
@@ -91,8 +94,8 @@ def _cut_at_antimeridian(places: list[LonLatUp]) -> list[list[LonLatUp]]:
     return lines
 
 
-def ring(part: FencePolygon | FenceCircle) -> list[tuple[float, float]]:
-    """Return (longitude, latitude), closed, counterclockwise; a circle's 72 corners cut off at most 0.1 % of it."""
+def fence_rings(part: FencePolygon | FenceCircle) -> list[Ring]:
+    """Return rings, cut at longitude 180 (RFC 7946, 3.1.9); a circle's 72 corners cut off at most 0.1 % of it."""
     if isinstance(part, FenceCircle):
         angles = np.linspace(0.0, 2.0 * np.pi, 72, endpoint=False)
         circle = part.radius * np.column_stack([np.cos(angles), np.sin(angles), np.zeros(len(angles))])
@@ -100,9 +103,22 @@ def ring(part: FencePolygon | FenceCircle) -> list[tuple[float, float]]:
         corners = [(round(float(lon), 9), round(float(lat), 9)) for lat, lon in zip(latitude, longitude, strict=True)]
     else:
         corners = [(lon, lat) for lat, lon in part.vertices]
-    closed = [*corners, corners[0]]
+    eastward = np.unwrap([lon for lon, _ in corners], period=360.0).tolist()
+    closed = [(lon, lat) for lon, (_, lat) in zip(eastward, corners, strict=True)]
+    closed.append(closed[0])
     doubled_area = sum(a[0] * b[1] - b[0] * a[1] for a, b in pairwise(closed))
-    return closed if doubled_area >= 0 else closed[::-1]
+    ring = closed if doubled_area >= 0 else closed[::-1]
+    return [ring] if max(map(abs, eastward)) <= 180.0 else list(_cut_ring(ring))
+
+
+def _cut_ring(ring: Ring) -> Iterator[Ring]:
+    outline = shapely.make_valid(shapely.Polygon(ring))
+    for turn in (-360.0, 0.0, 360.0):
+        cut = shapely.intersection(outline, shapely.box(turn - 180.0, -90.0, turn + 180.0, 90.0))
+        for part in shapely.get_parts(cut):
+            if part.geom_type == "Polygon" and not part.is_empty:
+                border = shapely.orient_polygons(part).exterior.coords
+                yield [(round(lon - turn, 9), round(lat, 9)) for lon, lat in border]
 
 
 def _placed_items(mission: Mission) -> Iterator[tuple[int, Item, LonLatUp]]:
@@ -132,7 +148,9 @@ def to_geojson(forecast: Forecast, name: str) -> str:
         height = [round(amsl, 3)] if math.isfinite(amsl) else []
         features.append(_feature("Point", [longitude, latitude, *height], about))
     for part in mission.fence:
-        features.append(_feature("Polygon", [ring(part)], {"kind": "fence", "inclusion": part.inclusion}))
+        polygons = [[ring] for ring in fence_rings(part)]
+        shape = ("Polygon", polygons[0]) if len(polygons) == 1 else ("MultiPolygon", polygons)
+        features.append(_feature(*shape, {"kind": "fence", "inclusion": part.inclusion}))
     for n, (_, (longitude, latitude, amsl)) in enumerate(rally, start=1):
         features.append(_feature("Point", [longitude, latitude, round(amsl, 3)], {"kind": "rally", "seq": n}))
     about_all = {"type": "FeatureCollection", "name": name, "altitude_datum": "mean sea level"}
@@ -164,8 +182,9 @@ def to_kml(forecast: Forecast, name: str) -> str:
     fence = []
     for n, part in enumerate(mission.fence, start=1):
         style = "inclusion" if part.inclusion else "exclusion"
-        border = _node("LinearRing", _coordinates((lon, lat, 0.0) for lon, lat in ring(part)))
-        fence.append(_placemark(f"fence {n} ({style})", _node("Polygon", _node("outerBoundaryIs", border)), style))
+        polygons = [_kml_polygon(ring) for ring in fence_rings(part)]
+        shape = polygons[0] if len(polygons) == 1 else _node("MultiGeometry", *polygons)
+        fence.append(_placemark(f"fence {n} ({style})", shape, style))
     rally_points = [_placemark(label, _shape("Point", [place])) for label, place in rally]
     marks = {"way": stretches, "items": items, "fence": fence, "rally points": rally_points}
     folders = [_node("Folder", _node("name", label), *marked) for label, marked in marks.items() if marked]
@@ -180,6 +199,11 @@ def _placemark(name: str, shape: Tree.Element, style: str | None = None) -> Tree
 
 def _shape(tag: str, places: Iterable[LonLatUp], over_terrain: bool = False) -> Tree.Element:
     return _node(tag, _node("altitudeMode", "relativeToGround" if over_terrain else "absolute"), _coordinates(places))
+
+
+def _kml_polygon(ring: Ring) -> Tree.Element:
+    border = _node("LinearRing", _coordinates((lon, lat, 0.0) for lon, lat in ring))
+    return _node("Polygon", _node("outerBoundaryIs", border))
 
 
 def _coordinates(places: Iterable[LonLatUp]) -> Tree.Element:

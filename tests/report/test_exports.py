@@ -160,6 +160,35 @@ def test_no_line_crosses_the_antimeridian(tmp_path: Path) -> None:
     assert collection.is_valid
 
 
+def fence_at(longitude: float, inclusion: bool) -> tuple[FenceCircle, FencePolygon]:
+    concave = [(-17.0, -0.01), (-17.0, 0.01), (-16.99, 0.01), (-16.997, -0.002), (-16.99, -0.01)]
+    corners = tuple((lat, (longitude + east + 180.0) % 360.0 - 180.0) for lat, east in concave)
+    return FenceCircle((-17.0, longitude), 200.0, inclusion), FencePolygon(corners[::-1], inclusion)
+
+
+@pytest.mark.parametrize("longitude", [179.9999, -179.9999])
+def test_no_fence_crosses_the_antimeridian(longitude: float, tmp_path: Path) -> None:
+    def areas(longitude: float) -> list[float]:
+        home = Geodetic(-17.0, longitude, 5.0)
+        mission = Mission(home, (takeoff(home, 20.0), land(home)), fence=fence_at(longitude, True))
+        collection = geojson.loads(exported(mission, ".geojson", tmp_path))
+        assert collection.is_valid
+        drawn = [shapely.geometry.shape(feature["geometry"]) for feature in collection["features"][-2:]]
+        folder = fastkml.KML.from_string(exported(mission, ".kml", tmp_path).encode()).features[0].features[-1]
+        for shape, placemark in zip(drawn, folder.features, strict=True):
+            in_kml = shapely.force_2d(shapely.geometry.shape(placemark.geometry))
+            assert shape.equals_exact(in_kml, tolerance=1e-6)
+            for polygon in shapely.get_parts(shape):
+                assert polygon.is_valid
+                assert polygon.exterior.is_ccw
+                west, _, east, _ = polygon.bounds
+                assert east - west < 0.021
+        return [sum(EARTH.geometry_area_perimeter(part)[0] for part in shapely.get_parts(shape)) for shape in drawn]
+
+    assert areas(longitude) == pytest.approx(areas(100.0), rel=1e-3)
+    assert areas(longitude)[0] == pytest.approx(np.pi * 200.0**2, rel=0.002)
+
+
 def test_a_gpx_file_is_a_route_at_amsl(tmp_path: Path) -> None:
     gpx = gpxpy.parse(exported(MISSION, ".gpx", tmp_path))
     (route,) = gpx.routes
