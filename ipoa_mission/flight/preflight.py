@@ -90,6 +90,14 @@ class ParametersAboard:
     def values(self) -> dict[str, float]:
         return {other.name: other.has for other in (*self.named, *self.assumed)}
 
+    @property
+    def remedies(self) -> tuple[str, ...]:
+        own = ", ".join(f"{other.name} = {other.has:g}" for other in self.assumed)
+        return (
+            *(["write the mission's parameters with --set-params"] if self.named else []),
+            *([f"plan with {own} under [vehicle.parameters]"] if own else []),
+        )
+
     def remarks(self, remedy: str = "") -> tuple[str, ...]:
         own = ", ".join(f"{other.name} {other.has:g} (not {other.wanted:g})" for other in self.assumed)
         return (

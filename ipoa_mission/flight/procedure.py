@@ -181,8 +181,7 @@ def load_mission(vehicle: Vehicle, forecast: Forecast, options: ProcedureOptions
         found = preflight.parameters_aboard(vehicle, mission)
         written = {other.name: other.wanted for other in found.named} if options.set_params else {}
         expected = replace(found, named=()) if written else found
-        aboard = _with_values(vehicle, forecast, expected)
-        remarks = _examine(vehicle, forecast, aboard, options, written)
+        aboard, remarks = _examine(vehicle, forecast, expected, options, written)
         left = left_lists(vehicle, mission)
         if not options.anyway and MissionType.RALLY in left:
             hint = "clear its lists (ipoa-mission clear), or fly with --anyway"
@@ -192,13 +191,11 @@ def load_mission(vehicle: Vehicle, forecast: Forecast, options: ProcedureOptions
             _set_parameters(vehicle, found.named, show, options.remark)
         with options.stages(Stage.CHECK):  # a parameter may be lost
             expected = preflight.parameters_aboard(vehicle, mission)
-            aboard = _with_values(vehicle, forecast, expected)
-            remarks = _examine(vehicle, forecast, aboard, options)
+            aboard, remarks = _examine(vehicle, forecast, expected, options)
     parameters, notes = _upload(vehicle, mission, options.anyway, options.stages)
     if parameters != expected:
         with options.stages(Stage.RECHECK):
-            aboard = _with_values(vehicle, forecast, parameters)
-            remarks = _examine(vehicle, forecast, aboard, options)
+            aboard, remarks = _examine(vehicle, forecast, parameters, options)
     with suppress(NoAnswer):
         vehicle.link_loss.meanwhile = preflight.without_station(vehicle, vehicle.firmware_version())
     for words in (*remarks, *left.values(), *notes, *parameters.remarks(": --set-params writes it")):
@@ -219,27 +216,31 @@ def _with_values(vehicle: Vehicle, forecast: Forecast, parameters: preflight.Par
 def _examine(
     vehicle: Vehicle,
     forecast: Forecast,
-    aboard: Forecast,
+    parameters: preflight.ParametersAboard,
     options: ProcedureOptions,
     written: Parameters = NO_PARAMETERS,
-) -> tuple[str, ...]:
+) -> tuple[Forecast, tuple[str, ...]]:
+    """Return the forecast of the version and parameters aboard, and remarks."""
+    aboard = _with_values(vehicle, forecast, parameters)
     if not options.anyway:
         if forecast.scenario is not None:
             preflight.expect_level(forecast.mission_as_read.home, vehicle.home())
         preflight.expect_slow_landing(forecast, aboard)
     remarks = preflight.expect_fit(vehicle, forecast.mission_as_read, options.anyway, options.ignore, written)
     if aboard is forecast and (options.checked or forecast.scenario is None):
-        return remarks
+        return aboard, remarks
     before = forecast if options.checked else Forecast(forecast.mission_as_read)
     known = {finding.message for finding in check(before, options.ignore)}
     findings = check(aboard, options.ignore)
     new = [finding for finding in findings if finding.message not in known]
     if not options.anyway:
-        _refuse_aboard(aboard, findings, new)
-    return (*remarks, *(f"with the parameters and version aboard: {finding.message}" for finding in new))
+        _refuse_aboard(aboard, parameters, findings, new)
+    return aboard, (*remarks, *(f"with the parameters and version aboard: {finding.message}" for finding in new))
 
 
-def _refuse_aboard(aboard: Forecast, findings: Sequence[Finding], new: Sequence[Finding]) -> None:
+def _refuse_aboard(
+    aboard: Forecast, parameters: preflight.ParametersAboard, findings: Sequence[Finding], new: Sequence[Finding]
+) -> None:
     """Raise Unsafe for errors and newly unclear planned returns. An unclear LAND by a failsafe remains a remark."""
     try:
         refuse_errors(findings)
@@ -247,7 +248,7 @@ def _refuse_aboard(aboard: Forecast, findings: Sequence[Finding], new: Sequence[
             refuse_unclear_returns([finding for finding in new if finding.code != "land-too-near"], aboard)
     except Unsafe as unsafe:
         words = f"with the parameters and version aboard: {unsafe}"
-        hint = "; or ".join(filter(None, ("write the mission's parameters with --set-params", unsafe.hint)))
+        hint = "; or ".join(filter(None, (*parameters.remedies, unsafe.hint)))
         raise Unsafe(words, hint=hint, remedies=unsafe.remedies, known=unsafe.known) from None
 
 

@@ -197,7 +197,9 @@ def test_mission_is_checked_with_the_parameters_aboard(missions: Path, change: s
     if key != "returns":
         with pytest.raises(Unsafe, match=r"^with the parameters and version aboard: item") as refused:
             load_mission(vehicle, forecast, options)
-        assert "--set-params" in (refused.value.hint or "")
+        hint = refused.value.hint or ""
+        assert ("--set-params" in hint) == is_named
+        assert f"plan with COM_LOW_BAT_ACT = 3{'' if is_named else ', RTL_RETURN_ALT = 12'} under" in hint
         assert vehicle.download().items == ()
         options = replace(options, anyway=True)
     entered.clear()
