@@ -266,10 +266,13 @@ def write_export(mission: Mission, path: str | Path, scenario: "Scenario | None"
         >>> write_export(read_mission("missions/sitl.plan"), "sitl.kml")
     """
     path = Path(path)
-    suffix = path.suffix.lower()
-    if suffix not in EXPORTS:
+    if path.suffix.lower() not in EXPORTS:
         raise WrongSuffix(f'expected a name that ends in {", ".join(EXPORTS)}, not in "{path.suffix}"', place=path)
-    forecast = Forecast(mission, scenario)
+    write_atomically(path, forecast_text(Forecast(mission, scenario), path.suffix.lower(), path.stem))
+
+
+def forecast_text(forecast: Forecast, suffix: str, name: str) -> str:
+    """Raise BadInput for an undrawable position or height."""
     refuse_unsound(forecast.mission_as_read)
     refuse_infinite(forecast.mission_as_read.items)
-    write_atomically(path, EXPORTS[suffix](forecast, path.stem))
+    return EXPORTS[suffix](forecast, name)
