@@ -149,8 +149,11 @@ def to_geojson(forecast: Forecast, name: str) -> str:
         features.append(_feature("Point", [longitude, latitude, *height], about))
     for part in mission.fence:
         polygons = [[ring] for ring in fence_rings(part)]
-        shape = ("Polygon", polygons[0]) if len(polygons) == 1 else ("MultiPolygon", polygons)
-        features.append(_feature(*shape, {"kind": "fence", "inclusion": part.inclusion}))
+        about = {"kind": "fence", "inclusion": part.inclusion}
+        if len(polygons) == 1:
+            features.append(_feature("Polygon", polygons[0], about))
+        else:
+            features.append(_feature("MultiPolygon", polygons, about))
     for n, (_, (longitude, latitude, amsl)) in enumerate(rally, start=1):
         features.append(_feature("Point", [longitude, latitude, round(amsl, 3)], {"kind": "rally", "seq": n}))
     about_all = {"type": "FeatureCollection", "name": name, "altitude_datum": "mean sea level"}

@@ -75,7 +75,8 @@ def test_a_spoiled_kml_ends_in_words(tmp_path: Path, spoil: Callable[[str], str]
 @given(st.data())
 def test_a_damaged_elevation_model_ends_in_words(missions: Path, tmp_path: Path, data: st.DataObject) -> None:
     pytest.importorskip("rasterio")
-    from ipoa_mission.maps.elevation import ElevationRules, ground_altitude, local_grid
+    from ipoa_mission.maps.elevation import ground_altitude, local_grid
+    from ipoa_mission.maps.geoid import ElevationRules
 
     whole = (missions / "oldtown.tif").read_bytes()
     spoiled = bytearray(whole[: data.draw(st.integers(0, len(whole)))])

@@ -8,7 +8,8 @@ from pyproj import Transformer
 
 from ipoa_mission.errors import BadInput
 from ipoa_mission.geodesy import Geodetic, LocalFrame
-from ipoa_mission.maps.elevation import ElevationRules, local_grid
+from ipoa_mission.maps.elevation import local_grid
+from ipoa_mission.maps.geoid import ElevationRules
 from tests.examples import some
 from tests.refused import refuses
 

@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 from pyproj import Transformer
 
 from ipoa_mission.geodesy import Geodetic, LocalFrame
-from ipoa_mission.maps.elevation import ElevationRules, local_grid
+from ipoa_mission.maps.elevation import local_grid
+from ipoa_mission.maps.geoid import ElevationRules
 from tools.fuzz.outcome import Reading
 
 HOME = Geodetic(47.5, 8.5, 500.0)
