@@ -314,18 +314,21 @@ def past_cruise(state: State, order: Order, constants: SimulationConstants) -> S
     is_on_line = order.kind == GO and state.guidance.side == ON_LINE
     if not is_on_line or state.time - state.begun < SETTLED_S or speed < 0.1:
         return state
-    east, north = order.goal.east - x.place, order.goal.north - y.place
+    east = order.goal.east - x.place
+    north = order.goal.north - y.place
     far = math.sqrt(east * east + north * north)
     coast = far - speed * SETTLED_S - speed * speed / constants.limits.accel
     if coast < speed * SETTLED_S or state.time - since < CORRECTED_FOR + SETTLED_S:
         return state
     if order.goal.up != order.start.up or x.acceleration * x.acceleration + y.acceleration * y.acceleration > 0.0:
         return state
-    east, north, time = east * coast / far, north * coast / far, state.time + coast / speed
-    x = Axis(x.place + east, x.speed, x.acceleration)
-    y = Axis(y.place + north, y.speed, y.acceleration)
+    skipped_east = east * coast / far
+    skipped_north = north * coast / far
+    time = state.time + coast / speed
+    x = Axis(x.place + skipped_east, x.speed, x.acceleration)
+    y = Axis(y.place + skipped_north, y.speed, y.acceleration)
     trajectory = Trajectory(x, y, state.trajectory.up)
-    place = Enu(body.place.east + east, body.place.north + north, body.place.up)
+    place = Enu(body.place.east + skipped_east, body.place.north + skipped_north, body.place.up)
     moved = Body(
         place=place, speed=body.speed, acceleration=body.acceleration, setpoint=body.setpoint,
         thrust=body.thrust, on_ground=body.on_ground, airborne_since=since,
