@@ -64,8 +64,8 @@ class Px4Model(FlightModel):
     def _noisy_times(self, flights: Flights, steps: float, fast: bool | None) -> "_NoisyTimes":
         planned = flights.mission_orders
         ends = list(planned.done)
-        constants = flights.noise_free_constants.senses, flights.conditions
-        inputs = *constants, records(planned.orders, Order).tobytes(), planned.done
+        orders = records(planned.orders, Order).tobytes()
+        inputs = _Inputs(flights.noise_free_constants.senses, flights.conditions, orders, planned.done)
         kept = next((one for one in self._latest_noisy if one.inputs == inputs), None)
         if kept is None:
             fly_noisy = flights.simulation(planned.orders, noisy=True, fast=fast, steps=steps)
@@ -154,8 +154,15 @@ class Px4Model(FlightModel):
         return np.asarray(np.median([fly_on(start).done[ends] for start in starts], axis=0))
 
 
+class _Inputs(NamedTuple):
+    senses: state.SensorModel
+    conditions: bytes
+    orders: bytes
+    done: tuple[int, ...]  # orders done after each visit
+
+
 class _NoisyTimes(NamedTuple):
-    inputs: tuple[object, ...]
+    inputs: _Inputs
     times: Matrix  # of runs and visits [s]
     remarks: list[str]
 
