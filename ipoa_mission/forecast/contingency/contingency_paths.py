@@ -92,18 +92,20 @@ class ContingencyPaths:
         step_s = 0.2
         times = np.append(np.arange(begin, end, step_s), end)
         obeyed = np.minimum(times + autopilot.braking_delay_s(contingency), end)
-        before, stops, after = (pieces.at(times_s) for times_s in (obeyed - step_s, obeyed, obeyed + step_s))
-
+        before = pieces.at(obeyed - step_s)
+        begins = pieces.at(obeyed)
+        after = pieces.at(obeyed + step_s)
         velocity = (after - before) / (2 * step_s)
         level_speed = np.hypot(*velocity[:, :2].T)
         speed = np.maximum(level_speed, STATIONARY_SPEED)
         along = velocity[:, :2] / speed[:, None]
         gains = np.gradient(level_speed, step_s) if len(times) > 1 else np.zeros(1)
-        accel = (after + before - 2 * stops) / step_s**2
+        accel = (after + before - 2 * begins) / step_s**2
         del before, after  # large
         accel[:, :2] += along * (gains - (accel[:, :2] * along).sum(axis=1))[:, None]
-        stops[:, 2] += autopilot.stopping_climb(parameters, velocity, accel, contingency)
-        stops[:, :2] += autopilot.stopping_offset(parameters, velocity[:, :2], accel[:, :2], contingency)
+        climb = autopilot.stopping_climb(parameters, velocity, accel, contingency)
+        offset = autopilot.stopping_offset(parameters, velocity[:, :2], accel[:, :2], contingency)
+        stops = begins + np.column_stack([offset, climb])
         seqs = np.array([visit.seq for visit in self.flight.itinerary.visits])
         ahead = np.minimum(np.searchsorted(self.flight.prediction.done, times), len(seqs) - 1)
         return StoppingPoints(times, pieces.at(times), stops, seqs[ahead])
@@ -183,7 +185,8 @@ class ContingencyPaths:
         spread = np.append(pieces.spread.max(axis=1), 0.0)
         first = np.clip(np.searchsorted(pieces.times, times - 1.0) - 1, 0, len(spread) - 2)
         last = np.clip(np.searchsorted(pieces.times, times + 1.0), first + 1, len(spread) - 1)
-        return np.asarray(np.maximum.reduceat(spread, np.column_stack([first, last]).ravel())[::2])
+        alternating = np.maximum.reduceat(spread, np.column_stack([first, last]).ravel())
+        return np.asarray(alternating[::2])  # maximum over each [first, last)
 
     def goal_names(self, contingency: Contingency, samples: ContingencySamples, n: int) -> str:
         """Return the possible goals, like "home or rally point 1"."""
