@@ -127,12 +127,13 @@ class Flight:
 
     def summary(self) -> dict[str, object]:
         """Return NAME.json in meters, seconds and degrees."""
-        scenario, plan, estimate, energy = self.scenario, self.plan, self.estimate, self.energy
+        plan = self.plan
+        energy = self.energy
         budget = self.budget
         parameters = dict(self.mission.parameters)
         items = items_as_json(self.forecast)
         return {
-            "name": scenario.name,
+            "name": self.name,
             "version": version("ipoa-mission"),
             "firmware": self.mission.autopilot.facts(self.mission.firmware_version),
             "seed": plan.seed,
@@ -144,15 +145,16 @@ class Flight:
             "limits": limits_as_json(self.proof),
             "control_points": [[rounded(value) for value in point] for point in plan.curve.control],
             **items,
-            "estimate": items["estimate"] | {"qgroundcontrol_counts": COUNTED_TERMS, "route": route_summary(estimate)},
+            "estimate": items["estimate"]
+            | {"qgroundcontrol_counts": COUNTED_TERMS, "route": route_summary(self.estimate)},
             **({"wind": self.forecast.wind.as_json()} if self.forecast.wind.strongest > 0 else {}),
             "energy_wh": None if energy is None else rounded(energy.energy_wh),
             **({} if budget is None else {"energy": energy_as_json(budget)}),
             **({"parameters": parameters} if parameters else {}),
             **({"findings": findings_as_json(self.findings)} if self.findings else {}),
             "remarks": list(self.remarks),
-            "passed_over": passed_over_as_json(scenario),
-            "unread": unread_as_json(scenario.unread),
+            "passed_over": passed_over_as_json(self.scenario),
+            "unread": unread_as_json(self.scenario.unread),
         }
 
     def report(self, path: str | Path, record: "FlightRecord | None" = None) -> None:

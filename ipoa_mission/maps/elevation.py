@@ -128,7 +128,8 @@ def _ground_at(
 ) -> NDArray[np.float64]:
     """Return the ground above home at the nodes, (rows, columns); places depend on height, hence two passes."""
     smooth = scipy.interpolate.RectBivariateSpline
-    low, high = ([smooth(*knots, values)(*nodes).T for values in level] for level in pixels)
+    low = [smooth(*knots, values)(*nodes).T for values in pixels[0]]
+    high = [smooth(*knots, values)(*nodes).T for values in pixels[1]]
     up = np.zeros_like(low[0])
     for _ in range(2):
         column, row = (low[i] + up / UPPER_LEVEL * (high[i] - low[i]) for i in (0, 1))
@@ -188,7 +189,9 @@ def _level(grid: Grid, rules: ElevationRules, frame: LocalFrame, path: Path) -> 
         words = f"expected about {altitude + at_home:.1f} m, the ground there in {path}, not {altitude:g} m"
         hint = f"set home.altitude_amsl = {altitude + at_home:.1f}, or terrain.level_at_home = true"
         raise BadInput(words, hint=hint, code="home-not-on-ground", place="home.altitude_amsl")
-    return grid, (f"ground at home {at_home:+.2f} m from home's altitude",) if round(at_home, 2) else ()
+    if round(at_home, 2) == 0.0:
+        return grid, ()
+    return grid, (f"ground at home {at_home:+.2f} m from home's altitude",)
 
 
 @dataclass(frozen=True, eq=False)

@@ -101,4 +101,5 @@ class ContingencySamples:
     @classmethod
     def merge(cls, parts: "Sequence[ContingencySamples]") -> "ContingencySamples":
         order = np.argsort(np.concatenate([part.times for part in parts]), kind="stable")
-        return cls(**{f.name: np.concatenate([getattr(part, f.name) for part in parts])[order] for f in fields(cls)})
+        merged = {f.name: np.concatenate([getattr(part, f.name) for part in parts]) for f in fields(cls)}
+        return cls(**{name: values[order] for name, values in merged.items()})

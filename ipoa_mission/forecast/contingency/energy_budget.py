@@ -69,12 +69,11 @@ class Budget:
         if self.battery is None:
             return None
         until = self.used.until(time)
-        whole = self.used.between
         capacity = self.battery.capacity_wh
-        remaining = (max(total - so_far, 0.0) for total, so_far in zip(whole, until, strict=True))
-        most, likely, least = (left - wh / capacity for wh in remaining)
+        remaining = self.used.between.minus(until)
+        lands = Interval(*(left - max(wh, 0.0) / capacity for wh in reversed(remaining)))
         planned = 1.0 - until.likely / capacity
-        return ReserveNow(time, left, planned, Interval(least, likely, most), self.battery.reserve)
+        return ReserveNow(time, left, planned, lands, self.battery.reserve)
 
     @cached_property
     def items(self) -> tuple[ItemEnergy, ...]:
