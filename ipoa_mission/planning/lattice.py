@@ -261,7 +261,7 @@ def _mend(routes: list[Points], lattice: Lattice, problem: PreparedProblem) -> l
         closed.append(route[np.union1d(narrow, narrow + 1)])
     if not len(closed[0]):
         return mended
-    nodes = np.ascontiguousarray(lattice.places).view("V24").ravel()
+    nodes = np.ascontiguousarray(lattice.places).view("V24").ravel()  # rows compared as 24-byte values
     is_narrow = np.isin(nodes, np.vstack(closed).view("V24").ravel()).reshape(lattice.price.shape)
     price = np.where(is_narrow, np.inf, lattice.price)
     return mended + find_routes(replace(lattice, price=price), problem, lattice.strategy.max_routes_beside)
