@@ -87,7 +87,7 @@ def radii_of_curvature(latitude_deg: float) -> tuple[float, float]:
 
 @dataclass(frozen=True)
 class LocalFrame:
-    """Accurate to 1 mm within 50 km, also across the antimeridian."""
+    """Meters east, north, up of home; accurate to 1 mm within 50 km, also across the antimeridian."""
 
     home: Geodetic
 

@@ -51,7 +51,7 @@ LEVEL = Ground()
 
 
 class MovedTerrain(NamedTuple):
-    """`move` leads to its frame."""
+    """A terrain of another frame, to which `move` leads."""
 
     terrain: HasHeight
     move: Callable[[NDArray[np.float64]], NDArray[np.float64]]

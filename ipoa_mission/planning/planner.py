@@ -68,7 +68,7 @@ class Plan:
 
 @dataclass(frozen=True)
 class SearchStrategy:
-    """A width is a share of the varied length."""
+    """Effort of the path search; a width is a share of the varied length."""
 
     lattice: LatticeStrategy = USUAL_LATTICE
     straight_width: float = 0.25

@@ -14,7 +14,7 @@ ARC_TABLE = 64  # entries per span
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Spline:
-    """`control` is (n, 3) with n >= 4."""
+    """A cubic B-spline; `control` is (n, 3) with n >= 4."""
 
     control: Points
 

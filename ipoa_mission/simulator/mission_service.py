@@ -66,7 +66,7 @@ class Incoming:
 
 @dataclass
 class MissionService:
-    """`say` sends a message, `changed` gets each replaced list."""
+    """The simulated vehicle's mission lists; `say` sends a message, `changed` gets each replaced list."""
 
     profile: MockProfile
     home: Callable[[], Geodetic]

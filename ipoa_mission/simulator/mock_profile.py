@@ -60,7 +60,7 @@ class FlightController(Protocol):
 
 @dataclass(frozen=True, kw_only=True)
 class MockProfile:
-    """A default means that the firmware lacks the feature."""
+    """A simulated firmware; a default means that it lacks the feature."""
 
     autopilot: Autopilot
     controller: Callable[[Situation, Parameters, random.Random], FlightController]

@@ -21,7 +21,7 @@ ONE_BY_ONE = "plan first, then fly the flights one by one: ipoa-mission fly NAME
 
 @dataclass
 class SurveyPlanner:
-    """A survey replaces start, goal and via."""
+    """Survey options of `plan`; a survey replaces start, goal and via."""
 
     option: ClassVar = "--survey"
     instead: ClassVar = "an area: --survey AREA"

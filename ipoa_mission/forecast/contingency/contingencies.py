@@ -173,7 +173,7 @@ def predict_contingency(forecast: Forecast, contingency: Contingency, time: floa
 
 
 class Contingencies:
-    """Times are means over all flights."""
+    """Contingencies from each second of a flight; times are means over all flights."""
 
     def __init__(self, forecast: Forecast) -> None:
         self.forecast = forecast

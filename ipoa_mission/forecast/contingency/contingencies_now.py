@@ -26,7 +26,7 @@ DURATIONS = DurationSampling()
 
 
 class ContingenciesNow:
-    """`off_path` [m] and more away none is forecast."""
+    """Contingencies from a vehicle in flight; none is forecast `off_path` [m] away."""
 
     off_path: ClassVar = 10.0
 

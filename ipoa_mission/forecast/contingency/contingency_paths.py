@@ -31,7 +31,7 @@ from ipoa_mission.world.airspace import NOTHING_NEAR, ROUNDING, Clearance
 
 
 class ContingencyPaths:
-    """Times are of a flight with exact position."""
+    """Paths and clearances of contingencies; times are of a flight with exact position."""
 
     def __init__(
         self, forecast: Forecast, enlarged: EnlargedAirspace | None = None, shared: "ContingencyPaths | None" = None

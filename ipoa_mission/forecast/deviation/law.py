@@ -52,7 +52,7 @@ class Quantiles:
 
 @dataclass(frozen=True)
 class DeviationLaw:
-    """`level`: to one side at a moment of a straight flight.
+    """Quantiles of the measured deviation; `level`: to one side at a moment of a straight flight.
 
     It doubles at the lateral `doubling_acceleration` [m/s^2]. After the last waypoint it is `after_cruise_factor` times
     as large. It is independent after `decorrelation_s`.
