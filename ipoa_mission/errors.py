@@ -112,20 +112,16 @@ class DamagedFile(BadInput):
     """A file of the right format is incomplete."""
 
 
-class EndlessFlight(BadInput):
-    """A mission has no end."""
+class EndlessFlight(BadInput): ...
 
 
-class InvalidRing(BadInput):
-    """Corners form no ring, line or area."""
+class InvalidRing(BadInput): ...
 
 
-class NoCoordinateSystem(BadInput):
-    """A map names no coordinate system."""
+class NoCoordinateSystem(BadInput): ...
 
 
-class NotCovered(BadInput):
-    """A map or forecast does not cover the place."""
+class NotCovered(BadInput): ...
 
 
 class NothingThere(BadInput):
@@ -136,40 +132,31 @@ class OptionConflict(BadInput):
     """An option needs another one, or excludes it."""
 
 
-class TooFar(BadInput):
-    """A place is too far from home."""
+class TooFar(BadInput): ...
 
 
-class TooLarge(BadInput):
-    """A file or its part is too large."""
+class TooLarge(BadInput): ...
 
 
-class UnknownName(BadInput):
-    """Nothing has this name."""
+class UnknownName(BadInput): ...
 
 
-class Unreadable(BadInput):
-    """The system cannot read a file."""
+class Unreadable(BadInput): ...
 
 
-class Unwritable(BadInput):
-    """The system cannot write a file."""
+class Unwritable(BadInput): ...
 
 
-class WrongFormat(BadInput):
-    """A file does not have the expected format."""
+class WrongFormat(BadInput): ...
 
 
-class WrongSuffix(BadInput):
-    """A file's name does not have the expected suffix."""
+class WrongSuffix(BadInput): ...
 
 
-class LogUseless(MissionError):
-    """A log lacks data."""
+class LogUseless(MissionError): ...
 
 
-class NotModeled(MissionError):
-    """No model computes this."""
+class NotModeled(MissionError): ...
 
 
 class Unsafe(MissionError):

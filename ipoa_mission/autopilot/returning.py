@@ -90,8 +90,6 @@ HEIGHT_UNCERTAINTY = 2.0  # of heights and terrain maps; least slow stretch [m]
 
 
 class SlowedBy(NamedTuple):
-    """Parameters of LAND's slow stretch."""
-
     names: tuple[str, ...]
     unit: float  # [m]
     most: float  # as documented [m]

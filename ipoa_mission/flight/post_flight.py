@@ -105,7 +105,6 @@ def _from_ground(mission: Mission, scenario: Scenario) -> Mission:
 
 
 def _flown_points(record: FlightRecord, scenario: Scenario) -> Points:
-    """Return the flown path (n, 3) [m]."""
     places = [(sample.latitude_deg, sample.longitude_deg) for sample in record.path]
     latitude, longitude = np.array(places).T
     frame = scenario.frame

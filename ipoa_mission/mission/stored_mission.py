@@ -215,7 +215,6 @@ def values_of(item: Item) -> tuple[float, ...]:
 
 
 def refuse_infinite(items: Sequence[Item]) -> None:
-    """Raise BadInput for an infinite value."""
     for seq, item in enumerate(items, start=1):
         for name, value in zip(PARAM_NAMES, values_of(item), strict=True):
             if math.isinf(value):

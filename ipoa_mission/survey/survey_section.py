@@ -195,7 +195,6 @@ class SurveySection(AddedSection):
         return expect_here(Area(shapely.MultiPolygon([shape])), "survey.line")
 
     def middles(self, frame: LocalFrame) -> tuple[Plane, ...]:
-        """Return center lines."""
         if self.line is not None:
             return (np.array(self.line),)
         if self.width is None or self.area is None:

@@ -51,8 +51,6 @@ UNCERTAINTY = TimeUncertainty()
 
 
 class ArduCopterModel(FlightModel):
-    """ArduCopter 4.x in SITL."""
-
     scatter = (0.15, 0.01, 0.6)
     is_always_noise_free = True
     simulated_lag = ARDUPILOT_SIMULATOR.lag
