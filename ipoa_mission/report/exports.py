@@ -148,12 +148,10 @@ def to_geojson(forecast: Forecast, name: str) -> str:
         height = [round(amsl, 3)] if math.isfinite(amsl) else []
         features.append(_feature("Point", [longitude, latitude, *height], about))
     for part in mission.fence:
-        polygons = [[ring] for ring in fence_rings(part)]
-        about = {"kind": "fence", "inclusion": part.inclusion}
-        if len(polygons) == 1:
-            features.append(_feature("Polygon", polygons[0], about))
-        else:
-            features.append(_feature("MultiPolygon", polygons, about))
+        polygons: list[Any] = [[ring] for ring in fence_rings(part)]
+        kind = "Polygon" if len(polygons) == 1 else "MultiPolygon"
+        coordinates = polygons[0] if kind == "Polygon" else polygons
+        features.append(_feature(kind, coordinates, {"kind": "fence", "inclusion": part.inclusion}))
     for n, (_, (longitude, latitude, amsl)) in enumerate(rally, start=1):
         features.append(_feature("Point", [longitude, latitude, round(amsl, 3)], {"kind": "rally", "seq": n}))
     about_all = {"type": "FeatureCollection", "name": name, "altitude_datum": "mean sea level"}
