@@ -11,17 +11,10 @@ from ipoa_mission.link.dialogue import Cancelled, Dialogue, NoAnswer, SendOnce, 
 from ipoa_mission.link.flight_order import SHOWN_S, change_mode
 from ipoa_mission.link.messages import CommandLong, CommandResult, Current, Position, SystemStatus
 from ipoa_mission.link.onboard_list import OnboardList, expect_unchanged, prove
-from ipoa_mission.link.orders import CommandRefused, request_stream, send, set_current
+from ipoa_mission.link.orders import STREAMS_S, CommandRefused, request_stream, send, set_current
 from ipoa_mission.link.vehicle_state import ON_GROUND, NotFlown, NotReady, VehicleState
 from ipoa_mission.progress import Progress, silent
 
-STREAMS_S = {  # [s]; ArduPilot sends none unasked
-    "HEARTBEAT": 0.1,
-    "GLOBAL_POSITION_INT": 0.05,
-    "MISSION_CURRENT": 0.1,
-    "SYS_STATUS": 0.5,
-    "EXTENDED_SYS_STATE": 0.2,
-}
 NEEDED_STREAMS = {"GLOBAL_POSITION_INT": Position, "MISSION_CURRENT": Current, "SYS_STATUS": SystemStatus}
 
 

@@ -13,8 +13,26 @@ from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.link.conversations import VehicleTexts, listen_for_words
 from ipoa_mission.link.dialogue import Dialogue, Pause, SendOnce, until
 from ipoa_mission.link.logbook import Logbook
-from ipoa_mission.link.messages import CommandAck, CommandLong, CommandResult, Message, Position
-from ipoa_mission.link.orders import CommandRefused, command_long, mode_order, send, send_command
+from ipoa_mission.link.messages import (
+    CommandAck,
+    CommandLong,
+    CommandResult,
+    Current,
+    ExtendedState,
+    Heartbeat,
+    Message,
+    Position,
+    SystemStatus,
+)
+from ipoa_mission.link.orders import (
+    STREAMS_S,
+    CommandRefused,
+    command_long,
+    mode_order,
+    send,
+    send_command,
+    stream_order,
+)
 from ipoa_mission.link.vehicle_state import NotFlown, NotReady, VehicleState
 from ipoa_mission.mission.flight_record import Deviation, OnDeviation
 
@@ -149,13 +167,14 @@ class FlightOrder:
             return
         step = self._steps[0]
         self.state.expect_mode(step.name, self._mode)
-        match heard if step.times_sent else None:  # else an answer to somebody else's order
-            case CommandAck(step.message.command, CommandResult.ACCEPTED) if step.mode is None:
-                self.is_paused = step.pauses
-                self._take(*self._steps[1:])
-            case CommandAck(step.message.command, result) if result not in PENDING_RESULTS:
-                action = step.name if step.mode is None else f"change to {step.name}"
-                self._refused(CommandRefused(action, result))
+        if step.times_sent == 0 or not isinstance(heard, CommandAck) or heard.command != step.message.command:
+            return  # before it is sent, only another's order is answered
+        if step.mode is None and heard.result == CommandResult.ACCEPTED:
+            self.is_paused = step.pauses
+            self._take(*self._steps[1:])
+        elif heard.result not in PENDING_RESULTS:
+            action = step.name if step.mode is None else f"change to {step.name}"
+            self._refused(CommandRefused(action, heard.result))
 
     def _refused(self, why: MissionError) -> None:
         otherwise = self._steps[0].otherwise
@@ -213,6 +232,48 @@ class Monitor(Protocol):
 
 
 @dataclass
+class PositionLoss:
+    """Notice a lack of positions while the other streams arrive; lossy links and 1 Hz of positions are none."""
+
+    least_s: float = 3.0  # as a link loss
+    least_share: float = 10.0  # of the other messages usual between two positions; less may be chance
+    usual: float = 30.0  # other messages between two positions; at first as if one came a second
+    ended_s: float = 0.0  # duration of the stretches that are over
+    _others: int = 0  # since the last position
+    _since_s: float = math.inf
+    _age_s: float = 0.0
+    _requested_s: float = -math.inf
+
+    def note(self, heard: Message, now_s: float, is_compared: bool) -> bool:
+        """Return whether the stream is to be requested again."""
+        if isinstance(heard, Position) or not is_compared:
+            if self.is_lost:
+                log.warning("%s", self.words)
+                self.ended_s += self._age_s
+            elif is_compared:
+                self.usual += (self._others - self.usual) / 32.0
+            self._others = 0
+            self._since_s = now_s
+        self._others += isinstance(heard, Heartbeat | Current | SystemStatus | ExtendedState)
+        self._since_s = min(self._since_s, now_s)
+        self._age_s = now_s - self._since_s
+        is_due = self.is_lost and now_s - self._requested_s >= self.least_s
+        if is_due:
+            self._requested_s = now_s
+        return is_due
+
+    @property
+    def is_lost(self) -> bool:
+        return self._age_s >= self.least_s and self._others >= self.least_share * self.usual
+
+    @property
+    def words(self) -> str:
+        """Return how long the flight was not compared; empty if it was."""
+        lost_s = self.ended_s + self._age_s * self.is_lost
+        return f"the flight was not compared for {lost_s:.0f} s: no position was heard" if lost_s else ""
+
+
+@dataclass
 class Conformance:
     """React to deviations of one vehicle's flight; `report` gets each, with its time from the arming [s]."""
 
@@ -222,6 +283,7 @@ class Conformance:
     report: Callable[[Deviation], None] = lambda deviation: None
     ends_held: bool = True  # watching ends when a deviation holds the vehicle
     deviations: list[Deviation] = field(default_factory=list)
+    positions: PositionLoss = field(default_factory=PositionLoss)
     _monitor: Monitor | None = None
     _logbook: Logbook | None = None
     _seen_s: float = -math.inf
@@ -233,6 +295,7 @@ class Conformance:
         self._seen_s = -math.inf
         self._is_ordered = False
         self._disobeyed = ""
+        self.positions = PositionLoss()
         self.deviations.clear()
 
     def attach(self, logbook: Logbook) -> None:
@@ -255,16 +318,23 @@ class Conformance:
         return f"{reaction}, because {self.deviations[-1]}{failed}"
 
     def observe(self, heard: Message, now_s: float) -> Dialogue[None]:
-        yield from ()
-        if self._monitor is None or not isinstance(heard, Position) or heard.time_s - self._seen_s < 0.2:
-            return
-        self._seen_s = heard.time_s
-        if not self.state.in_air:
+        if self._monitor is None:
             return
         in_mission = self.state.custom_mode == self.state.autopilot.modes.mission
-        if self.order.is_paused or not (in_mission or self._returns_at_its_end):
-            self._monitor.interrupt()
-            return
+        is_compared = not self.order.is_paused and (in_mission or self._returns_at_its_end)
+        if self.positions.note(heard, self.order.now(), is_compared and bool(self.state.in_air)):
+            log.warning("%s; its stream is requested again", self.positions.words)
+            if self.state.other_kind is None:
+                yield SendOnce(stream_order("GLOBAL_POSITION_INT", STREAMS_S["GLOBAL_POSITION_INT"]))
+        if isinstance(heard, Position) and heard.time_s - self._seen_s >= 0.2:
+            self._seen_s = heard.time_s
+            if self.state.in_air and is_compared:
+                self._compare(heard, in_mission)
+            elif self.state.in_air:
+                self._monitor.interrupt()
+
+    def _compare(self, heard: Position, in_mission: bool) -> None:
+        assert self._monitor is not None
         if self._is_ordered and self.order.is_under_way:
             return  # ignore deviations until the vehicle obeys
         if in_mission:

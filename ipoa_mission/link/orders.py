@@ -17,6 +17,13 @@ from ipoa_mission.link.dialogue import Ask, Dialogue, NoAnswer, Pause, SendOnce,
 M = TypeVar("M", bound=m.Message)
 
 FILE_TRANSFER = 32  # MAV_PROTOCOL_CAPABILITY_FTP
+STREAMS_S = {  # [s]; ArduPilot sends none unasked
+    "HEARTBEAT": 0.1,
+    "GLOBAL_POSITION_INT": 0.05,
+    "MISSION_CURRENT": 0.1,
+    "SYS_STATUS": 0.5,
+    "EXTENDED_SYS_STATE": 0.2,
+}
 PARAMETER_ROUND_S = 0.7
 PARAMETER_BATCH = 8  # of two names at most
 ABSENCE_CHANCE = 2e-4  # of an existing parameter, by an estimated loss
@@ -78,8 +85,12 @@ def set_current(seq: int, home: int, restart: bool = False) -> Dialogue[None]:
         raise NoAnswer(f"the vehicle did not go to item {seq + 1 - home}", code="no-such-item") from None
 
 
+def stream_order(name: str, interval_s: float) -> m.CommandLong:
+    return command_long(VehicleCommand.SET_MESSAGE_INTERVAL, message_number(name), round(interval_s * 1e6))
+
+
 def request_stream(name: str, interval_s: float) -> Dialogue[bool]:
-    result, _ = yield from send(VehicleCommand.SET_MESSAGE_INTERVAL, message_number(name), round(interval_s * 1e6))
+    result, _ = yield from send_command(stream_order(name, interval_s))
     return result == m.CommandResult.ACCEPTED
 
 

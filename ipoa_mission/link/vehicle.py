@@ -304,10 +304,11 @@ class Vehicle(VehicleSession):
                 self._tell(departure.subscribe(self.state))
 
     def record(self) -> FlightRecord:
-        """Return the flight, incomplete after a deviation or replaced mission."""
+        """Return the flight, incomplete after a deviation or replaced mission, or without a position for a while."""
         record = replace(self._logbook.record(), deviations=tuple(self.conformance.deviations))
-        why_not = self.changed or self.conformance.why_not
-        return replace(record, completed=False, why_not=why_not) if why_not else record
+        reasons = (self.changed or self.conformance.why_not or record.why_not, self.conformance.positions.words)
+        why_not = "; ".join(filter(None, reasons))
+        return replace(record, completed=not why_not, why_not=why_not)
 
     @property
     def ready_s(self) -> float:

@@ -232,6 +232,7 @@ class Watch:
         obeyed = {"rtl": "it returns, as ordered", "land": "it lands, as ordered", None: ""}[self.obeyed]
         words = words or vehicle.conformance.why_not or obeyed
         words = words or ("it holds its position" if vehicle.order.is_held else vehicle.mode_change)
+        words = words or vehicle.conformance.positions.words
         state = State(phase="flying", words=words or Stage.START, lost_s=lost_s)
         if state != self._state:
             self._state = state

@@ -1,4 +1,5 @@
 import logging
+import random
 from dataclasses import replace
 
 import numpy as np
@@ -9,10 +10,20 @@ from ipoa_mission.autopilot.commands import Command
 from ipoa_mission.forecast.conformance import ConformanceMonitor
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.geodesy import Geodetic, LocalFrame
-from ipoa_mission.link.codec import Codec, Target
+from ipoa_mission.link.codec import Codec, Heard, Target
 from ipoa_mission.link.connect import meet
+from ipoa_mission.link.flight_order import PositionLoss
 from ipoa_mission.link.line import Line
-from ipoa_mission.link.messages import CommandAck, CommandLong, CommandResult, Message, Position
+from ipoa_mission.link.messages import (
+    CommandAck,
+    CommandLong,
+    CommandResult,
+    Current,
+    ExtendedState,
+    Heartbeat,
+    Message,
+    Position,
+)
 from ipoa_mission.link.vehicle import Vehicle
 from ipoa_mission.mission.flight_record import Deviation, DeviationKind, OnDeviation
 from ipoa_mission.mission.items import Mission, land, takeoff
@@ -64,6 +75,50 @@ def test_a_flight_as_forecast_is_not_disturbed(family: Autopilot) -> None:
     assert record.completed, record.why_not
     assert record.deviations == ()
     assert record.failure == ""
+
+
+@pytest.mark.parametrize("lasting", [True, False])
+@pytest.mark.parametrize("family", registered())
+def test_a_loss_of_positions_alone_is_warned_of_and_ends_the_comparison(
+    family: Autopilot, lasting: bool, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    vehicle, commands = begun(family)
+    whole = Line.receive
+    requests = list[CommandLong]()
+
+    def receive(line: Line, until: float) -> list[Heard]:
+        requests[:] = [each for each in commands if each.command == 511 and each.params[1] > 0.0]
+        is_heard = len(requests) >= 2 and not lasting
+        return [each for each in whole(line, until) if is_heard or not is_high(each.message)]
+
+    monkeypatch.setattr(Line, "receive", receive)
+    record = vehicle.watch()
+    words = "the flight was not compared for {} s: no position was heard"
+    warned = [record.getMessage() for record in caplog.records if record.levelno == logging.WARNING]
+    assert warned[0] == words.format(3) + "; its stream is requested again"
+    assert not record.completed
+    assert record.failure == words.format(int(record.failure.split()[6]))
+    assert (int(record.failure.split()[6]) > 20) is lasting
+    assert (len(requests) > 5) is lasting
+    assert {each.params[:2] for each in requests} == {(33.0, 50_000.0)}
+
+
+def is_high(message: Message | None) -> bool:
+    return isinstance(message, Position) and message.height > 4.0
+
+
+@pytest.mark.parametrize("interval_s", [0.05, 1.0])
+def test_losses_of_a_radio_are_no_loss_of_positions(interval_s: float) -> None:
+    chance = random.Random(5)
+    positions = PositionLoss()
+    others = (Heartbeat(2, 12), Current(1), Heartbeat(2, 12), ExtendedState(2))
+    for tick in range(12_000):  # 10 minutes with half of all messages lost, in bursts of up to 2.5 s also all
+        is_silent = tick % 400 < 50
+        is_due = tick % round(interval_s / 0.05) == 0
+        for message in (*others[: 1 + tick % 2], *[Position(0.0, 47.4, 8.5, 400.0, 20.0)] * is_due):
+            if not is_silent and chance.random() < 0.5:
+                assert not positions.note(message, 0.05 * tick, is_compared=True)
+    assert positions.words == ""
 
 
 @pytest.mark.parametrize("family", registered())

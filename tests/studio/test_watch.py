@@ -37,7 +37,7 @@ def test_wind_satellites_and_words_are_told_with_where_it_is(wind: Message, expe
         changed="",
         link_loss=SimpleNamespace(seconds=None, words=""),
         mode_change="",
-        conformance=SimpleNamespace(why_not="", deviations=()),
+        conformance=SimpleNamespace(why_not="", deviations=(), positions=SimpleNamespace(words="")),
         record=lambda: record,
     )
     watch = Watch(forecast, vehicle, heard.append, None, queue.SimpleQueue())
