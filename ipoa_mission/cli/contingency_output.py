@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
-from ipoa_mission.autopilot.failsafe import Failsafe
+from ipoa_mission.autopilot.failsafe import Cause, Failsafe
 from ipoa_mission.forecast.contingency.contingencies import Contingencies, ContingencyRow, Grade, failsafes_of
 from ipoa_mission.forecast.contingency.contingencies_now import ContingenciesNow
 from ipoa_mission.forecast.contingency.energy_budget import ReserveNow, budget_of
@@ -69,7 +69,7 @@ def print_contingencies(forecast: Forecast, is_known: bool) -> None:
 
     failsafes = [
         (
-            failsafe.cause,
+            "pilot or ground station" if failsafe.cause == Cause.BY_HAND else failsafe.cause,
             f"{failsafe.parameter} = {failsafe.value:g}" if failsafe.parameter else "",
             str(failsafe.action),
         )

@@ -39,11 +39,11 @@ class Replaced(MissionError):
 
 
 class Unflyable(MissionError):
-    """The vehicle finds the stored mission unflyable; `why` in its words."""
+    """The vehicle refuses to fly the stored mission; `why` in its words."""
 
     def __init__(self, why: str) -> None:
         self.why = why
-        super().__init__(f"the vehicle stored the mission but finds it unflyable: {why or 'no reason was heard'}")
+        super().__init__(f"the vehicle stored the mission but refuses to fly it: {why or 'no reason was heard'}")
 
 
 class Unplaced(Unflyable):

@@ -42,8 +42,8 @@ def lost_in_waypoints(mission: Mission) -> tuple[str, ...]:
 
 
 def left_out(mission: Mission) -> tuple[str, ...]:
-    fence = "the geofence cannot be held by a .waypoints file"
-    rally = "the rally points cannot be held by a .waypoints file: its RTL flies home, by another way, time and energy"
+    fence = "a .waypoints file cannot contain the geofence"
+    rally = "a .waypoints file cannot contain the rally points: its RTL flies home, by another way, time and energy"
     return (*([fence] if mission.fence else []), *([rally] if mission.rally else []))
 
 

@@ -86,8 +86,8 @@ def test_nan_stays_for_px4_which_would_turn_north_and_is_0_for_ardupilot(tmp_pat
 def test_lost_parts_are_remarked(tmp_path: Path) -> None:
     mission = replace(FLIGHT, fence=(FenceCircle((39.1, 121.8), 100.0),), rally=(HOME,))
     assert write_mission(mission, tmp_path / "fence.waypoints") == (
-        "the geofence cannot be held by a .waypoints file",
-        "the rally points cannot be held by a .waypoints file: its RTL flies home, by another way, time and energy",
+        "a .waypoints file cannot contain the geofence",
+        "a .waypoints file cannot contain the rally points: its RTL flies home, by another way, time and energy",
         TAKEOFF_LOST,
     )
 

@@ -44,7 +44,7 @@ class Itinerary:
 
     @cached_property
     def parameters(self) -> Parameters:
-        """The mission's and its version's, by their older names."""
+        """Parameters of the mission over the version's defaults, under the names of `parameter_table`."""
         return self.mission.autopilot.known_parameters(self.mission.parameters, self.mission.firmware_version)
 
     @cached_property
@@ -199,7 +199,7 @@ def _after_a_spline(program: Program, n: int) -> Iterator[Unknown]:
         assert after is not None
         if items[after].command not in WITH_PLACE and not reads_as_here(items[after]):
             name = items[after].name
-            why = f"{name} after a spline is read as a place far away or up: the vehicle may dive into the ground"
+            why = f"params of {name} after a spline are read as a place far away or up: it may dive into the ground"
             yield Unknown(n + 1, why, "put a waypoint between them", "never-reached")
 
 

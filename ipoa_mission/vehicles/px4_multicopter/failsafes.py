@@ -40,7 +40,7 @@ FAILSAFE_RULES = (
     FailsafeRule("flight time left is short", "COM_FLTT_LOW_ACT", {0: GOES_ON, 1: GOES_ON, 3: RETURNS}),
     FailsafeRule(
         "radio control lost", "NAV_RCL_ACT",
-        {**LINK_ACTIONS, 7: replace(GOES_ON, words="holds only if a pilot flew it by hand", since=V1_18)}, default=2.0,
+        {**LINK_ACTIONS, 7: replace(GOES_ON, words="holds only in a manual flight mode", since=V1_18)}, default=2.0,
     ),
     FailsafeRule(Cause.STATION_LOST, "NAV_DLL_ACT", LINK_ACTIONS),
     FailsafeRule(Cause.FENCE_BREACHED, "GF_ACTION", GRADED_ACTIONS, default=2.0),
