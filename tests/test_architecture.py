@@ -17,7 +17,19 @@ from tools.census import nodes, tree
 PACKAGE = Path(ipoa_mission.__file__).parent
 ON_GEOMETRY = {"geodesy", "ground"}
 #: Everyone may import these.
-GROUND = {"centimeters", "errors", "files", "finding", "rules", "geometry", "progress", "unread", "wind", *ON_GEOMETRY}
+GROUND = {
+    "centimeters",
+    "errors",
+    "files",
+    "finding",
+    "interrupts",
+    "rules",
+    "geometry",
+    "progress",
+    "unread",
+    "wind",
+    *ON_GEOMETRY,
+}
 
 #: From the ground up: a room may import the named ones, listed before it.
 _MISSION = {"autopilot", "mission"}  # what all above a mission know

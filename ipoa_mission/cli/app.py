@@ -15,6 +15,7 @@ from ipoa_mission.cli.interrupting import interruptible
 from ipoa_mission.cli.planners import grouped
 from ipoa_mission.errors import MissionError
 from ipoa_mission.files import plug_ins
+from ipoa_mission.interrupts import noted_terminations
 from ipoa_mission.terminal import discard_output, print_error, print_lines, replace_unencodable, shown
 
 LEVELS = (logging.WARNING, logging.INFO, logging.DEBUG)
@@ -125,7 +126,8 @@ def command() -> Any:
 def main() -> None:
     replace_unencodable()
     try:
-        interruptible(lambda changes: command()(prog_name="ipoa-mission"))()
+        with noted_terminations():
+            interruptible(lambda changes: command()(prog_name="ipoa-mission"))()
     except MissionError as error:
         with suppress(KeyboardInterrupt):
             print_error(error, as_json="--json" in sys.argv[1:])

@@ -2,15 +2,13 @@
 
 import logging
 import math
-import signal
-import threading
-from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Protocol
 
 from ipoa_mission.errors import MissionError
+from ipoa_mission.interrupts import noted_interrupts
 from ipoa_mission.link.channel import Channel, Peer
 from ipoa_mission.link.codec import EVERYONE, Codec, Heard, Target, is_old, is_signed
 from ipoa_mission.link.definitions import Definition
@@ -268,43 +266,6 @@ class Listening:
     overhear: Callable[[Message], None] = lambda message: None
     until: float = math.inf
     quiet_s: float = math.inf
-
-
-class Interrupt:
-    """Note the first Ctrl-C; raise KeyboardInterrupt at the second."""
-
-    def __init__(self) -> None:
-        self.is_pending = self._is_noted = False
-
-    def __call__(self, signal_number: int, frame: object) -> None:
-        if self._is_noted:
-            raise KeyboardInterrupt
-        self._is_noted = self.is_pending = True
-
-    def take(self) -> bool:
-        was_pending = self.is_pending
-        self.is_pending = False
-        return was_pending
-
-
-@contextmanager
-def noted_interrupts() -> Iterator[Interrupt]:
-    """Note Ctrl-C in the main thread, unless a program has its own handler; raise an unhandled one at the end."""
-    present = signal.getsignal(signal.SIGINT)
-    if isinstance(present, Interrupt):
-        yield present
-        return
-    interrupt = Interrupt()
-    if present is not signal.default_int_handler or threading.current_thread() is not threading.main_thread():
-        yield interrupt
-        return
-    signal.signal(signal.SIGINT, interrupt)
-    try:
-        yield interrupt
-    finally:
-        signal.signal(signal.SIGINT, present)
-    if interrupt.is_pending:
-        raise KeyboardInterrupt
 
 
 def converse(

@@ -7,13 +7,14 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from ipoa_mission.errors import MissionError
+from ipoa_mission.interrupts import Interrupt, noted_interrupts
 from ipoa_mission.link import orders
 from ipoa_mission.link.channel import LinkDown
 from ipoa_mission.link.codec import Heard, Target
 from ipoa_mission.link.conversations import observed
 from ipoa_mission.link.dialogue import Cancelled, Dialogue, NoAnswer, Patience, Silence, Tempo, TimeUp, until
 from ipoa_mission.link.discovery import autopilots_in
-from ipoa_mission.link.line import NOTICE_S, Carrier, Interrupt, Listening, converse, noted_interrupts
+from ipoa_mission.link.line import NOTICE_S, Carrier, Listening, converse
 from ipoa_mission.link.messages import AUTOPILOT_COMPONENT, AutopilotVersion, Current, Heartbeat, Message, Position
 from ipoa_mission.link.onboard_list import OnboardList, prove
 from ipoa_mission.link.upload import Replaced

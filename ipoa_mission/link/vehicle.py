@@ -13,12 +13,13 @@ from ipoa_mission.checks.firmware_check import check_aboard
 from ipoa_mission.checks.unsafe import begun_at, check_start, refuse_errors
 from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.geodesy import Geodetic
+from ipoa_mission.interrupts import noted_interrupts
 from ipoa_mission.link import conversations, departure, orders
 from ipoa_mission.link.channel import LinkDown
 from ipoa_mission.link.dialogue import SPECIFIED, Cancelled, Dialogue, NoAnswer, Patience, Silence, TimeUp, until
 from ipoa_mission.link.discovery import FoundVehicle, VehicleSession
 from ipoa_mission.link.flight_order import SHOWN_S, Conformance, FlightOrder, pause, resume, return_to_launch
-from ipoa_mission.link.line import Carrier, noted_interrupts
+from ipoa_mission.link.line import Carrier
 from ipoa_mission.link.logbook import Logbook, Observer, watch
 from ipoa_mission.link.mavftp import FileRefused
 from ipoa_mission.link.messages import Heartbeat, Message, MissionType

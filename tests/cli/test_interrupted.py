@@ -1,7 +1,10 @@
 """Ctrl-C at each stage of a verb: exit code 130, and a message that is true of the vehicle and the files."""
 
 import json
+import signal
+import subprocess
 import sys
+import time
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -21,6 +24,7 @@ from ipoa_mission.link.messages import MissionType
 from ipoa_mission.link.vehicle import Vehicle
 from ipoa_mission.mission.mission_io import read_mission, write_mission
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot
+from ipoa_mission.simulator.mock_vehicle import MockVehicle
 from ipoa_mission.terminal import confirm
 from tests.cli.conftest import Run, Serve
 
@@ -157,6 +161,31 @@ def test_ctrl_c_before_the_arming_leaves_the_mode_or_names_it(
     modes = there.profile.autopilot.modes
     assert before != modes.mission
     assert after == (before if restores else modes.mission)
+
+
+@pytest.mark.parametrize("sent", [["SIGTERM"], ["SIGHUP", "SIGHUP", "SIGTERM"]])
+def test_a_termination_before_the_arming_restores_the_mode(
+    autopilot: Serve, mission: Path, aboard: list[BuiltInAutopilot], monkeypatch: pytest.MonkeyPatch, sent: list[str]
+) -> None:
+    """`systemctl stop`, and a closed session, which sends several."""
+    monkeypatch.setattr(MockVehicle, "_passed_checks", lambda own: False)
+    with autopilot(speedup=5.0) as link:
+        (there,) = aboard
+        there.vehicle.profile = replace(there.vehicle.profile, reports_prearm=True)
+        before = there.vehicle.mode
+        command = [sys.executable, "-m", "ipoa_mission", *f"fly {mission} --link {link} --set-params".split()]
+        with subprocess.Popen(command, cwd=mission.parent, stderr=subprocess.PIPE, text=True) as verb:
+            assert verb.stderr is not None
+            assert any(line.startswith(Stage.READY) for line in verb.stderr)
+            in_wait = there.vehicle.mode
+            for name in sent:
+                verb.send_signal(getattr(signal, name))
+                time.sleep(0.05)
+            _, err = verb.communicate(timeout=60)
+        after = there.vehicle.mode
+    modes = there.profile.autopilot.modes
+    assert (in_wait, after) == (modes.mission, before)
+    assert (verb.returncode, err.splitlines()[0]) == (130, f"error: {STORED}; the vehicle was not armed")
 
 
 @pytest.mark.parametrize(

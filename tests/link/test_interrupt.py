@@ -10,10 +10,11 @@ import pytest
 
 from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.geodesy import Geodetic
+from ipoa_mission.interrupts import noted_interrupts, noted_terminations, terminations
 from ipoa_mission.link.codec import Codec, Target
 from ipoa_mission.link.connect import meet
 from ipoa_mission.link.dialogue import SPECIFIED, Cancelled, Dialogue, Pause, Tempo
-from ipoa_mission.link.line import Line, converse, noted_interrupts
+from ipoa_mission.link.line import Line, converse
 from ipoa_mission.link.messages import MissionType
 from ipoa_mission.link.vehicle import ConnectionOptions
 from ipoa_mission.mission.items import FenceCircle, Item, Mission, takeoff, waypoint
@@ -193,6 +194,31 @@ def test_a_program_keeps_its_own_handler_and_other_threads_have_none() -> None:
     thread.start()
     thread.join()
     assert noted == [False]
+
+
+@pytest.mark.parametrize("number", terminations())
+def test_a_termination_is_a_ctrl_c_and_later_ones_are_ignored(number: int) -> None:
+    before = signal.signal(number, signal.SIG_DFL)
+    try:
+        with noted_terminations():
+            with noted_interrupts() as interrupt:
+                for _ in range(3):
+                    signal.raise_signal(number)
+                assert interrupt.take()
+                with pytest.raises(KeyboardInterrupt):
+                    press()
+            for each in terminations():
+                signal.raise_signal(each)
+        assert signal.getsignal(number) is signal.SIG_DFL
+        with noted_terminations():
+            with pytest.raises(KeyboardInterrupt):
+                signal.raise_signal(number)
+            signal.raise_signal(number)
+        signal.signal(number, signal.SIG_IGN)  # nohup
+        with noted_terminations(), noted_interrupts():
+            signal.raise_signal(number)
+    finally:
+        signal.signal(number, before)
 
 
 def waiting() -> Dialogue[str]:
