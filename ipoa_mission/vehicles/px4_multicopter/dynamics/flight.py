@@ -38,7 +38,7 @@ from ipoa_mission.vehicles.px4_multicopter.dynamics.state import (
     Errors,
     FlightProgress,
     Guidance,
-    Level,
+    Horizontal,
     Order,
     SimulationConstants,
     State,
@@ -66,7 +66,7 @@ def control_velocity(
     body = state.body
     before = state.control
     dt = constants.dt
-    velocity = level_velocity(trajectory, body, limits, dt)
+    velocity = horizontal_velocity(trajectory, body, limits, dt)
     east = velocity.east - body.speed.east - body.acceleration.east * dt
     north = velocity.north - body.speed.north - body.acceleration.north * dt
     ask_east = trajectory.east.acceleration + limits.p_velocity * east + before.integral.east
@@ -95,14 +95,14 @@ def control_velocity(
     return Enu(ask_east * share, ask_north * share, thrust), Control(integral, before.hover, thrust)
 
 
-def level_velocity(trajectory: Trajectory, body: Body, limits: Px4Limits, dt: float) -> Level:
+def horizontal_velocity(trajectory: Trajectory, body: Body, limits: Px4Limits, dt: float) -> Horizontal:
     x: Axis = trajectory.east
     y: Axis = trajectory.north
     east = x.speed + limits.p_position * (x.place - body.place.east - body.speed.east * dt)
     north = y.speed + limits.p_position * (y.place - body.place.north - body.speed.north * dt)
     size = math.sqrt(east * east + north * north)
     share = 1.0 if size <= limits.max_speed else limits.max_speed / size
-    return Level(east * share, north * share)
+    return Horizontal(east * share, north * share)
 
 
 def learn_hover(control: Control, body: Body, constants: SimulationConstants, time: float) -> Control:
@@ -272,7 +272,7 @@ def is_over(state: State, order: Order) -> bool:
 
 def at_rest(place: Enu, time: float, yaw: float, errors: Errors, on_ground: bool) -> State:
     body = Body(
-        place=place, speed=ZERO, acceleration=Level(0.0, 0.0), setpoint=Level(0.0, 0.0),
+        place=place, speed=ZERO, acceleration=Horizontal(0.0, 0.0), setpoint=Horizontal(0.0, 0.0),
         thrust=ZERO, on_ground=on_ground, airborne_since=time,
     )  # fmt: skip
     east = Axis(place.east, 0.0, 0.0)
