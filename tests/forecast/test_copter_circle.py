@@ -69,7 +69,7 @@ def test_the_board_keeps_a_circle_as_its_source_has_it(
     assert circle_radius(item) == kept_radius
 
 
-def test_a_circle_is_entered_at_its_nearest_point_or_behind_the_nose() -> None:
+def test_a_circle_is_entered_at_its_nearest_point_or_behind_the_vehicle() -> None:
     edge, apart = circle_entry((0.0, 0.0, 20.0), (30.0, 40.0, 20.0), 20.0, 0.0)
     assert np.allclose(edge, (18.0, 24.0, 20.0))
     assert apart == pytest.approx(30.0)

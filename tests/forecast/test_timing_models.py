@@ -148,7 +148,7 @@ def test_arducopter_counts_whole_seconds_of_a_hold() -> None:
     assert times[2] == pytest.approx(times[0] + 1.0)
 
 
-def test_px4_waits_for_its_nose_where_an_item_names_a_heading() -> None:
+def test_px4_waits_for_its_yaw_where_an_item_names_a_heading() -> None:
     def headed(yaw: float) -> Item:
         there = place(0, 4)
         return Item(

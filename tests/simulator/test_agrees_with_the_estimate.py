@@ -55,7 +55,7 @@ PX4: Mapping[str, tuple[tuple[Item, ...], Mapping[str, float]]] = {
     "turning over short legs": (
         (*OFF, headed(0, 20, 115.0), headed(0, 24, 300.0), headed(0, 28, 120.0), land(place(0, 28))), {},
     ),
-    "the nose first, then the way": ((*OFF, to(0, 60), to(60, 60), to(20, 0), HOMEWARD), {"MPC_YAW_MODE": 4.0}),
+    "the yaw first, then the way": ((*OFF, to(0, 60), to(60, 60), to(20, 0), HOMEWARD), {"MPC_YAW_MODE": 4.0}),
 }  # fmt: skip
 CASES = [*((Autopilot.ARDUPILOT, name) for name in COPTER), *some(3, [(Autopilot.PX4, name) for name in PX4])]
 

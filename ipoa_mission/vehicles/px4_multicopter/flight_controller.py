@@ -106,7 +106,7 @@ class Px4Controller:
         state = self._state
         if not state.body.on_ground or state.contact.on_ground:
             place = self._down(state.body.place)
-            self._state = at_rest(place, self._now.time_s, state.nose.yaw, state.errors, True)
+            self._state = at_rest(place, self._now.time_s, state.yaw.angle, state.errors, True)
 
     def _show(self) -> None:
         now = self._now
@@ -114,7 +114,7 @@ class Px4Controller:
         now.place = body.place
         now.motion = body.speed
         now.tilt_accel = body.thrust.east, body.thrust.north
-        now.yaw = self._state.nose.yaw % (2.0 * math.pi)
+        now.yaw = self._state.yaw.angle % (2.0 * math.pi)
         now.on_ground = body.on_ground
 
     def _begin_after(self, index: int) -> None:

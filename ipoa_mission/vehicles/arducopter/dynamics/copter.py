@@ -198,7 +198,7 @@ class Copter:
 
     def face(self, yaw: float) -> None:
         self.state.yaw = yaw
-        self.state.nose = complex(math.sin(yaw), math.cos(yaw))
+        self.state.heading = complex(math.sin(yaw), math.cos(yaw))
 
     def fly_to(self, stop: Stop, following: Stop | None = None, turns: bool = True, ends_near: bool = False) -> None:
         """Start a leg to `stop`, as planned before or from `here`; with `following` it passes the stop.

@@ -166,7 +166,7 @@ class State:
     lean: complex = 0j
     load: float = 1.0  # share of the weight on the rotors
     yaw: float = 0.0  # clockwise from north
-    nose: complex = 1j
+    heading: complex = 1j  # unit vector of the yaw
     error: complex = 0j  # filtered velocity error, and its integral
     integral: complex = 0j
     rate: float = 1.0  # of the path's clock

@@ -234,7 +234,7 @@ def within_lean(setpoint: complex, aim: complex, most: float) -> complex:
 def move(state: State, tuning: Tuning) -> None:
     state.shaped += (state.setpoint - state.shaped) * tuning.leaning
     state.lean += (state.shaped - state.lean) * tuning.turning
-    turn_nose(state, tuning)
+    turn_yaw(state, tuning)
     climbed = state.aim_z * state.rate
     state.vz = climbed + tuning.limits.p_height * (state.target_z - state.z - climbed * STEP)
     slowing, lift = drag(state, tuning)
@@ -245,16 +245,16 @@ def move(state: State, tuning: Tuning) -> None:
     state.time += STEP
 
 
-def turn_nose(state: State, tuning: Tuning) -> None:
+def turn_yaw(state: State, tuning: Tuning) -> None:
     fast = square(state.aim)
     if tuning.slew <= 0.0 or fast <= tuning.turning_from**2:
         return
-    onward = dot(state.nose, state.aim)
+    onward = dot(state.heading, state.aim)
     if onward > 0.0 and fast - onward * onward < 1e-12 * fast:  # aligned
         return
     error = (math.atan2(state.aim.real, state.aim.imag) - state.yaw + math.pi) % (2.0 * math.pi) - math.pi
     state.yaw += min(max(error, -tuning.slew), tuning.slew)
-    state.nose = complex(math.sin(state.yaw), math.cos(state.yaw))
+    state.heading = complex(math.sin(state.yaw), math.cos(state.yaw))
 
 
 def drag(state: State, tuning: Tuning) -> tuple[complex, float]:
@@ -263,11 +263,11 @@ def drag(state: State, tuning: Tuning) -> tuple[complex, float]:
     air = Enu(state.velocity.real - wind_east, state.velocity.imag - wind_north, state.vz)
     length = math.sqrt(GRAVITY**2 + state.lean.real**2 + state.lean.imag**2)
     upward = Enu(state.lean.real / length, state.lean.imag / length, GRAVITY / length)
-    nose = state.nose
-    tilt = nose.real * upward.east + nose.imag * upward.north
+    heading = state.heading
+    tilt = heading.real * upward.east + heading.imag * upward.north
     length = math.sqrt(1.0 - tilt * tilt)
-    east = (nose.real - tilt * upward.east) / length
-    forward = Enu(east, (nose.imag - tilt * upward.north) / length, -tilt * upward.up / length)
+    east = (heading.real - tilt * upward.east) / length
+    forward = Enu(east, (heading.imag - tilt * upward.north) / length, -tilt * upward.up / length)
     left = Enu(
         upward.north * forward.up - upward.up * forward.north,
         upward.up * forward.east - upward.east * forward.up,

@@ -18,7 +18,7 @@ from ipoa_mission.vehicles.px4_multicopter.dynamics.guidance import (
     heading_error,
     is_low_take_off,
     touches_down,
-    turn_nose,
+    turn_yaw,
     velocity_setpoint,
 )
 from ipoa_mission.vehicles.px4_multicopter.dynamics.state import (
@@ -208,9 +208,9 @@ def step(state: State, order: Order, constants: SimulationConstants) -> State:
     reached = state.reached
     if there and reached < 0.0 and (math.isnan(order.heading) or abs(heading_error(state, order)) <= limits.yaw_error):
         reached = time
-    nose = turn_nose(state, order, limits, constants.dt) if constants.turns else state.nose
+    yaw = turn_yaw(state, order, limits, constants.dt) if constants.turns else state.yaw
     return State(
-        time=time, body=body, nose=nose, trajectory=trajectory, guidance=guidance, control=control,
+        time=time, body=body, yaw=yaw, trajectory=trajectory, guidance=guidance, control=control,
         errors=errors, contact=contact, begun=state.begun, reached=reached, been_there=there,
     )  # fmt: skip
 
@@ -280,9 +280,8 @@ def at_rest(place: Enu, time: float, yaw: float, errors: Errors, on_ground: bool
     guidance = Guidance(ON_LINE, place, 0.0, True)
     control = Control(ZERO, 1.0, 0.0)
     contact = Contact(on_ground=False, lost=False, stages=0, since=time)
-    nose = Yaw(yaw, 0.0)
     return State(
-        time=time, body=body, nose=nose, trajectory=trajectory, guidance=guidance, control=control,
+        time=time, body=body, yaw=Yaw(yaw, 0.0), trajectory=trajectory, guidance=guidance, control=control,
         errors=errors, contact=contact, begun=time, reached=NOT_YET, been_there=False,
     )  # fmt: skip
 
@@ -299,7 +298,7 @@ def begin(state: State, order: Order) -> State:
     )  # fmt: skip
     guidance = Guidance(ON_LINE, as_tuple(order.start), state.guidance.held, state.guidance.rising)
     return State(
-        time=state.time, body=body, nose=state.nose, trajectory=trajectory, guidance=guidance,
+        time=state.time, body=body, yaw=state.yaw, trajectory=trajectory, guidance=guidance,
         control=state.control, errors=state.errors,
         contact=Contact(on_ground=False, lost=False, stages=0, since=state.time),
         begun=state.time, reached=NOT_YET, been_there=False,
@@ -334,7 +333,7 @@ def past_cruise(state: State, order: Order, constants: SimulationConstants) -> S
         thrust=body.thrust, on_ground=body.on_ground, airborne_since=since,
     )  # fmt: skip
     return State(
-        time=time, body=moved, nose=state.nose, trajectory=trajectory, guidance=state.guidance, control=state.control,
+        time=time, body=moved, yaw=state.yaw, trajectory=trajectory, guidance=state.guidance, control=state.control,
         errors=state.errors, contact=state.contact, begun=state.begun, reached=state.reached,
         been_there=state.been_there,
     )  # fmt: skip
@@ -366,7 +365,7 @@ def fly(
         if steps == NOT_BEGUN:
             if order.kind == TAKE_OFF and (state.body.on_ground or state.contact.on_ground):
                 lifts = state.time + constants.limits.spool_up
-                state = at_rest(state.body.place, lifts, state.nose.yaw, state.errors, True)
+                state = at_rest(state.body.place, lifts, state.yaw.angle, state.errors, True)
             state = begin(state, order)
             steps = 0
         while state.time < until and not is_over(state, order):

@@ -123,24 +123,24 @@ def heading_wanted(state: State, order: Order) -> float:
         return order.heading
     east, north = order.goal.east - state.body.place.east, order.goal.north - state.body.place.north
     if east * east + north * north <= order.radius * order.radius:
-        return state.nose.yaw
+        return state.yaw.angle
     return math.atan2(east, north)
 
 
 def heading_error(state: State, order: Order) -> float:
-    error = heading_wanted(state, order) - state.nose.yaw
+    error = heading_wanted(state, order) - state.yaw.angle
     return 0.0 if math.isnan(error) else error - 2.0 * math.pi * math.floor(error / (2.0 * math.pi) + 0.5)
 
 
-def turn_nose(state: State, order: Order, limits: Px4Limits, dt: float) -> Yaw:
-    nose = state.nose
-    if math.isnan(nose.yaw):
+def turn_yaw(state: State, order: Order, limits: Px4Limits, dt: float) -> Yaw:
+    yaw = state.yaw
+    if math.isnan(yaw.angle):
         return Yaw(heading_wanted(state, order), 0.0)
     error = heading_error(state, order)
     accel = limits.yaw_accel
     most = min(limits.yaw_rate, math.sqrt(2.0 * accel * abs(error)), abs(error) / dt)
-    rate = nose.rate + min(max(math.copysign(most, error) - nose.rate, -accel * dt), accel * dt)
-    return Yaw(nose.yaw + rate * dt, rate)
+    rate = yaw.rate + min(max(math.copysign(most, error) - yaw.rate, -accel * dt), accel * dt)
+    return Yaw(yaw.angle + rate * dt, rate)
 
 
 AT_GOAL = 1e-5  # no velocity setpoint nearer [m]

@@ -129,7 +129,7 @@ class Body(NamedTuple):
 
 
 class Yaw(NamedTuple):
-    yaw: float  # clockwise from north [rad]; NaN: unknown
+    angle: float  # clockwise from north [rad]; NaN: unknown
     rate: float
 
 
@@ -153,7 +153,7 @@ class Contact(NamedTuple):
 class State(NamedTuple):
     time: float
     body: Body
-    nose: Yaw
+    yaw: Yaw
     trajectory: Trajectory
     guidance: Guidance
     control: Control
