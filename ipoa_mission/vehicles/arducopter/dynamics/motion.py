@@ -122,8 +122,8 @@ class Tuning(NamedTuple):
     wind: WindTable
     max_lean: float
     smoothing: float  # share of the velocity error
-    leaning: float  # share of the lean setpoint
-    turning: float
+    tilt_gain: float  # share of the lean setpoint
+    rotor_gain: float
     slowing: float
     slew: float  # of the yaw in one step [rad]; 0: fixed
     most_astray: float  # farther from its target it is lost [m]
@@ -141,8 +141,8 @@ def tuning(limits: CopterLimits, airframe: Airframe, wind: Wind) -> Tuning:
         blows._replace(levels=tuple(blows.levels)),
         max_lean=GRAVITY * math.tan(limits.lean),
         smoothing=share(1 / (2 * math.pi * limits.velocity_filter)),
-        leaning=share(limits.lean_lag),
-        turning=share(airframe.lag),
+        tilt_gain=share(limits.lean_lag),
+        rotor_gain=share(airframe.lag),
         slowing=share(max(limits.accel / limits.jerk, STEP)),
         slew=limits.yaw_rate * STEP,
         most_astray=ASTRAY + ASTRAY_S * limits.speed if wind.speed > 0 else math.inf,

@@ -232,8 +232,8 @@ def within_lean(setpoint: complex, aim: complex, most: float) -> complex:
 
 
 def move(state: State, tuning: Tuning) -> None:
-    state.shaped += (state.setpoint - state.shaped) * tuning.leaning
-    state.lean += (state.shaped - state.lean) * tuning.turning
+    state.shaped += (state.setpoint - state.shaped) * tuning.tilt_gain
+    state.lean += (state.shaped - state.lean) * tuning.rotor_gain
     turn_yaw(state, tuning)
     climbed = state.aim_z * state.rate
     state.vz = climbed + tuning.limits.p_height * (state.target_z - state.z - climbed * STEP)

@@ -80,8 +80,8 @@ class SimulationConstants(NamedTuple):
     wind: WindTable
     dt: float  # of a step [s]
     max_lean: float  # g tan(lean)
-    leaning: float  # shares per step
-    turning: float
+    tilt_gain: float  # of first-order lags in one step
+    rotor_gain: float
     turns: bool  # the yaw matters
     noisy: bool
 
@@ -234,12 +234,12 @@ def integrate(state: State, setpoint: Enu, constants: SimulationConstants, is_he
     drift = state.errors.drift
     dt = constants.dt
     drag = constants.airframe.drag
-    lean_east = body.setpoint.east + (setpoint.east - body.setpoint.east) * constants.leaning
-    lean_north = body.setpoint.north + (setpoint.north - body.setpoint.north) * constants.leaning
+    lean_east = body.setpoint.east + (setpoint.east - body.setpoint.east) * constants.tilt_gain
+    lean_north = body.setpoint.north + (setpoint.north - body.setpoint.north) * constants.tilt_gain
     thrust = Enu(
-        body.thrust.east + (lean_east - body.thrust.east) * constants.turning,
-        body.thrust.north + (lean_north - body.thrust.north) * constants.turning,
-        body.thrust.up + (setpoint.up - body.thrust.up) * constants.turning,
+        body.thrust.east + (lean_east - body.thrust.east) * constants.rotor_gain,
+        body.thrust.north + (lean_north - body.thrust.north) * constants.rotor_gain,
+        body.thrust.up + (setpoint.up - body.thrust.up) * constants.rotor_gain,
     )
     lift = 1.0 + thrust.up / GRAVITY
     place = body.place
