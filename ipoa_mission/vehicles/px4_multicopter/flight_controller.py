@@ -166,7 +166,7 @@ class Px4Controller:
 
     def _over_home(self) -> Enu:
         place = self._state.body.place
-        return place._replace(up=place.up - self._state.errors.home)
+        return place._replace(up=place.up - self._state.errors.home_height_error)
 
     def _stopping_place(self, here: Enu) -> Enu:
         return navigator.stopping_place(here, Horizontal(*self._state.body.speed[:2]), self._limits)

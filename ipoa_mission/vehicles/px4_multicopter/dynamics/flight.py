@@ -258,12 +258,12 @@ def is_there(body: Body, errors: Errors, contact: Contact, order: Order) -> bool
     """The navigator knows home's corrections at once."""
     if order.kind == LAND:
         return contact.stages >= STAGES
-    home = errors.home if order.follows_home else 0.0
+    error = errors.home_height_error if order.follows_home else 0.0
     if order.kind == TAKE_OFF:
-        return body.place.up > order.goal.up + home - order.height_radius
+        return body.place.up > order.goal.up + error - order.height_radius
     east, north = body.place.east - order.goal.east, body.place.north - order.goal.north
     near = east * east + north * north <= order.radius * order.radius
-    return near and abs(body.place.up - home - order.goal.up) <= order.height_radius
+    return near and abs(body.place.up - error - order.goal.up) <= order.height_radius
 
 
 def is_over(state: State, order: Order) -> bool:

@@ -156,8 +156,8 @@ def guide(state: State, order: Order, limits: Px4Limits) -> Guidance:
         return state.guidance
     place = state.body.place
     before = state.guidance
-    home = reported_home_error(state, order)
-    reported_place = Enu(place.east, place.north, place.up - home)
+    error = reported_home_error(state, order)
+    reported_place = Enu(place.east, place.north, place.up - error)
     ahead, along, across = beside_leg(reported_place, as_tuple(order.start), as_tuple(order.goal))
     if ahead <= 1e-6:
         return Guidance(ON_LINE, as_tuple(order.start), before.held, before.rising)

@@ -137,7 +137,7 @@ class Errors(NamedTuple):
     seed_1: float
     seed_2: float
     next_in: float  # time until the next fix [s]
-    home: float  # error of home's height
+    home_height_error: float  # [m]
     reported: float  # the same, as the guidance knows it
     reported_at: float
     drift: Enu
@@ -190,7 +190,8 @@ def remainder(value: float, modulus: float) -> float:
 
 def no_errors(seed_1: float, seed_2: float) -> Errors:
     return Errors(
-        seed_1=seed_1, seed_2=seed_2, next_in=0.0, home=0.0, reported=0.0, reported_at=NOT_YET, drift=ZERO,
+        seed_1=seed_1, seed_2=seed_2, next_in=0.0, home_height_error=0.0, reported=0.0,
+        reported_at=NOT_YET, drift=ZERO,
     )  # fmt: skip
 
 
@@ -201,11 +202,11 @@ def add_sensor_errors(state: State, constants: SimulationConstants) -> Errors:
         return last
     reported, reported_at = last.reported, last.reported_at
     if reported_at >= 0.0 and time >= reported_at:
-        reported, reported_at = last.home, NOT_YET
+        reported, reported_at = last.home_height_error, NOT_YET
     if last.next_in > constants.dt:
         return Errors(
             seed_1=last.seed_1, seed_2=last.seed_2, next_in=last.next_in - constants.dt,
-            home=last.home, reported=reported, reported_at=reported_at, drift=last.drift,
+            home_height_error=last.home_height_error, reported=reported, reported_at=reported_at, drift=last.drift,
         )  # fmt: skip
     senses = constants.senses
     seed_1, seed_2, n_east, n_north = normal(last.seed_1, last.seed_2)
@@ -217,15 +218,15 @@ def add_sensor_errors(state: State, constants: SimulationConstants) -> Errors:
         correlation * last.drift.north + fresh * senses.drift * n_north,
         correlation * last.drift.up + fresh * senses.drift_up * n_up,
     )
-    home = last.home
+    error = last.home_height_error
     measured = senses.height_noise * n_height
     flown = time - state.body.airborne_since
-    if flown < CORRECTED_FOR and abs(measured - home) > CORRECTED_BEYOND:
-        home = measured
+    if flown < CORRECTED_FOR and abs(measured - error) > CORRECTED_BEYOND:
+        error = measured
         reported_at = time + NOTICED_S if reported_at < 0.0 else reported_at
     return Errors(
         seed_1=seed_1, seed_2=seed_2, next_in=last.next_in - constants.dt + senses.every,
-        home=home, reported=reported, reported_at=reported_at, drift=drift,
+        home_height_error=error, reported=reported, reported_at=reported_at, drift=drift,
     )  # fmt: skip
 
 
