@@ -29,7 +29,7 @@ class Px4Controller:
         self._now = situation
         self._ground = conditions.ground
         self._parameters = parameters
-        self._law = navigator.simulation_constants(self._limits, airframe, SIH_SENSORS, conditions.wind, STEP_S)
+        self._constants = navigator.simulation_constants(self._limits, airframe, SIH_SENSORS, conditions.wind, STEP_S)
         seeds = (float(chance.randrange(1, 2_000_000_000)), float(chance.randrange(1, 2_000_000_000)))
         self._state = at_rest(Enu(*situation.place), situation.time_s, situation.yaw, no_errors(*seeds), True)
         self._orders: list[Order] = []
@@ -74,7 +74,7 @@ class Px4Controller:
             now.landed = False
             place, errors = self._state.body.place, self._state.errors
             self._state = begin(at_rest(place, now.time_s, now.yaw, errors, True), order)
-        self._state = step(self._state._replace(time=now.time_s), order, self._law)
+        self._state = step(self._state._replace(time=now.time_s), order, self._constants)
         reached = self._state.reached
         if len(self._orders) == 1 and not self._announced and 0.0 <= reached <= self._state.time - order.hold_s:
             self._announced = True

@@ -346,14 +346,18 @@ def at_start(height: float, seed: int) -> FlightProgress:
 
 
 def fly(
-    orders: Sequence[Order], laws: Sequence[SimulationConstants], flight: FlightProgress, until: float, every: int
+    orders: Sequence[Order],
+    constants_as_records: Sequence[SimulationConstants],
+    flight: FlightProgress,
+    until: float,
+    every: int,
 ) -> tuple[Vector, Samples, FlightProgress]:
     """Fly on; return times [s] after each order that ended, samples, and the progress.
 
     Samples have the estimated velocity, each `every` steps (0: none). The flight starts at rest over home, or
     takes off. It ends at the time `until` [s], or early if an order's patience ends.
     """
-    constants = laws[0]
+    constants = constants_as_records[0]  # one: compiled code gets an array of records
     state = flight.state
     steps = flight.steps
     touched = flight.touched
