@@ -233,8 +233,8 @@ class Px4Multicopter(Autopilot):
             fastest = np.where(climb > 0.0, limits.descent, limits.climb)
             back = np.minimum(np.sqrt(half**2 + 2.0 * brakes * distance) - half, fastest)
             leaves_s = limits.cruise / limits.accel + limits.accel / limits.jerk
-            home = speed**2 * leaves_s / np.maximum(2.0 * speed + back, 1e-9)
-            distance = np.maximum(distance, home + noticed_s * speed)
+            run_on_way_home = speed**2 * leaves_s / np.maximum(2.0 * speed + back, 1e-9)
+            distance = np.maximum(distance, run_on_way_home + noticed_s * speed)
         beside_level = super().stopping_climb(parameters, velocity, accel, contingency)
         return np.asarray(np.copysign(np.maximum(distance, np.abs(beside_level)), climb))
 
