@@ -57,7 +57,7 @@ def norm(vector: Enu) -> float:
 
 
 def horizontal_norm(vector: Enu) -> float:
-    """Return the length of a vector's level part."""
+    """Return the length of a vector's horizontal part."""
     return math.sqrt(vector.east * vector.east + vector.north * vector.north)
 
 

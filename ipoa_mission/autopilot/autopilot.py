@@ -120,7 +120,7 @@ class Autopilot(metaclass=_ByName):
     def stopping_offset(
         self, parameters: Parameters, velocity: "Points", accel: "Points", contingency: returning.Contingency
     ) -> "Points":
-        """Return the level displacement (n, 2) [m]."""
+        """Return the horizontal displacement (n, 2) [m]."""
         import numpy as np
 
         speed = np.hypot(*velocity.T)

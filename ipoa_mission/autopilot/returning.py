@@ -44,7 +44,7 @@ class FlightStage(StrEnum):
 HOME: "Place" = (0.0, 0.0, 0.0)
 
 
-def level_distance(start: "Place", end: "Place") -> float:
+def horizontal_distance(start: "Place", end: "Place") -> float:
     return math.hypot(start[0] - end[0], start[1] - end[1])
 
 

@@ -35,7 +35,7 @@ class Steps(NamedTuple):
 
     level: NDArray[np.float64]  # [m]
     leg: NDArray[np.float64]  # [m]
-    east: NDArray[np.float64]  # per meter of level length
+    east: NDArray[np.float64]  # per meter of horizontal length
     north: NDArray[np.float64]
     rise: NDArray[np.float64]  # per meter of length
     flat: NDArray[np.float64]  # per meter of length

@@ -29,7 +29,7 @@ class Row:
     """One line of the table, in meters; `seq` 0 is home.
 
     `length` and `climb` are of the whole way from the item before; for a return, home and down. `heading_deg`: last
-    level part, clockwise from north.
+    horizontal part, clockwise from north.
     """
 
     seq: int

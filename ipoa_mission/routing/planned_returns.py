@@ -178,7 +178,7 @@ class _RallySearch:
     """A search for the fewest rally points by which returns from sampled instants are clear."""
 
     _margins: NDArray[np.float64]  # of returns from each instant to each goal [m]
-    _away: NDArray[np.float64]  # level distances of goals [m]
+    _away: NDArray[np.float64]  # horizontal distances of goals [m]
 
     def __init__(self, paths: ContingencyPaths, times: list[float]) -> None:
         self._paths = paths

@@ -213,7 +213,7 @@ def curve_samples(curve: Spline) -> tuple[Points, Points]:
 
 
 def lefts(samples: Points) -> Points:
-    """Return level unit vectors to the left of the path; zero if vertical."""
+    """Return horizontal unit vectors to the left of the path; zero if vertical."""
     ahead = np.gradient(samples[:, :2], axis=0)
     length = np.linalg.norm(ahead, axis=1, keepdims=True)
     level = np.divide(ahead, length, out=np.zeros_like(ahead), where=length > 1e-9)

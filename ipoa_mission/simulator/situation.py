@@ -54,7 +54,7 @@ class Situation:
     conditions: Conditions = STANDARD_CONDITIONS
     place: Place = (0.0, 0.0, 0.0)  # east, north, up of home [m]
     motion: Place = (0.0, 0.0, 0.0)  # [m/s]
-    tilt_accel: tuple[float, float] = (0.0, 0.0)  # level acceleration by tilt: g tan(angle) [m/s^2]
+    tilt_accel: tuple[float, float] = (0.0, 0.0)  # horizontal acceleration by tilt: g tan(angle) [m/s^2]
     yaw: float = 0.0  # [rad]
     on_ground: bool = True
     time_s: float = 0.0

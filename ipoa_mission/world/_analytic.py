@@ -47,7 +47,7 @@ def _bends(landform, peaks, greatest):
 
 @njit(error_model="numpy")
 def _kink(f, x, y, run):
-    """Bound the extra sag of f sin(f r) over a squared level length `run` [m].
+    """Bound the extra sag of f sin(f r) over a squared horizontal length `run` [m].
 
     Its curvature f^2 / r has a kink at the origin. Over a length s it sags by at most f^2 s / 2.
     """

@@ -1,7 +1,7 @@
 """Splines before other commands, circles, payloads, arcs: flights of ArduCopter 4.8.0-dev (531699d652, calm air).
 
 A folder of tests/data/items_flown is one flight: mission, begin of each item, true position twice a second, 0.1 m
-above the measured height. Only PLACED and LEVEL in vehicles/arducopter/dynamics were fitted.
+above the measured height. Only PLACED and LEVEL_OFF_TOLERANCE in vehicles/arducopter/dynamics were fitted.
 """
 
 import json

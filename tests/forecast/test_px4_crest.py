@@ -28,7 +28,7 @@ def flights() -> Flights:
 
 
 def slowest(track: Points) -> float:
-    """Return the least level speed in the twenty seconds past the crest [m/s]; columns: time, east, north, up."""
+    """Return the least horizontal speed in the twenty seconds past the crest [m/s]; columns: time, east, north, up."""
     past = track[(track[:, 1] > 225.0) & (track[:, 1] < 300.0)]
     return float((np.hypot(*np.diff(past[:, 1:3], axis=0).T) / np.diff(past[:, 0])).min())
 

@@ -96,10 +96,10 @@ class ContingencyPaths:
         begins = pieces.at(obeyed)
         after = pieces.at(obeyed + step_s)
         velocity = (after - before) / (2 * step_s)
-        level_speed = np.hypot(*velocity[:, :2].T)
-        speed = np.maximum(level_speed, STATIONARY_SPEED)
+        horizontal_speed = np.hypot(*velocity[:, :2].T)
+        speed = np.maximum(horizontal_speed, STATIONARY_SPEED)
         along = velocity[:, :2] / speed[:, None]
-        gains = np.gradient(level_speed, step_s) if len(times) > 1 else np.zeros(1)
+        gains = np.gradient(horizontal_speed, step_s) if len(times) > 1 else np.zeros(1)
         accel = (after + before - 2 * begins) / step_s**2
         del before, after  # large
         accel[:, :2] += along * (gains - (accel[:, :2] * along).sum(axis=1))[:, None]

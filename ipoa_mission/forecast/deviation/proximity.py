@@ -17,7 +17,7 @@ from ipoa_mission.geometry import Vector
 from ipoa_mission.world.airspace import Airspace
 from ipoa_mission.world.obstacles.obstacle import distance_of
 
-TYPICAL_CHANCE = 0.01  # at which vertical and level deviations are compared
+TYPICAL_CHANCE = 0.01  # at which vertical and lateral deviations are compared
 Numbers = NDArray[np.intp]
 
 

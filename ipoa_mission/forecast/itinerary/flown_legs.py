@@ -22,7 +22,7 @@ from ipoa_mission.world.terrain import Flat
 
 CHORD_TOLERANCE = 0.005  # of a curve to its chords [m]
 FOLLOWING_STEP = 5.0  # [m]
-LEVEL_SPEEDS = (0.0, 1.0)  # param1 of DO_CHANGE_SPEED
+HORIZONTAL_SPEEDS = (0.0, 1.0)  # param1 of DO_CHANGE_SPEED
 MOVING = FLOWN_TO | {Command.NAV_RETURN_TO_LAUNCH}
 HOME_RADIUS = 0.5  # of a take-off at home [m]
 
@@ -119,7 +119,7 @@ class _LegBuilder:
                     yield from self._payload(seq, item)
                 case Command.NAV_LOITER_TURNS if self.circles:
                     yield from self._circle(seq, item)
-                case Command.DO_CHANGE_SPEED if item.params[0] in LEVEL_SPEEDS and item.params[1] > 0:
+                case Command.DO_CHANGE_SPEED if item.params[0] in HORIZONTAL_SPEEDS and item.params[1] > 0:
                     self.speed = item.params[1]
                 case Command.NAV_RETURN_TO_LAUNCH:
                     yield from self._returns(seq)

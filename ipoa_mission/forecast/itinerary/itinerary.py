@@ -11,7 +11,7 @@ from ipoa_mission.autopilot.parameters import Parameters
 from ipoa_mission.autopilot.returning import HOME, MissionLanding, ReturnBy, ReturnOrder, ReturnRoute
 from ipoa_mission.errors import BadInput, EndlessFlight, NotModeled
 from ipoa_mission.forecast.itinerary.copter_curves import WITH_PLACE, circle_radius, entry_is_unsure, reads_as_here
-from ipoa_mission.forecast.itinerary.flown_legs import LEVEL_SPEEDS
+from ipoa_mission.forecast.itinerary.flown_legs import HORIZONTAL_SPEEDS
 from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.geometry import Place, Vector
 from ipoa_mission.ground import LEVEL, Ground
@@ -211,7 +211,9 @@ def _braking_lengths(mission: Mission) -> list[float]:
     both = table.by_meaning["cruise speed"], table.by_meaning["acceleration"]
     speed, accel = (values[parameter.name] * parameter.unit for parameter in both)
     changed = (n for n, item in enumerate(items) if item.command == Command.DO_CHANGE_SPEED)
-    changes = {n: items[n].params[1] for n in changed if items[n].params[0] in LEVEL_SPEEDS and items[n].params[1] > 0}
+    changes = {
+        n: items[n].params[1] for n in changed if items[n].params[0] in HORIZONTAL_SPEEDS and items[n].params[1] > 0
+    }
     if any(item.is_jump for item in items):
         return [max([speed, *changes.values()]) ** 2 / accel] * len(items)
     lengths = list[float]()

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ipoa_mission.autopilot.parameters import Parameters
-from ipoa_mission.autopilot.returning import Contingency, level_distance
+from ipoa_mission.autopilot.returning import Contingency, horizontal_distance
 from ipoa_mission.errors import NotModeled
 from ipoa_mission.forecast.itinerary.itinerary import Itinerary, turn_deg
 from ipoa_mission.forecast.timing.bound import Kinematics
@@ -47,7 +47,7 @@ class Prediction:
 
 def corner_deg(before: Place, at: Place, after: Place) -> float:
     """Return the turn at a place, 0 to 180; 0 at a vertical side."""
-    if level_distance(before, at) < 0.1 or level_distance(at, after) < 0.1:
+    if horizontal_distance(before, at) < 0.1 or horizontal_distance(at, after) < 0.1:
         return 0.0
     return turn_deg(before, at, after)
 

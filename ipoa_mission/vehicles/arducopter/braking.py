@@ -55,7 +55,7 @@ def circle_spin(limits: CopterLimits, radius: float, speed: float) -> float:
 def flown_circle(limits: CopterLimits, radius: float, speed: float, turn: float) -> FlownCircle:
     """Return the circle on which the vehicle lags behind a point of `radius` > 0 [m], by fixed-point iteration.
 
-    Level speed limit [m/s], `turn` [rad].
+    Horizontal speed limit [m/s], `turn` [rad].
     """
     spin = circle_spin(limits, radius, speed)
     accel = limits.accel

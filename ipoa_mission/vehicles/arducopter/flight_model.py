@@ -242,7 +242,7 @@ class _Flight:
         why = LegSpeeds(
             planned=this.profile.peak if is_straight and this.length > 1.0 else None,
             allowed=limits_along(this.origin, this.target, copter.speeds, self.limits).speed,
-            asked=copter.speeds.level,
+            asked=copter.speeds.horizontal,
             top=self.airframe.top_speed(self.limits.lean) + self.wind.along(this.direction[0], this.direction[1]),
             flown=flown_speed,
             corner=corner_deg(this.origin, this.target, following.target) if following.kind == Kind.STRAIGHT else 0.0,
@@ -286,7 +286,7 @@ class _Flight:
             self.airborne = False
 
     def run(self) -> float:
-        """Fly the leg; return its highest level speed [m/s]."""
+        """Fly the leg; return its highest horizontal speed [m/s]."""
         flown = self.copter.run(self.until)
         self.samples.append(flown.copy())
         self.note()

@@ -195,7 +195,7 @@ class CopterReturn(NamedTuple):
         return cls(p["RTL_ALT"] / 100, max(p["RTL_CLIMB_MIN"] / 100, 0.0), p["RTL_CONE_SLOPE"], ceiling)
 
     def height(self, above: float, distance: float, goal_up: float) -> float:
-        """Return the height above home [m], from `above` home over a level distance to `goal_up`.
+        """Return the height above home [m], from `above` home over a horizontal distance to `goal_up`.
 
         Near the goal a cone of at least 0.5 limits it, and FENCE_MARGIN below a ceiling. It never descends for a limit.
         """
@@ -245,7 +245,7 @@ class CopterLimits(NamedTuple):
     brakes_climb: bool
 
     def stopping_distance(self, speed: Vector | float) -> Vector:
-        """Return the level distance from `speed` [m/s] to a stop [m] (inv_sqrt_controller)."""
+        """Return the horizontal distance from `speed` [m/s] to a stop [m] (inv_sqrt_controller)."""
         linear = speed / self.p_position
         beyond = self.accel / self.p_position**2 / 2 + speed**2 / (2 * self.accel)
         return np.where(speed <= self.accel / self.p_position, linear, beyond)

@@ -13,7 +13,7 @@ from ipoa_mission.autopilot.commands import WAYPOINTS, Command, Frame
 from ipoa_mission.autopilot.failsafe import OwnFence
 from ipoa_mission.autopilot.firmware_tables import POLYGON, Firmware, FirmwareTables, Refusals, Refused, rows
 from ipoa_mission.autopilot.parameters import Parameters
-from ipoa_mission.autopilot.returning import HOME, Contingency, ReturnBy, ReturnOrder, ReturnRoute, level_distance
+from ipoa_mission.autopilot.returning import HOME, Contingency, ReturnBy, ReturnOrder, ReturnRoute, horizontal_distance
 from ipoa_mission.autopilot.version import Version
 from ipoa_mission.geometry import Place, Points, Vector
 from ipoa_mission.vehicles.arducopter.braking import braking_displacement, flown_circle
@@ -82,7 +82,7 @@ def _no_place(values: Sequence[float], frame: int) -> Refused | None:
 
 
 def _is_inside(fence: OwnFence, place: Place) -> bool:
-    is_near = level_distance(place, HOME) <= fence.radius.value
+    is_near = horizontal_distance(place, HOME) <= fence.radius.value
     return is_near and fence.floor.value <= place[2] <= fence.ceiling.value
 
 
@@ -318,7 +318,7 @@ class ArduCopter(Autopilot):
         fence = fence_limits(parameters)
         home = ReturnRoute(ReturnBy.DIRECT)
         inside = [n for n, place in enumerate(order.rally) if fence is None or _is_inside(fence, place)]
-        distances = {n: level_distance(order.here, order.rally[n]) for n in inside}
+        distances = {n: horizontal_distance(order.here, order.rally[n]) for n in inside}
         if not distances:
             return home
         nearest = min(distances, key=distances.__getitem__)
@@ -326,7 +326,7 @@ class ArduCopter(Autopilot):
         limit = 1000.0 * p["RALLY_LIMIT_KM"]
         if limit > 0.0 and distances[nearest] > limit:
             return home
-        if p["RALLY_INCL_HOME"] != 0.0 and distances[nearest] >= level_distance(order.here, HOME):
+        if p["RALLY_INCL_HOME"] != 0.0 and distances[nearest] >= horizontal_distance(order.here, HOME):
             return home
         return ReturnRoute(ReturnBy.DIRECT, nearest)
 

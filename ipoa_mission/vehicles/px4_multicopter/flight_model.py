@@ -138,8 +138,8 @@ class Px4Model(FlightModel):
 
     def kinematics(self, parameters: Parameters, speed: float | None = None) -> Kinematics:
         limits = px4_limits(parameters)
-        level = min(speed or limits.cruise, limits.max_speed)
-        return Kinematics(level, limits.climb, limits.descent, limits.accel, limits.jerk)
+        speed = min(speed or limits.cruise, limits.max_speed)
+        return Kinematics(speed, limits.climb, limits.descent, limits.accel, limits.jerk)
 
     def airframe(self, altitude: float) -> SlowedByAir:
         return state.SIH

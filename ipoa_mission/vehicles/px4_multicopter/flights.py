@@ -172,7 +172,7 @@ class Flights:
         ).why_slow()
 
     def allowed(self, order: Order) -> float:
-        """Return the level speed that climb or descent allows [m/s]."""
+        """Return the horizontal speed that climb or descent allows [m/s]."""
         length = math.dist(order.start[:2], order.goal[:2])
         rise = order.goal.up - order.start.up
         rate = self.limits.climb if rise > 0 else self.limits.descent

@@ -144,7 +144,7 @@ class Px4Return(NamedTuple):
         return cls(*(parameters[name] for name in ("RTL_RETURN_ALT", "RTL_MIN_DIST", "NAV_ACC_RAD", "RTL_CONE_ANG")))
 
     def height(self, above: float, distance: float) -> float:
-        """Return the return height above the goal [m] at a level `distance` [m].
+        """Return the return height above the goal [m] at a horizontal `distance` [m].
 
         It is RTL_RETURN_ALT. Within RTL_MIN_DIST RTL_CONE_ANG lowers it, to two NAV_ACC_RAD; within NAV_ACC_RAD to
         twice the distance. It never descends for that.

@@ -17,7 +17,7 @@ from ipoa_mission.autopilot.failsafe import FenceLimit, OwnFence
 from ipoa_mission.autopilot.firmware_tables import POLYGON, Firmware, FirmwareTables, Refusals, Refused, rows
 from ipoa_mission.autopilot.guidance_profile import mode_number
 from ipoa_mission.autopilot.parameters import Parameters
-from ipoa_mission.autopilot.returning import HOME, Contingency, ReturnBy, ReturnOrder, ReturnRoute, level_distance
+from ipoa_mission.autopilot.returning import HOME, Contingency, ReturnBy, ReturnOrder, ReturnRoute, horizontal_distance
 from ipoa_mission.autopilot.version import Version
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.vehicles.px4_multicopter.failsafes import FAILSAFES
@@ -235,8 +235,8 @@ class Px4Multicopter(Autopilot):
             leaves_s = limits.cruise / limits.accel + limits.accel / limits.jerk
             run_on_way_home = speed**2 * leaves_s / np.maximum(2.0 * speed + back, 1e-9)
             distance = np.maximum(distance, run_on_way_home + noticed_s * speed)
-        beside_level = super().stopping_climb(parameters, velocity, accel, contingency)
-        return np.asarray(np.copysign(np.maximum(distance, np.abs(beside_level)), climb))
+        while_braking = super().stopping_climb(parameters, velocity, accel, contingency)
+        return np.asarray(np.copysign(np.maximum(distance, np.abs(while_braking)), climb))
 
     def slow_stretch(self, parameters: Parameters) -> returning.SlowStretch | None:
         """Return MPC_LAND_ALT1 to MPC_LAND_ALT2.
@@ -277,15 +277,15 @@ class Px4Multicopter(Autopilot):
             return ReturnRoute(ReturnBy.MISSION_FORWARD if ahead else ReturnBy.MISSION_REVERSED)
         rally_only = kind == ReturnType.RALLY_ONLY and (order.version or self.newest).series >= (1, 18)
         best = ReturnRoute(ReturnBy.LAND_IN_PLACE if rally_only else ReturnBy.DIRECT)
-        nearest = math.inf if rally_only or kind == ReturnType.HOME_LAST else level_distance(here, HOME)
+        nearest = math.inf if rally_only or kind == ReturnType.HOME_LAST else horizontal_distance(here, HOME)
         advantage = 2.0  # [m]
         if landing is not None and kind in {ReturnType.HOME_LAST, ReturnType.NEAREST}:
-            distance = level_distance(here, landing.place)
+            distance = horizontal_distance(here, landing.place)
             if distance + advantage < nearest:
                 best, nearest = ReturnRoute(ReturnBy.LANDING), distance
         for n, place in enumerate(order.rally):
-            distance = level_distance(here, place)
-            if (rally_only or level_distance(HOME, place) > 10.0) and distance + advantage < nearest:
+            distance = horizontal_distance(here, place)
+            if (rally_only or horizontal_distance(HOME, place) > 10.0) and distance + advantage < nearest:
                 best, nearest = ReturnRoute(ReturnBy.DIRECT, n), distance
         return best
 

@@ -187,7 +187,7 @@ class Copter:
 
     def _least_time(self) -> float:
         leg = self.this
-        slowest = min(*leg.speeds, self.limits.land_speed) if leg.kind in UPRIGHT else leg.speeds.level
+        slowest = min(*leg.speeds, self.limits.land_speed) if leg.kind in UPRIGHT else leg.speeds.horizontal
         way = leg.length / slowest if leg.length > 0 else 0.0
         return max(way, leg.profile.lasts, leg.lasts)
 
@@ -263,9 +263,9 @@ class Copter:
         self.state.clock_next = self.state.share = self.state.az = 0.0
 
     def change_speed(self, kind: int, speed: float) -> None:
-        """Execute DO_CHANGE_SPEED: kind 0 and 1 level, 2 climb, 3 descent."""
+        """Execute DO_CHANGE_SPEED: kind 0 and 1 horizontal, 2 climb, 3 descent."""
         if speed > 0:
-            name = {2: "up", 3: "down"}.get(kind, "level")
+            name = {2: "up", 3: "down"}.get(kind, "horizontal")
             self.speeds = self.speeds._replace(**{name: speed})
 
     def wait_at(self, item: Item) -> float:
@@ -299,7 +299,7 @@ class Copter:
         self.state.spin = self.state.turned = 0.0
         spin = spin_up = self.limits.circle_rate
         if radius > 0.0:
-            spin = circle_spin(self.limits, radius, self.speeds.level)
+            spin = circle_spin(self.limits, radius, self.speeds.horizontal)
             spin_up = self.limits.accel / radius
         orbit = Orbit(radius, spin, max(spin_up, SLOWEST_SPIN_UP))
         leg = legs.leg_between(Kind.ORBIT, here, here, self.speeds)
@@ -330,7 +330,7 @@ class Copter:
 
     @property
     def _default_climb(self) -> MotionLimits:
-        return MotionLimits(self.speeds.level, self.limits.climb, self.limits.descent)
+        return MotionLimits(self.speeds.horizontal, self.limits.climb, self.limits.descent)
 
     @property
     def _still_moving(self) -> float:
@@ -354,5 +354,5 @@ class Copter:
 
 
 def _at_rest(place: Place, time: float) -> State:
-    level = complex(*place[:2])
-    return State(time, level, place[2], target=level, target_z=place[2])
+    horizontal = complex(*place[:2])
+    return State(time, horizontal, place[2], target=horizontal, target_z=place[2])

@@ -16,10 +16,10 @@ ZERO_LENGTH = 1e-6  # [m]
 
 
 def limits_along(origin: Place, target: Place, speeds: MotionLimits, copter: CopterLimits) -> SCurveLimits:
-    """Return the limits along the path, by level and vertical ones."""
+    """Return the limits along the path, by horizontal and vertical ones."""
     length = math.dist(origin, target)
     if length < 1e-9:
-        return SCurveLimits(speeds.level, copter.accel, copter.jerk, copter.snap)
+        return SCurveLimits(speeds.horizontal, copter.accel, copter.jerk, copter.snap)
     direction = Enu(*((b - a) / length for a, b in zip(origin, target, strict=True)))
     accel = along_limit(direction, MotionLimits(copter.accel, copter.accel_z, copter.accel_z))
     return SCurveLimits(along_limit(direction, speeds), accel, copter.jerk, copter.snap)
@@ -65,7 +65,7 @@ def _limits_of(leg: CopterLeg, copter: CopterLimits, is_changed: bool) -> SCurve
     if leg.turn == 0.0:
         return limits_along(leg.origin, leg.target, leg.speeds, copter)
     fastest = math.sqrt(copter.corner_accel * curves.arc_radius(leg.origin, leg.target, leg.turn))
-    speeds = leg.speeds._replace(level=min(leg.speeds.level, fastest))
+    speeds = leg.speeds._replace(horizontal=min(leg.speeds.horizontal, fastest))
     limits = limits_along(leg.origin, leg.target, speeds, copter)
     if not is_changed:
         return limits
@@ -82,11 +82,11 @@ def spline_leg(
     if previous is not None:
         flown_in = previous.end if previous.kind == Kind.SPLINE else curves.minus(previous.target, previous.origin)
     tangents = curves.spline_tangents(origin, target, flown_in, stop.after)
-    level, vertical = SPLINE_SHARE * copter.accel, SPLINE_SHARE * copter.accel_z
+    horizontal, vertical = SPLINE_SHARE * copter.accel, SPLINE_SHARE * copter.accel_z
     return leg_between(Kind.SPLINE, origin, target, speeds)._replace(
         cubic=[Enu(*coefficient) for coefficient in curves.cubic(origin, target, tangents)],
         end=Enu(*tangents[1]),
-        accel=MotionLimits(level, vertical, vertical),
+        accel=MotionLimits(horizontal, vertical, vertical),
     )
 
 

@@ -74,9 +74,9 @@ class Kind(IntEnum):
 
 
 class MotionLimits(NamedTuple):
-    """Greatest level, upward and downward values [m/s or m/s^2]."""
+    """Greatest horizontal, upward and downward values [m/s or m/s^2]."""
 
-    level: float
+    horizontal: float
     up: float
     down: float
 
@@ -152,7 +152,7 @@ def tuning(limits: CopterLimits, airframe: Airframe, wind: Wind) -> Tuning:
 
 @dataclass(slots=True)
 class State:
-    """A flight at one moment; level vectors are complex: east + north j."""
+    """A flight at one moment; horizontal vectors are complex: east + north j."""
 
     time: float = 0.0
     place: complex = 0j

@@ -39,15 +39,15 @@ def along(leg: CopterLeg, t: float) -> Triple:
 def on_way(
     leg: CopterLeg, a: float, v: float, s: float, way_back: float
 ) -> tuple[complex, float, complex, float, complex, float]:
-    """Return place, velocity and acceleration, each level and upwards [m, m/s, m/s^2].
+    """Return place, velocity and acceleration, each horizontal and upwards [m, m/s, m/s^2].
 
     The place is relative to the origin, or with the length as `way_back` to the target.
     """
     if leg.turn == 0.0:
-        level = complex(leg.direction.east, leg.direction.north)
+        horizontal = complex(leg.direction.east, leg.direction.north)
         up = leg.direction.up
         s -= way_back
-        return s * level, s * up, v * level, v * up, a * level, a * up
+        return s * horizontal, s * up, v * horizontal, v * up, a * horizontal, a * up
     center = complex(leg.center.east, leg.center.north)
     from_center = complex(leg.origin.east, leg.origin.north) - center
     angle = leg.turn * s / leg.length
@@ -76,7 +76,7 @@ def square(v: complex) -> float:
     return v.real**2 + v.imag**2
 
 
-LEVEL = 0.03  # replaces LOITER_TO_ALT's 5 cm and 0.5 s, as flown [m]
+LEVEL_OFF_TOLERANCE = 0.03  # replaces LOITER_TO_ALT's 5 cm and 0.5 s, as flown [m]
 
 
 def orbit(state: State, this: CopterLeg, tuning: Tuning) -> bool:
@@ -86,7 +86,7 @@ def orbit(state: State, this: CopterLeg, tuning: Tuning) -> bool:
     state.turned += state.spin * STEP
     angle = state.bearing + math.copysign(state.turned, this.turn)
     x, y = this.center.east + way.radius * math.sin(angle), this.center.north + way.radius * math.cos(angle)
-    shape_to_place(state, complex(x, y), this.speeds.level, tuning)
+    shape_to_place(state, complex(x, y), this.speeds.horizontal, tuning)
     state.target_z, state.aim_z, state.rate = this.target.up, 0.0, 1.0
     return state.turned >= abs(this.turn)
 
@@ -100,7 +100,7 @@ def level_off(state: State, this: CopterLeg, tuning: Tuning) -> bool:
     state.rate = 1.0
     passed = before * state.above < 0.0
     state.above = before
-    return passed or abs(before) < LEVEL
+    return passed or abs(before) < LEVEL_OFF_TOLERANCE
 
 
 def climb_at(state: State, climb_rate: float, tuning: Tuning) -> None:

@@ -35,13 +35,13 @@ SETTLED_S, STEADY = 30.0, 1e-6  # age and acceleration of a steady cruise [s, m/
 
 def along_limit(direction: Enu, limits: MotionLimits) -> float:
     """Return the limit along a unit vector."""
-    level = horizontal_norm(direction)
+    horizontal = horizontal_norm(direction)
     vertical = limits.up if direction.up > 0.0 else limits.down
-    if level < 1e-9:
+    if horizontal < 1e-9:
         return vertical
     if abs(direction.up) < 1e-9:
-        return limits.level / level
-    return min(limits.level / level, vertical / abs(direction.up))
+        return limits.horizontal / horizontal
+    return min(limits.horizontal / horizontal, vertical / abs(direction.up))
 
 
 def bend(leg: CopterLeg, u: float) -> tuple[Enu, Enu, float, float]:
@@ -258,7 +258,7 @@ def turn_yaw(state: State, tuning: Tuning) -> None:
 
 
 def drag(state: State, tuning: Tuning) -> tuple[complex, float]:
-    """Return the level and upward acceleration by drag [m/s^2]."""
+    """Return the horizontal and upward acceleration by drag [m/s^2]."""
     wind_east, wind_north = wind_at(state.z, tuning.wind)
     air = Enu(state.velocity.real - wind_east, state.velocity.imag - wind_north, state.vz)
     length = math.sqrt(GRAVITY**2 + state.lean.real**2 + state.lean.imag**2)

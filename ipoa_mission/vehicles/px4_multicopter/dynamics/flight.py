@@ -1,7 +1,7 @@
 """One step of PX4: smoothed trajectory, position controller, body and sensors.
 
 The trajectory has three spans of constant jerk per axis, ending together. After a climb the hover thrust estimate is
-too large, as it ignores drag. Anti-windup then reduces the level integrator: PX4 flies slower.
+too large, as it ignores drag. Anti-windup then reduces the horizontal integrator: PX4 flies slower.
 """
 
 import math
@@ -58,7 +58,7 @@ HOVER_SURE, HOVER_SURE_UP = 10.0, 2.0  # of good hover thrust estimates: HTE_VXY
 def control_velocity(
     state: State, trajectory: Trajectory, order: Order, constants: SimulationConstants
 ) -> tuple[Enu, Control]:
-    """Return the acceleration setpoint (level by lean, upwards by thrust over weight), and the controller's next state.
+    """Return the acceleration setpoint (horizontal by lean, up by thrust over weight), and the controller's next state.
 
     A take-off ramps up the climb limit, without acceleration feed-forward.
     """
@@ -170,7 +170,7 @@ def move(axis: Axis, profile: Profile, t: float) -> Axis:
 def smooth(
     trajectory: Trajectory, velocity: Enu, limits: Px4Limits, accel_up: float, times: tuple[float, float]
 ) -> Trajectory:
-    """Return the trajectory later by `times` [s], level and upwards."""
+    """Return the trajectory later by `times` [s], horizontal and upwards."""
     x, y, z = trajectory
     t, t_up = times
     accel, jerk = limits.accel, limits.jerk

@@ -35,7 +35,7 @@ def half_tangent(cosine: float) -> float:
 
 
 def corner_speed(ahead: Enu, onward: Enu, order: Order, limits: Px4Limits) -> float:
-    """Return the level speed [m/s] with the way `ahead` to a goal [m], and `onward` to the next one.
+    """Return the horizontal speed [m/s] with the way `ahead` to a goal [m], and `onward` to the next one.
 
     At the goal: that of the circle touching both legs at the acceptance radius, with MPC_XY_TRAJ_P of the acceleration.
     It is 0 if the next leg is shorter than that.
@@ -147,7 +147,7 @@ AT_GOAL = 1e-5  # no velocity setpoint nearer [m]
 TURNING = 0.98  # cosine between velocity and aim in a turn
 LEAST_AHEAD = 5.0  # look-ahead in a turn, at least the acceptance radius [m]
 MOVING = 0.2  # least speed of a turn [m/s]
-SEPARATE_AXES_SPEED = 0.5  # below, level and vertical parts are cut separately [m/s]
+SEPARATE_AXES_SPEED = 0.5  # below, horizontal and vertical parts are cut separately [m/s]
 
 
 def guide(state: State, order: Order, limits: Px4Limits) -> Guidance:
@@ -262,7 +262,7 @@ def ahead_on_leg(place: Enu, to: Triplet, aim: Enu, radius: float) -> Enu:
 
 
 def decoupled_velocity(aim: Enu, fast: float, rise: float) -> Enu:
-    """Return a velocity along `aim`, of a level and a vertical speed [m/s]."""
+    """Return a velocity along `aim`, of a horizontal and a vertical speed [m/s]."""
     far = horizontal_norm(aim)
     share = fast / far if far > 0.0 else 0.0
     up = 0.0 if aim.up == 0.0 else math.copysign(rise, aim.up)
@@ -270,7 +270,7 @@ def decoupled_velocity(aim: Enu, fast: float, rise: float) -> Enu:
 
 
 def within(aim: Enu, fast: float, rise: float) -> Enu:
-    """Return a velocity along `aim`, cut to a level and a vertical speed [m/s]."""
+    """Return a velocity along `aim`, cut to a horizontal and a vertical speed [m/s]."""
     length = norm(aim)
     if length <= AT_GOAL:
         return ZERO

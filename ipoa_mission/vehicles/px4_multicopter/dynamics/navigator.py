@@ -170,9 +170,9 @@ def with_patience(orders: Sequence[Order], start: Enu, limits: Px4Limits, landin
     """Yield orders flown from `start`, with the time after which each has failed."""
     slowest = min(limits.climb, limits.descent, limits.takeoff_speed, limits.land_speed, limits.crawl_speed)
     for order in orders:
-        level = math.dist(start[:2], order.goal[:2])
+        distance = math.dist(start[:2], order.goal[:2])
         rise = abs(order.goal.up - start.up)
-        lasts = (300 if order.kind == LAND else 120) + 6 * level * max(1.0, 1 / order.cruise) + 4 * rise / slowest
+        lasts = (300 if order.kind == LAND else 120) + 6 * distance * max(1.0, 1 / order.cruise) + 4 * rise / slowest
         late = landing_delay if order.kind == LAND else 0.0
         yield order._replace(hold_s=order.hold_s + late, patience=lasts * max(1.0, 1 / order.radius))
         start = order.goal

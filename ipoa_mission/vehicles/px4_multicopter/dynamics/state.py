@@ -31,7 +31,7 @@ class Airframe(NamedTuple):
     landing_delay: float = 0.0  # of disarming [s]
 
     def top_speed(self, lean: float) -> float:
-        """Return the level speed [m/s] held by a lean [rad] in calm air."""
+        """Return the horizontal speed [m/s] held by a lean [rad] in calm air."""
         return GRAVITY * math.tan(lean) / self.drag if self.drag > 0 else math.inf
 
     def slowing(self, through_air: Points, _axes: Points) -> Points:
@@ -44,7 +44,7 @@ class SensorModel(NamedTuple):
 
     every: float  # between GNSS heights [s]
     height_noise: float  # [m]
-    drift: float  # of the speed, level axes [m/s]
+    drift: float  # of the speed, horizontal axes [m/s]
     drift_up: float
     drift_lasts: float  # correlation time [s]
     sees_ground: bool  # a range finder
