@@ -32,7 +32,7 @@ class Ground:
     earth_radius: float = np.inf
 
     @property
-    def is_level(self) -> bool:
+    def is_flat(self) -> bool:
         return self.terrain is None
 
     def __call__(self, points: NDArray[np.float64]) -> Vector:
@@ -47,7 +47,7 @@ class Ground:
         return 0.0 if self.terrain is None else float(self(np.array([[east, north]]))[0])
 
 
-LEVEL = Ground()
+FLAT_GROUND = Ground()
 
 
 class MovedTerrain(NamedTuple):
@@ -57,8 +57,8 @@ class MovedTerrain(NamedTuple):
     move: Callable[[NDArray[np.float64]], NDArray[np.float64]]
 
     def height(self, points: NDArray[np.float64]) -> Vector:
-        level = self.move(np.column_stack([points[:, :2], np.zeros(len(points))]))
-        return np.asarray(self.terrain.height(level) - level[:, 2])
+        moved = self.move(np.column_stack([points[:, :2], np.zeros(len(points))]))
+        return np.asarray(self.terrain.height(moved) - moved[:, 2])
 
 
 class HighPlace(NamedTuple):

@@ -166,7 +166,7 @@ def expect_slow_landing(forecast: Forecast, aboard: Forecast) -> None:
     autopilot = forecast.mission.autopilot
     planned = autopilot.slow_stretch(forecast.mission.parameters)
     actual = autopilot.slow_stretch(aboard.mission.parameters)
-    if planned is None or actual is None or forecast.ground.is_level:
+    if planned is None or actual is None or forecast.ground.is_flat:
         return
     for landing in landings(forecast):
         height = landing.assumed_height

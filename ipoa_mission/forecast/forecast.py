@@ -144,7 +144,7 @@ class Forecast:
     @cached_property
     def legs(self) -> tuple[Leg, ...]:
         over = self.ground if self.scenario is None else self.scenario.airspace.ground
-        legs = flown_legs(self.mission, self.frame, None if over.is_level else over)
+        legs = flown_legs(self.mission, self.frame, None if over.is_flat else over)
         after = {min((leg.seq for leg in legs if leg.seq > seq), default=seq) for seq in self.left_out}
         return tuple(leg for leg in legs if leg.seq not in after | self.left_out)
 
@@ -231,7 +231,7 @@ class Forecast:
     @property
     def over_uneven_terrain(self) -> tuple[int, ...]:
         """Return the items whose height over terrain is predicted as height over home, though it is not level."""
-        return () if self.ground.is_level else self.itinerary.over_terrain
+        return () if self.ground.is_flat else self.itinerary.over_terrain
 
     def expect_known_path(self) -> None:
         if self.unknown:

@@ -8,7 +8,7 @@ import numpy as np
 from ipoa_mission.autopilot.commands import Command
 from ipoa_mission.autopilot.returning import ReturnOrder
 from ipoa_mission.geodesy import Geodetic
-from ipoa_mission.ground import LEVEL, Ground, HighPlace
+from ipoa_mission.ground import FLAT_GROUND, Ground, HighPlace
 from ipoa_mission.mission.items import Mission
 
 
@@ -35,7 +35,7 @@ def landing_ground_entry(mission: Mission) -> dict[str, float]:
 def known_ground(mission: Mission) -> Ground:
     height = landing_height(mission)
     place = landing_place(mission)
-    return LEVEL if height is None or place is None else Ground(HighPlace(place, height))
+    return FLAT_GROUND if height is None or place is None else Ground(HighPlace(place, height))
 
 
 def landing_on(mission: Mission, height: float) -> Mission:
@@ -47,7 +47,7 @@ def landing_on(mission: Mission, height: float) -> Mission:
 
 
 def landing_over(mission: Mission, ground: Ground) -> Mission:
-    place = None if ground.is_level else landing_place(mission)
+    place = None if ground.is_flat else landing_place(mission)
     return replace(mission, landing_ground=None) if place is None else landing_on(mission, ground.at(*place))
 
 

@@ -54,7 +54,7 @@ def marks_of(mission: Mission) -> Iterator[tuple[str, LonLatUp]]:
 
 def lines_of(forecast: Forecast) -> tuple[Stretch, ...]:
     """Return the way from home and back, down to the scenario's ground."""
-    is_unknown = forecast.scenario is None and forecast.ground.is_level
+    is_unknown = forecast.scenario is None and forecast.ground.is_flat
     lines: list[Stretch] = []
     for leg in forecast.legs:
         for stretch in _stretches(leg, forecast.frame, forecast.mission.home.altitude if is_unknown else None):

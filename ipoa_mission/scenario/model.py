@@ -18,7 +18,7 @@ from ipoa_mission.errors import BadInput, TooFar
 from ipoa_mission.files import plug_ins
 from ipoa_mission.geodesy import EARTH_RADIUS, REACH, Geodetic, LocalFrame, apart, swap_hint
 from ipoa_mission.geometry import Points, Vector
-from ipoa_mission.ground import LEVEL, Ground, HasHeight, MovedTerrain
+from ipoa_mission.ground import FLAT_GROUND, Ground, HasHeight, MovedTerrain
 from ipoa_mission.maps.passed import PassedCount, PassedOver, count_passed_over
 from ipoa_mission.rules import expect_ignorable
 from ipoa_mission.scenario.explain import explained
@@ -267,7 +267,7 @@ class Scenario(Section):
     def ground_from(self, frame: LocalFrame) -> Ground:
         """Return the ground as an autopilot counts, from home."""
         if isinstance(self.terrain, FlatTerrain):
-            return LEVEL
+            return FLAT_GROUND
         terrain: HasHeight = self.airspace.terrain
         if frame.home != self.frame.home:
             terrain = MovedTerrain(terrain, partial(self.frame.moved, other=frame))

@@ -16,7 +16,7 @@ import ipoa_mission.scenario.place_sections as place_sections
 from ipoa_mission.errors import BadInput, InvalidRing, NotCovered
 from ipoa_mission.geodesy import LocalFrame
 from ipoa_mission.geometry import Plane, Vector
-from ipoa_mission.ground import LEVEL, Ground
+from ipoa_mission.ground import FLAT_GROUND, Ground
 from ipoa_mission.maps.areas import MapArea, Zones, join_zones
 from ipoa_mission.maps.buildings import Buildings
 from ipoa_mission.maps.feature import many_objects
@@ -187,7 +187,7 @@ def _read_buildings(scenario: Site, area: Any | None, allowed: Any | None) -> tu
         sections = ((n, section) for n, section in enumerate(scenario.maps) if isinstance(section, BuildingsMap))
         return {number: section.read(scenario.frame, within) for number, section in sections}
 
-    drawn = [obstacle.build("", scenario.frame, LEVEL) for obstacle in scenario.obstacles]
+    drawn = [obstacle.build("", scenario.frame, FLAT_GROUND) for obstacle in scenario.obstacles]
     corners = np.vstack([_places(scenario), *(obstacle.bounds[:, :2] for obstacle in drawn)])
     things = corners.min(axis=0), corners.max(axis=0)
     least, most = _horizontal_bounds(scenario, area, things, np.zeros((0, 4)), allowed)

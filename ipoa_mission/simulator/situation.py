@@ -10,7 +10,7 @@ from ipoa_mission.autopilot.parameters import Parameters
 from ipoa_mission.autopilot.returning import HOME, ReturnOrder
 from ipoa_mission.autopilot.version import Version
 from ipoa_mission.geometry import Place
-from ipoa_mission.ground import LEVEL, Ground
+from ipoa_mission.ground import FLAT_GROUND, Ground
 from ipoa_mission.link.messages import MissionState
 from ipoa_mission.mission.items import Item
 from ipoa_mission.mission.program import MAX_ACTIONS, Program
@@ -22,7 +22,7 @@ STEP_S = 0.02  # [s]
 @dataclass(frozen=True)
 class Conditions:
     wind: Wind = CALM
-    ground: Ground = LEVEL  # above home [m]
+    ground: Ground = FLAT_GROUND  # above home [m]
     vehicle: LearnedVehicle | None = None  # with properties learned from logs
     version: Version | None = None  # None: the newest measured
     seed: int = 0  # of sensor errors

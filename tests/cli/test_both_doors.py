@@ -89,7 +89,7 @@ def test_python_and_the_command_line_give_the_same_numbers_and_bytes(run: Run, s
     total = flight.estimate.total_s
     usual = api.estimate(replace(flight.mission, parameters={})).total_s
     assert total > usual + 3.0
-    near = 1e-3 if flight.forecast.ground.is_level else SLOPE_S
+    near = 1e-3 if flight.forecast.ground.is_flat else SLOPE_S
     for file in ("api/slow.plan", "cli/slow.waypoints"):
         again = api.read_mission(file, flight.mission.autopilot)
         assert dict(again.parameters) == dict(flight.mission.parameters)

@@ -4,7 +4,7 @@ import pytest
 
 from ipoa_mission import Autopilot, Geodetic, read_mission, read_scenario
 from ipoa_mission.cli.mocking import ZURICH, MockOptions, built_in_autopilot
-from ipoa_mission.ground import LEVEL
+from ipoa_mission.ground import FLAT_GROUND
 from ipoa_mission.mission.landing_ground import landing_height
 from tests.refused import refuses
 
@@ -33,7 +33,7 @@ def test_another_autopilot_there_has_none_of_the_parameters() -> None:
 
 def test_mock_without_a_scenario_is_in_zurich_on_level_ground() -> None:
     here = built_in_autopilot(MockOptions(), {}).flight
-    assert (here.autopilot, here.home, here.conditions.ground) == (Autopilot.PX4, Geodetic(*ZURICH), LEVEL)
+    assert (here.autopilot, here.home, here.conditions.ground) == (Autopilot.PX4, Geodetic(*ZURICH), FLAT_GROUND)
     assert built_in_autopilot(MockOptions(home=(1.0, 2.0, 3.0)), {}).flight.home == Geodetic(1.0, 2.0, 3.0)
 
 

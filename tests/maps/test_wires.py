@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ipoa_mission.geodesy import LocalFrame
-from ipoa_mission.ground import LEVEL
+from ipoa_mission.ground import FLAT_GROUND
 from ipoa_mission.maps.building_rules import BuildingRules
 from ipoa_mission.maps.buildings import Buildings, search_buildings
 from ipoa_mission.maps.map_obstacles import MapObstacle, raise_obstacles, raise_span
@@ -128,7 +128,7 @@ def test_no_rope_sticks_out_of_its_walls(
 
 def test_span_over_level_ground_is_one_wall() -> None:
     line = MapObstacle("line", shapely.LineString([(0, 0), (0, 300)]), 8.0, 0.0, 40.0, hangs=True)
-    (wall,) = raise_span(line, LEVEL)
+    (wall,) = raise_span(line, FLAT_GROUND)
     assert wall.bounds.tolist() == [[-8.0, -8.0, 0.0], [8.0, 308.0, 40.0]]
 
 
@@ -137,7 +137,7 @@ def test_every_part_of_a_wire_stands(write_map: WriteMap, frame: LocalFrame, at:
     path = write_map(({"type": "MultiLineString", "coordinates": lines}, {"power": "line", "voltage": "110000"}))
     buildings = find(path, frame)
     assert buildings.remarks == ("1 power line of 110 kV without a height, given 40 m (line_height)",)
-    assert len(raise_obstacles(buildings.obstacles, LEVEL)) == 3
+    assert len(raise_obstacles(buildings.obstacles, FLAT_GROUND)) == 3
 
 
 def test_repeated_points_of_a_line_make_no_span() -> None:

@@ -25,7 +25,7 @@ def test_the_ground_of_a_scenario_goes_to_another_process(path: Path) -> None:
     ground = read_scenario(path).ground
     there = pickle.loads(pickle.dumps(ground))
     places = np.random.default_rng(0).uniform(-100.0, 300.0, (50, 2))
-    assert there.is_level == ground.is_level
+    assert there.is_flat == ground.is_flat
     assert np.array_equal(there(places), ground(places))
     assert [there.at(east, north) for east, north in places[:5].tolist()] == there(places[:5]).tolist()
 

@@ -78,7 +78,7 @@ class ReturnRoutes:
 
     @property
     def _over_terrain(self) -> OverTerrain | None:
-        if self.forecast.ground.is_level:
+        if self.forecast.ground.is_flat:
             return None
         return self.mission.autopilot.over_terrain(self.forecast.itinerary.parameters)
 

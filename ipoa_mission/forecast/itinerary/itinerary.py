@@ -14,7 +14,7 @@ from ipoa_mission.forecast.itinerary.copter_curves import WITH_PLACE, circle_rad
 from ipoa_mission.forecast.itinerary.flown_legs import HORIZONTAL_SPEEDS
 from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.geometry import Place, Vector
-from ipoa_mission.ground import LEVEL, Ground
+from ipoa_mission.ground import FLAT_GROUND, Ground
 from ipoa_mission.mission.items import LEFT_OUT, Mission, Numbered
 from ipoa_mission.mission.program import Program, as_flown, is_passed, jump_target, next_navigated, program_of, repeats
 
@@ -85,7 +85,7 @@ class Itinerary:
         return (*places, (0.0, 0.0, places[-1][2]))
 
 
-def itinerary(mission: Mission, ground: Ground = LEVEL, ground_at_home: float = 0.0) -> Itinerary:
+def itinerary(mission: Mission, ground: Ground = FLAT_GROUND, ground_at_home: float = 0.0) -> Itinerary:
     """Unroll the mission's jumps and convert its items to meters around home.
 
     Heights over terrain count from `ground_at_home` [m above home]; `over_terrain` lists them.

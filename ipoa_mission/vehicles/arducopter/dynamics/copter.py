@@ -13,7 +13,7 @@ from ipoa_mission.compiled import jit_if_faster, records
 from ipoa_mission.errors import MissionError
 from ipoa_mission.forecast.itinerary.copter_curves import bearing_from, place_after, turn_of
 from ipoa_mission.geometry import Enu, Place, Samples
-from ipoa_mission.ground import LEVEL, Ground
+from ipoa_mission.ground import FLAT_GROUND, Ground
 from ipoa_mission.mission.items import Item
 from ipoa_mission.mission.program import Program
 from ipoa_mission.vehicles.arducopter.braking import circle_spin
@@ -94,7 +94,7 @@ class Copter:
         wind: Wind = CALM,
         airframe: Airframe = ARDUPILOT_SIMULATOR,
         fast: bool | None = False,
-        ground: Ground = LEVEL,
+        ground: Ground = FLAT_GROUND,
     ) -> None:
         self.limits = limits
         self._tuning = tuning(limits, airframe, wind)
