@@ -338,7 +338,7 @@ def breaches(mission: Mission, fence: OwnFence, there: Geodetic) -> tuple[str, .
     highest = [(leg, float(up.max())) for leg, up in zip(legs, heights, strict=True)]
     lowest = [(leg, float(up.min())) for leg, up in zip(legs, heights, strict=True) if leg.stage is FlightStage.ROUTE]
     return (
-        *_beyond(mission, fence.radius, farthest, "away from home", law.lateral(share)),
+        *_beyond(mission, fence.radius, farthest, "away from home", law.lateral_bound(share)),
         *_beyond(mission, fence.ceiling, highest, "above home", law.highest.distance(share)),
         *_beyond(mission, fence.floor, lowest, "above home", -law.lowest.distance(share)),
     )

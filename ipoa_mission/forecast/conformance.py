@@ -194,7 +194,7 @@ class ConformanceMonitor:
 
     def _width(self, law: DeviationLaw) -> Vector:
         bound = deviation_bound_of(law, self._chance)
-        return np.array([law.lateral(self._chance), bound.down, bound.up])
+        return np.array([law.lateral_bound(self._chance), bound.down, bound.up])
 
     def _corridor(self) -> tuple[Vector, Points, Points]:
         track = self._estimate.track

@@ -39,7 +39,7 @@ def expect_wide(scenario: Scenario) -> None:
     law = law_of(scenario.vehicle.autopilot, scenario.wind.strongest)
     if chance is None or not scenario.airspace.obstacles:
         return
-    if tight_places(scenario, 2 * THINNING_TOLERANCE + law.lateral(chance)):
+    if tight_places(scenario, 2 * THINNING_TOLERANCE + law.lateral_bound(chance)):
         return  # less clearance is required there
     more = least_reach(law, chance)
     wider = scenario.model_copy(update={"safety_distance": scenario.safety_distance + more})
@@ -57,9 +57,9 @@ def expect_wide(scenario: Scenario) -> None:
 def least_reach(law: DeviationLaw, chance: float) -> float:
     """Return the least extra distance next to an obstacle [m]; less above and below it."""
     vertical = [spread.distance(TYPICAL_CHANCE) for spread in (law.down, law.up)]
-    facing = min(1.0, min(vertical) / law.level.distance(TYPICAL_CHANCE))
+    facing = min(1.0, min(vertical) / law.lateral.distance(TYPICAL_CHANCE))
     reach = [spread.distance(chance) for spread in (law.down, law.up, law.lowest, law.highest)]
-    reach.append(facing * law.level.distance(chance))
+    reach.append(facing * law.lateral.distance(chance))
     if law.farthest is not None:
         reach.append(facing * law.farthest.distance(chance / 2))
     return max(min(reach), 0.0)

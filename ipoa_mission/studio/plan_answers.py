@@ -72,7 +72,7 @@ def expected(forecast: Forecast, name: str) -> answers.Plan:
         required = kept.required
     budget = budget_of(forecast)
     left = None if budget is None else budget.left(budget.used.between)
-    deviation_m = 0.0 if guarantee is None else drawn_flight.shown_deviation_bound(forecast).level
+    deviation_m = 0.0 if guarantee is None else drawn_flight.shown_deviation_bound(forecast).lateral
     return answers.Plan(
         name=name,
         verdict="" if scenario is None or not forecast.cruise else without_folders(forecast.proof.words(), scenario),

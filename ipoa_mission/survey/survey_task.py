@@ -102,7 +102,7 @@ def survey_bound(scenario: Scenario) -> DeviationBound:
         return NO_DEVIATION
     law = law_of(scenario.vehicle.autopilot, scenario.wind.strongest)
     bound = deviation_bound_of(law, chance)
-    return DeviationBound(law.level.distance(chance / TIGHT_PLACES), bound.down, bound.up)
+    return DeviationBound(law.lateral.distance(chance / TIGHT_PLACES), bound.down, bound.up)
 
 
 def keep_out(scenario: Scenario, sight: Sight, growth: Mapping[str, float]) -> Any | None:
@@ -114,10 +114,10 @@ def keep_out(scenario: Scenario, sight: Sight, growth: Mapping[str, float]) -> A
     segments = 16  # of a quarter circle
     shapes = list[Any]()
     for body in obstacles_flown_round(scenario, sight, growth):
-        away = (distance + bound.level + growth.get(body.name, 0.0)) / math.cos(math.pi / 4 / segments)
+        away = (distance + bound.lateral + growth.get(body.name, 0.0)) / math.cos(math.pi / 4 / segments)
         shapes.append(widen(body.horizontal_shape.buffer(away, quad_segs=segments), max_widening))
     if air.bounds.footprint is not None:
-        inside = air.bounds.footprint.shape.buffer(-bound.level - SPARE - growth.get("bounds", 0.0))
+        inside = air.bounds.footprint.shape.buffer(-bound.lateral - SPARE - growth.get("bounds", 0.0))
         box = shapely.box(*air.bounds.lower[:2], *air.bounds.upper[:2])
         shapes.append(box.buffer(2 * scenario.bounds.margin).difference(inside))
     return union_of(shapes) if shapes else None
@@ -133,7 +133,7 @@ def _is_passed(body: Obstacle, sight: Sight, scenario: Scenario) -> bool:
     bound = survey_bound(scenario)
     distance = scenario.limits.obstacle_distance + SPARE
     (west, south, base), (east, north, top) = body.bounds.tolist()
-    reach = max(sight.across, sight.along) / 2 + distance + bound.level
+    reach = max(sight.across, sight.along) / 2 + distance + bound.lateral
     grid = np.meshgrid(np.linspace(west - reach, east + reach, num=7), np.linspace(south - reach, north + reach, num=7))
     heights = scenario.airspace.ground(np.stack(grid, axis=-1).reshape(-1, 2))
     lowest = float(heights.min()) + sight.least

@@ -157,7 +157,7 @@ def _spread(most: float) -> Quantiles:
 
 
 LAW = DeviationLaw(
-    level=_spread(0.4),
+    lateral=_spread(0.4),
     down=_spread(0.3),
     up=_spread(0.3),
     lowest=_spread(0.3),

@@ -62,7 +62,7 @@ def test_recorded_passes_go_beyond_a_quantile_no_oftener_than_it_says(autopilot:
     """Four seconds have a moment's chance and one more for each decorrelation time."""
     distances, law = beside(autopilot, "01"), law_of(autopilot)
     assert len(distances) >= 600
-    assert (distances > law.level.distance(chance)).mean() <= (1 + 4.0 / law.decorrelation_s) * chance
+    assert (distances > law.lateral.distance(chance)).mean() <= (1 + 4.0 / law.decorrelation_s) * chance
 
 
 @pytest.mark.parametrize("side", ["down", "up"])
@@ -80,8 +80,8 @@ def test_beside_a_wall_the_chance_is_that_of_one_side_of_a_pass() -> None:
     course, world = straight(wall(5.0))
     near = proximity_risks(course, world, PX4, 4.0)
     for kept in (3.5, 4.0, 4.5):
-        assert near.chance(kept) == pytest.approx(float(PX4.level.chance(np.array([5.0 - kept]))[0]), rel=1e-6)
-    assert near.clearance_at(0.01) == pytest.approx(5.0 - PX4.level.distance(0.01), abs=0.002)
+        assert near.chance(kept) == pytest.approx(float(PX4.lateral.chance(np.array([5.0 - kept]))[0]), rel=1e-6)
+    assert near.clearance_at(0.01) == pytest.approx(5.0 - PX4.lateral.distance(0.01), abs=0.002)
 
 
 @pytest.mark.parametrize(("seconds", "across", "kept"), [(3.9, 0.0, 2.93), (11.9, 0.0, 2.69), (3.9, 4.0, 2.39)])
@@ -115,7 +115,7 @@ def test_a_bend_widens_the_deviation_bound() -> None:
     course, world = straight(wall(5.0))
     bent = replace(course, across=np.full(len(course.across), PX4.doubling_acceleration))
     assert proximity_risks(bent, world, PX4, 4.0).clearance_at(0.01) == pytest.approx(
-        5.0 - 2 * PX4.level.distance(0.01), abs=0.002
+        5.0 - 2 * PX4.lateral.distance(0.01), abs=0.002
     )
 
 
@@ -124,7 +124,7 @@ def test_kept_clearance_agrees_with_flights_drawn_from_the_law(obstacle: Obstacl
     """Drawn flights move to one side as a whole."""
     course, world = straight(obstacle)
     rng = np.random.default_rng(7)
-    size = np.array([PX4.level.distance(chance) for chance in rng.uniform(1e-6, 1.0, 400)])
+    size = np.array([PX4.lateral.distance(chance) for chance in rng.uniform(1e-6, 1.0, 400)])
     ends = course.points[[0, -1]]  # of a straight course
     flown = [world.obstacle_clearance(ends + np.array([0.0, moved, 0.0])).distance for moved in size]
     for chance in (0.05, 0.2):
@@ -145,7 +145,7 @@ def test_limits_lose_the_rim(scenario_of: Callable[[], Scenario]) -> None:
 def test_room_grows_what_is_near_but_never_over_a_given_place(scenario_of: Callable[[], Scenario]) -> None:
     scenario = scenario_of()
     enlarged = with_margins(clearance_task(scenario), 1.0)
-    by = PX4.level.distance(0.01)
+    by = PX4.lateral.distance(0.01)
     far, near = enlarged.airspace.obstacles
     assert isinstance(far, Cylinder)
     assert isinstance(near, Cylinder)
@@ -167,7 +167,7 @@ def test_height_over_steep_ground_is_limited_by_the_given_places() -> None:
     }
     scenario = Scenario.model_validate(table)
     least, deviation_bound = scenario.limits.height_above_ground, deviation_bound_of(PX4, 0.01)
-    wanted = least + deviation_bound.down + 4.0 * deviation_bound.level
+    wanted = least + deviation_bound.down + 4.0 * deviation_bound.lateral
     assert with_margins(clearance_task(scenario), 1.0).limits.height_above_ground == pytest.approx(wanted)
     assert with_margins(clearance_task(scenario), 1.0, height_factor=0.5).limits.height_above_ground == pytest.approx(
         (least + 12.0) / 2
@@ -214,7 +214,7 @@ def scenario_of() -> Callable[[], Scenario]:
 
 def test_a_spread_is_turned_round() -> None:
     for distance in (0.1, 0.7, 1.9, 4.0):
-        assert PX4.level.distance(float(PX4.level.chance(np.array([distance]))[0])) == pytest.approx(distance)
+        assert PX4.lateral.distance(float(PX4.lateral.chance(np.array([distance]))[0])) == pytest.approx(distance)
 
 
 def test_wind_widens_the_deviation_bound_and_chooses_the_route(
@@ -222,7 +222,7 @@ def test_wind_widens_the_deviation_bound_and_chooses_the_route(
 ) -> None:
     search_quickly(monkeypatch.setattr)
     calm, windy = law_of(Autopilot.ARDUPILOT), law_of(Autopilot.ARDUPILOT, 8.0)
-    assert windy.level.distance(0.01) == pytest.approx(calm.level.distance(0.01) + 0.48)
+    assert windy.lateral.distance(0.01) == pytest.approx(calm.lateral.distance(0.01) + 0.48)
     assert (windy.down.distance(0.01), windy.up.distance(0.01)) > (calm.down.distance(0.01), calm.up.distance(0.01))
     scenario = scenario_of().model_copy(update={"obstacles": ()})
     flights = [plan_flight(scenario, wind=wind) for wind in (None, Wind(5.0, 270.0), Wind(5.0, 90.0))]

@@ -50,7 +50,7 @@ def test_the_bound_is_that_of_the_strongest_wind() -> None:
             {"heights": [0.0, 100.0], "speeds": [2.0, 6.0], "directions": [0.0, 0.0]},
         )
     )
-    assert steady.level > calm.level
+    assert steady.lateral > calm.lateral
     assert uncertain == profile == steady
 
 

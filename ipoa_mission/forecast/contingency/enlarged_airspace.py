@@ -39,7 +39,7 @@ class EnlargedAirspace:
         whole = with_margins(task, SHARING, spares_places=False).airspace
         if task.chance is None:
             return cls(whole, whole)
-        tight = tight_places(scenario, task.law.level.distance(task.chance / SHARING) + MIN_GROWTH)
+        tight = tight_places(scenario, task.law.lateral.distance(task.chance / SHARING) + MIN_GROWTH)
         return cls(whole, with_margins(task, SHARING).airspace if tight else whole, tight)
 
     def at_tight_place(self, starts: Points, ends: Points) -> NDArray[np.bool_]:

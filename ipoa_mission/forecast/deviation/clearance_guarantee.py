@@ -146,7 +146,7 @@ def _bound(law: DeviationLaw, chance: float | None) -> kept_limits.DeviationBoun
 def _worst_checks(part: Pieces, task: kept_limits.ClearanceTask, bound: kept_limits.DeviationBound) -> Iterable[Check]:
     """Check the path, lowered and raised where flights spread."""
     side, down, up = np.vstack([part.spread, part.spread[-1:]]).T
-    wider = replace(bound, level=bound.level + float(side.max()))
+    wider = replace(bound, lateral=bound.lateral + float(side.max()))
     worst = dict[tuple[str, float], Check]()
     for heights in (-down, up) if part.spread.any() else (up,):
         path = part.points.copy()
@@ -159,7 +159,7 @@ def _worst_checks(part: Pieces, task: kept_limits.ClearanceTask, bound: kept_lim
 
 
 def _tight(task: kept_limits.ClearanceTask) -> tuple[kept_limits.TightPlace, ...]:
-    lateral = 0.0 if task.chance is None else task.law.lateral(task.chance)
+    lateral = 0.0 if task.chance is None else task.law.lateral_bound(task.chance)
     return kept_limits.tight_places(task.path, 2 * THINNING_TOLERANCE + lateral)
 
 

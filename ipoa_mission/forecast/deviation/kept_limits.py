@@ -76,20 +76,20 @@ def clearance_task(scenario: Scenario, autopilot: Autopilot | None = None) -> Cl
 
 @dataclass(frozen=True)
 class DeviationBound:
-    level: float
+    lateral: float
     down: float
     up: float
 
     def wider(self, by: float) -> "DeviationBound":
-        return DeviationBound(self.level + by, self.down + by, self.up + by)
+        return DeviationBound(self.lateral + by, self.down + by, self.up + by)
 
     @property
     def below(self) -> Vector:
-        return np.array([self.level, self.level, self.down])
+        return np.array([self.lateral, self.lateral, self.down])
 
     @property
     def above(self) -> Vector:
-        return np.array([self.level, self.level, self.up])
+        return np.array([self.lateral, self.lateral, self.up])
 
 
 NO_DEVIATION = DeviationBound(0.0, 0.0, 0.0)
@@ -97,18 +97,18 @@ NO_DEVIATION = DeviationBound(0.0, 0.0, 0.0)
 
 def deviation_bound_of(law: DeviationLaw, chance: float) -> DeviationBound:
     """Return the bound that a straight flight exceeds at each limit with at most this probability."""
-    lateral = 0.25  # of the probability; the rest is for the heights
-    heights = (1 - lateral) * chance
-    return DeviationBound(law.lateral(lateral * chance), law.lowest.distance(heights), law.highest.distance(heights))
+    side = 0.25  # of the probability; the rest is for the heights
+    heights = (1 - side) * chance
+    return DeviationBound(law.lateral_bound(side * chance), law.lowest.distance(heights), law.highest.distance(heights))
 
 
 def limits_kept(path: Points, task: PathTask, bound: DeviationBound) -> Iterator[Check]:
     higher = problem_of(task).tightened(bound.down)
     least = task.limits.height_above_ground
     sides = [np.zeros(3)]
-    if task.airspace.terrain.steepness > 0 and bound.level > 0:
+    if task.airspace.terrain.steepness > 0 and bound.lateral > 0:
         turns = [2 * math.pi * side / 8 for side in range(8)]
-        sides += [bound.level * np.array([math.cos(turn), math.sin(turn), 0.0]) for turn in turns]
+        sides += [bound.lateral * np.array([math.cos(turn), math.sin(turn), 0.0]) for turn in turns]
     to_and_fro = [path[:: 1 - 2 * (n % 2)] + side for n, side in enumerate(sides)]  # one line is quicker than nine
     for check in prove_heights(np.vstack(to_and_fro), higher):
         if check.limit == "ceiling":
@@ -136,7 +136,7 @@ def _bounds_kept(path: Points, task: PathTask, bound: DeviationBound) -> Check |
         edge = shapely.boundary(bounds.footprint.shape)
         line = shapely.LineString(path[:, :2])
         line = line.difference(shapely.union_all(shapely.buffer(shapely.points(fixed[:, :2]), PLACE_RADIUS)))
-        if not line.is_empty and (margin := float(shapely.distance(line, edge)) - bound.level) < least:
+        if not line.is_empty and (margin := float(shapely.distance(line, edge)) - bound.lateral) < least:
             near = np.array(shapely.shortest_line(line, edge).coords[0])
             least = margin
             nearest = "the flight area"
@@ -165,14 +165,14 @@ def with_margins(
     if chance is None:
         return path
     bound = deviation_bound_of(law, chance)
-    level = law.level.distance(chance / sharing)
+    lateral = law.lateral.distance(chance / sharing)
     airspace = path.airspace
     if spares_places:
-        growth = np.full(len(airspace.obstacles), level)
-        bodies = grown(path, path, growth, DeviationBound(level, bound.down, bound.up), keep_gaps)
+        growth = np.full(len(airspace.obstacles), lateral)
+        bodies = grown(path, path, growth, DeviationBound(lateral, bound.down, bound.up), keep_gaps)
     else:
-        bodies = tuple(body.grown(level, bound.up, bound.down) for body in airspace.obstacles)
-    slope = _usual_slope(airspace) * bound.level
+        bodies = tuple(body.grown(lateral, bound.up, bound.down) for body in airspace.obstacles)
+    slope = _usual_slope(airspace) * bound.lateral
     heights = path.places[:, 2] - path.airspace.ground(path.places)
     spare = float(heights.min()) - path.limits.height_above_ground
     higher = max(bound.down, min(bound.down + slope, height_factor * spare))
@@ -186,7 +186,7 @@ def grown(
     """Return obstacles grown by at most `growth` (n,) [m], so that given places stay clear; or as in `enlarged`.
 
     For planning only: an obstacle near to one place grows less everywhere, and one without an upright column by the
-    level bound alone.
+    lateral bound alone.
     """
     bodies = task.airspace.obstacles
     distance = task.limits.obstacle_distance
@@ -198,7 +198,7 @@ def grown(
     for n, (body, by) in enumerate(zip(bodies, growth.tolist(), strict=True)):
         if by >= MIN_GROWTH:  # flights are too high under a body, too low over it
             below, above = (
-                (by, by) if body.column is None else (by / shape.level * shape.up, by / shape.level * shape.down)
+                (by, by) if body.column is None else (by / shape.lateral * shape.up, by / shape.lateral * shape.down)
             )
             larger[n] = body.grown(by, below, above)
     return tuple(larger)
@@ -229,7 +229,7 @@ def shrunk(bounds: Bounds, fixed: Points, bound: DeviationBound) -> Bounds:
 def _narrower(footprint: Polygon | None, fixed: Points, bound: DeviationBound) -> Polygon | None:
     if footprint is None:
         return None
-    shape = footprint.buffered(-bound.level)
+    shape = footprint.buffered(-bound.lateral)
     if not isinstance(shape, shapely.Polygon) or not shape.covers(shapely.MultiPoint(fixed[:, :2])):
         return footprint
     return Polygon(*rings_of(shape))

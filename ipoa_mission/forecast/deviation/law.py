@@ -52,7 +52,7 @@ class Quantiles:
 
 @dataclass(frozen=True)
 class DeviationLaw:
-    """Quantiles of the measured deviation; `level`: to one side at a moment of a straight flight.
+    """Quantiles of the measured deviation; `lateral`: to one side at a moment of a straight flight.
 
     It doubles at the lateral `doubling_acceleration` [m/s^2]. After the last waypoint it is `after_cruise_factor` times
     as large. It is independent after `decorrelation_s`.
@@ -64,7 +64,7 @@ class DeviationLaw:
     `source`: the flights measured. `strongest`: greatest verified wind with gusts [m/s].
     """
 
-    level: Quantiles
+    lateral: Quantiles
     down: Quantiles
     up: Quantiles
     lowest: Quantiles
@@ -81,28 +81,28 @@ class DeviationLaw:
     def widening(self, across: Vector) -> Vector:
         return np.asarray(1.0 + across / self.doubling_acceleration)
 
-    def lateral(self, chance: float) -> float:
+    def lateral_bound(self, chance: float) -> float:
         """Return the lateral deviation [m] exceeded with this probability."""
         independent = 4  # samples in which a flight is near to a limit that is no obstacle
-        return self.level.distance(chance / independent)
+        return self.lateral.distance(chance / independent)
 
     def in_wind(self, speed: float) -> "DeviationLaw":
         if speed == 0.0:
             return self
-        level, down, up = (growth * speed for growth in self.growth)
+        side, down, up = (growth * speed for growth in self.growth)
         return replace(
             self,
-            level=self.level.longer(level),
+            lateral=self.lateral.longer(side),
             down=self.down.longer(down),
             up=self.up.longer(up),
             lowest=self.lowest.longer(down),
             highest=self.highest.longer(up),
-            farthest=self.farthest and self.farthest.longer(level),
+            farthest=self.farthest and self.farthest.longer(side),
         )
 
     def after_cruise(self) -> "DeviationLaw":
-        factor = self.after_cruise_factor
-        return replace(self, level=self.level.scaled(factor), farthest=self.farthest and self.farthest.scaled(factor))
+        times = self.after_cruise_factor
+        return replace(self, lateral=self.lateral.scaled(times), farthest=self.farthest and self.farthest.scaled(times))
 
 
 def not_measured(autopilot: Autopilot, wind: float) -> str | None:

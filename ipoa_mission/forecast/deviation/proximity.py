@@ -1,7 +1,7 @@
 """Compute the probability that pieces of a path come too near to obstacles.
 
-A flight nearer than k to an upright body deviates by more than (level - k) *and* by more than (vertical - k). Only the
-deviation towards its tangent plane counts. The least of these probabilities is an upper bound.
+A flight nearer than k to an upright body deviates by more than (lateral - k) *and* by more than (vertical - k). Only
+the deviation towards its tangent plane counts. The least of these probabilities is an upper bound.
 """
 
 from dataclasses import dataclass, fields, replace
@@ -66,7 +66,7 @@ class ProximityRisks:
     @cached_property
     def facing(self) -> Vector:
         """Return the ratio of the deviation towards the obstacles to the lateral one."""
-        typical = [spread.distance(TYPICAL_CHANCE) for spread in (self.law.level, self.law.down, self.law.up)]
+        typical = [spread.distance(TYPICAL_CHANCE) for spread in (self.law.lateral, self.law.down, self.law.up)]
         down, up = (spread / typical[0] for spread in typical[1:])
         lateral, above = np.maximum(self.lateral, 0.0), np.maximum(self.above, 0.0)
         length = np.hypot(lateral, above)
@@ -102,7 +102,7 @@ class ProximityRisks:
 
     @cached_property
     def by_height(self) -> NDArray[np.bool_]:
-        spreads = (self.law.level, self.law.down, self.law.up)
+        spreads = (self.law.lateral, self.law.down, self.law.up)
         clearance = self.distance - max(spread.distance(TYPICAL_CHANCE) for spread in spreads)
         return np.asarray(self._vertical(clearance) < self._sideways(clearance))
 
@@ -110,9 +110,9 @@ class ProximityRisks:
         return np.minimum(self._sideways(clearance), self._vertical(clearance))
 
     def _sideways(self, clearance: Vector | float) -> Vector:
-        level = self.law.level.chance((self.lateral - clearance) / self.widening)
-        towards = self.law.level.chance((self.distance - clearance) / (self.widening * self.facing))
-        return np.minimum(self.sides * np.minimum(level, towards), 1.0)
+        lateral = self.law.lateral.chance((self.lateral - clearance) / self.widening)
+        towards = self.law.lateral.chance((self.distance - clearance) / (self.widening * self.facing))
+        return np.minimum(self.sides * np.minimum(lateral, towards), 1.0)
 
     def _vertical(self, clearance: Vector | float) -> Vector:
         spare = self.above - clearance
@@ -163,7 +163,7 @@ def proximity_risks(flown: Pieces, airspace: Airspace, law: DeviationLaw, cleara
     a, b = flown.points[:-1], flown.points[1:]
     widening = law.widening(flown.across)
     rare = 1e-5  # the chance of obstacles that are ignored
-    reach = max(clearance, 0.0) + widening * law.level.distance(rare) + flown.spread[:, 0]
+    reach = max(clearance, 0.0) + widening * law.lateral.distance(rare) + flown.spread[:, 0]
     piece, obstacle = airspace.beside(shapely.linestrings(np.stack([a[:, :2], b[:, :2]], axis=1)), reach)
     order = np.argsort(obstacle, kind="stable")
     piece, obstacle = piece[order], obstacle[order]

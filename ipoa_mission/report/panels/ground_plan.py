@@ -22,7 +22,7 @@ def ground_plan(flight: DrawnFlight, extent: Extent) -> str:
     airspace = flight.scenario.airspace
     bodies = sorted(extent.obstacles(airspace), key=lambda body: float(body.bounds[1, 2]))
     highest = max((float(body.bounds[1, 2]) for body in extent.buildings(airspace)), default=1.0)
-    outline = outline_around(flight.predicted.points, flight.deviation_bound.level)
+    outline = outline_around(flight.predicted.points, flight.deviation_bound.lateral)
     bound = "".join(ring_path(ring[:-1]) for ring in outline)
     places = [(n, leg, leg.place) for n, leg in enumerate(flight.legs) if leg.place is not None]
     layers = [

@@ -302,7 +302,7 @@ MODEL = ArduCopterModel()
 
 #: The measured distance of ArduCopter's flights from their predicted paths (docs/safety.md).
 LAW = DeviationLaw(
-    level=Quantiles((-0.1, 0.0, 0.02, 0.04, 0.06, 0.12, 0.28, 0.5), (1.0, 0.5, 0.2, 0.1, 0.05, 0.01, 0.002, 0.0005)),
+    lateral=Quantiles((-0.1, 0.0, 0.02, 0.04, 0.06, 0.12, 0.28, 0.5), (1.0, 0.5, 0.2, 0.1, 0.05, 0.01, 0.002, 0.0005)),
     down=Quantiles((-0.3, 0.0, 0.02, 0.04, 0.1, 0.25), (1.0, 0.5, 0.2, 0.1, 0.01, 0.002)),
     up=Quantiles((-0.1, 0.09, 0.11, 0.13, 0.17, 0.27, 0.43), (1.0, 0.5, 0.2, 0.1, 0.05, 0.01, 0.002)),
     lowest=Quantiles((0.0, 0.05, 0.13, 0.30), (1.0, 0.2, 0.05, 0.01)),

@@ -266,7 +266,7 @@ MODEL = Px4Model()
 
 #: The measured distance of PX4's flights from their predicted paths (docs/safety.md).
 LAW = DeviationLaw(
-    level=Quantiles(
+    lateral=Quantiles(
         (-1.5, 0.0, 0.12, 0.22, 0.42, 0.62, 1.07, 1.42, 1.72), (1.0, 0.5, 0.3, 0.2, 0.1, 0.05, 0.01, 0.002, 0.0005)
     ),
     down=Quantiles((-2.5, 0.0, 0.75, 1.1, 1.35, 1.75, 2.1), (1.0, 0.5, 0.2, 0.1, 0.05, 0.01, 0.002)),
