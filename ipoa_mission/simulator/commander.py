@@ -10,7 +10,6 @@ from ipoa_mission.link.messages import CRITICAL, INFO, WARNING, CommandResult, M
 from ipoa_mission.simulator.mock_vehicle import KNOWN_MESSAGES, MockVehicle
 from ipoa_mission.simulator.situation import FlightMode
 
-GUIDED = 4  # ArduCopter's mode of take-off by command
 MAV_DO_REPOSITION_CHANGE_MODE = 1
 
 
@@ -268,7 +267,8 @@ class Commander(MockVehicle):
 
     def _climb(self, height: float) -> CommandResult:
         """Command 22: ArduPilot climbs in GUIDED to a height above home."""
-        if self.mode != GUIDED or not self._is_armed_on_ground() or not 0.0 < height < math.inf:
+        is_guided = self.mode == self.profile.autopilot.modes.arming
+        if not is_guided or not self._is_armed_on_ground() or not 0.0 < height < math.inf:
             return CommandResult.FAILED
         self.flight.climb(height)
         return CommandResult.ACCEPTED

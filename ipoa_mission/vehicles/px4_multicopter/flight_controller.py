@@ -4,7 +4,6 @@ import math
 import random
 
 from ipoa_mission.autopilot.commands import Command, VehicleCommand
-from ipoa_mission.autopilot.guidance_profile import mode_number
 from ipoa_mission.autopilot.parameters import Parameters
 from ipoa_mission.geometry import Enu
 from ipoa_mission.link.messages import CommandResult, MissionState, MissionType
@@ -15,7 +14,7 @@ from ipoa_mission.vehicles.px4_multicopter.dynamics import navigator
 from ipoa_mission.vehicles.px4_multicopter.dynamics.flight import at_rest, begin, is_over, step
 from ipoa_mission.vehicles.px4_multicopter.dynamics.state import SIH_SENSORS, Horizontal, Order, no_errors
 from ipoa_mission.vehicles.px4_multicopter.limits import px4_limits
-from ipoa_mission.vehicles.px4_multicopter.vehicle import PX4_MULTICOPTER
+from ipoa_mission.vehicles.px4_multicopter.vehicle import PX4_MULTICOPTER, Px4Mode
 
 
 class Px4Controller:
@@ -212,14 +211,14 @@ MOCK_PROFILE = MockProfile(
     }),
     start_up=StartUp(0.5, 1.0, 1.5, 1.5, *(3 * ("Resolve system health failures first",))),
     modes={
-        FlightMode.HOLD: mode_number(4, 3),
-        FlightMode.MISSION: mode_number(4, 4),
-        FlightMode.RETURN: mode_number(4, 5),
-        FlightMode.LAND: mode_number(4, 6),
+        FlightMode.HOLD: Px4Mode.AUTO_LOITER,
+        FlightMode.MISSION: Px4Mode.AUTO_MISSION,
+        FlightMode.RETURN: Px4Mode.AUTO_RTL,
+        FlightMode.LAND: Px4Mode.AUTO_LAND,
     },
-    first_mode=mode_number(4, 3),
-    placed_modes=frozenset(mode_number(4, sub) for sub in range(2, 7)),
-    armable_modes=frozenset({mode_number(4, 2), mode_number(4, 3), mode_number(4, 4)}),
+    first_mode=Px4Mode.AUTO_LOITER,
+    placed_modes=frozenset(mode for mode in Px4Mode if mode.name.startswith("AUTO_")),
+    armable_modes=frozenset({Px4Mode.AUTO_TAKEOFF, Px4Mode.AUTO_LOITER, Px4Mode.AUTO_MISSION}),
     mission_arms=True,
     refused_arming=CommandResult.TEMPORARILY_REJECTED,
     arm_texts=(

@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 
-from ipoa_mission.autopilot.guidance_profile import mode_number
 from ipoa_mission.autopilot.parameters import REAL32
 from ipoa_mission.errors import BadInput, WrongFormat, imported
 from ipoa_mission.files import read_bytes
@@ -17,11 +16,11 @@ from ipoa_mission.geodesy import SphericalPlane
 from ipoa_mission.geometry import Matrix, Vector
 from ipoa_mission.link.messages import INFO, Current, HomePosition, Message, MissionState, ParamValue, Reached, Text
 from ipoa_mission.logs.logged import Battery, Fixes, Log, LogFormat, Measured, presence, version_name
-from ipoa_mission.vehicles.px4_multicopter.vehicle import PX4_MULTICOPTER
+from ipoa_mission.vehicles.px4_multicopter.vehicle import PX4_MULTICOPTER, Px4Mode
 
 ARMED = 2  # vehicle_status.arming_state
 #: vehicle_status.nav_state to HEARTBEAT.custom_mode.
-MODES = {3: mode_number(4, 4), 4: mode_number(4, 3), 5: mode_number(4, 5), 18: mode_number(4, 6)}
+MODES = {3: Px4Mode.AUTO_MISSION, 4: Px4Mode.AUTO_LOITER, 5: Px4Mode.AUTO_RTL, 18: Px4Mode.AUTO_LAND}
 POSITIONS = ("vehicle_global_position", "vehicle_local_position")
 BATTERY, ATTITUDE = "battery_status", "vehicle_attitude"
 TOPICS = [*POSITIONS, "vehicle_status", "mission_result", "home_position", BATTERY, ATTITUDE]

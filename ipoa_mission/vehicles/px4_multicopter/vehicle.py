@@ -97,6 +97,21 @@ class ReturnType(IntEnum):
     RALLY_ONLY = 5  # since 1.18
 
 
+class Px4Mode(IntEnum):
+    """HEARTBEAT.custom_mode."""
+
+    MANUAL = mode_number(1)
+    ALTCTL = mode_number(2)
+    POSCTL = mode_number(3)
+    AUTO_TAKEOFF = mode_number(4, 2)
+    AUTO_LOITER = mode_number(4, 3)
+    AUTO_MISSION = mode_number(4, 4)
+    AUTO_RTL = mode_number(4, 5)
+    AUTO_LAND = mode_number(4, 6)
+    OFFBOARD = mode_number(6)
+    STABILIZED = mode_number(7)
+
+
 class Px4Multicopter(Autopilot):
     name = "px4"
     rank = 0
@@ -105,20 +120,15 @@ class Px4Multicopter(Autopilot):
     mav_types = MULTICOPTERS
     measured = MEASURED
     modes = profile.Modes(
-        mission=mode_number(4, 4),
-        arming=mode_number(4, 4),  # takes off once armed
-        hold=mode_number(4, 3),
-        returning=mode_number(4, 5),
-        returns=frozenset({mode_number(4, 5)}),  # of an RTL item
-        landing=mode_number(4, 6),
-        names={
-            mode_number(1): "MANUAL", mode_number(2): "ALTCTL", mode_number(3): "POSCTL",
-            mode_number(4, 2): "AUTO.TAKEOFF", mode_number(4, 3): "AUTO.LOITER", mode_number(4, 4): "AUTO.MISSION",
-            mode_number(4, 5): "AUTO.RTL", mode_number(4, 6): "AUTO.LAND", mode_number(6): "OFFBOARD",
-            mode_number(7): "STABILIZED",
-        },
+        mission=Px4Mode.AUTO_MISSION,
+        arming=Px4Mode.AUTO_MISSION,  # takes off once armed
+        hold=Px4Mode.AUTO_LOITER,
+        returning=Px4Mode.AUTO_RTL,
+        returns=frozenset({Px4Mode.AUTO_RTL}),  # of an RTL item
+        landing=Px4Mode.AUTO_LAND,
+        names={int(mode): mode.name.replace("_", ".") for mode in Px4Mode},
         has_sub_modes=True,
-    )  # fmt: skip
+    )
     parameter_table = PARAMETER_TABLE
     tables = FirmwareTables(
         Firmware(
