@@ -12,7 +12,7 @@ from ipoa_mission.simulator.mock_profile import BYTEWISE, CAPABILITIES, Answer, 
 from ipoa_mission.simulator.situation import STEP_S, FlightMode, Situation
 from ipoa_mission.vehicles.px4_multicopter.dynamics import navigator
 from ipoa_mission.vehicles.px4_multicopter.dynamics.flight import at_rest, begin, is_over, step
-from ipoa_mission.vehicles.px4_multicopter.dynamics.state import SIH_SENSORS, Horizontal, Order, no_errors
+from ipoa_mission.vehicles.px4_multicopter.dynamics.state import SIH_SENSORS, EastNorth, Order, no_errors
 from ipoa_mission.vehicles.px4_multicopter.limits import px4_limits
 from ipoa_mission.vehicles.px4_multicopter.vehicle import PX4_MULTICOPTER, Px4Mode
 
@@ -168,7 +168,7 @@ class Px4Controller:
         return place._replace(up=place.up - self._state.errors.home_height_error)
 
     def _stopping_place(self, here: Enu) -> Enu:
-        return navigator.stopping_place(here, Horizontal(*self._state.body.speed[:2]), self._limits)
+        return navigator.stopping_place(here, EastNorth(*self._state.body.speed[:2]), self._limits)
 
     def _brake(self) -> None:
         here = self._state.body.place

@@ -35,10 +35,10 @@ from ipoa_mission.vehicles.px4_multicopter.dynamics.state import (
     Body,
     Contact,
     Control,
+    EastNorth,
     Errors,
     FlightProgress,
     Guidance,
-    Horizontal,
     Order,
     SimulationConstants,
     State,
@@ -95,14 +95,14 @@ def control_velocity(
     return Enu(ask_east * share, ask_north * share, thrust), Control(integral, before.hover, thrust)
 
 
-def horizontal_velocity(trajectory: Trajectory, body: Body, limits: Px4Limits, dt: float) -> Horizontal:
+def horizontal_velocity(trajectory: Trajectory, body: Body, limits: Px4Limits, dt: float) -> EastNorth:
     x: Axis = trajectory.east
     y: Axis = trajectory.north
     east = x.speed + limits.p_position * (x.place - body.place.east - body.speed.east * dt)
     north = y.speed + limits.p_position * (y.place - body.place.north - body.speed.north * dt)
     size = math.sqrt(east * east + north * north)
     share = 1.0 if size <= limits.max_speed else limits.max_speed / size
-    return Horizontal(east * share, north * share)
+    return EastNorth(east * share, north * share)
 
 
 def learn_hover(control: Control, body: Body, constants: SimulationConstants, time: float) -> Control:
@@ -272,7 +272,7 @@ def is_over(state: State, order: Order) -> bool:
 
 def at_rest(place: Enu, time: float, yaw: float, errors: Errors, on_ground: bool) -> State:
     body = Body(
-        place=place, speed=ZERO, acceleration=Horizontal(0.0, 0.0), setpoint=Horizontal(0.0, 0.0),
+        place=place, speed=ZERO, acceleration=EastNorth(0.0, 0.0), setpoint=EastNorth(0.0, 0.0),
         thrust=ZERO, on_ground=on_ground, airborne_since=time,
     )  # fmt: skip
     east = Axis(place.east, 0.0, 0.0)

@@ -17,7 +17,7 @@ from ipoa_mission.vehicles.px4_multicopter.dynamics.state import (
     SIH,
     TAKE_OFF,
     Airframe,
-    Horizontal,
+    EastNorth,
     Order,
     SensorModel,
     SimulationConstants,
@@ -94,7 +94,7 @@ def landing_orders(start: Enu, ground: Enu, limits: Px4Limits, cruise: float, ho
     return [*legs, leg(limits, ground, ground, cruise=cruise)._replace(kind=LAND, hold_s=hold_s)]
 
 
-def stopping_place(place: Enu, speed: Horizontal, limits: Px4Limits) -> Enu:
+def stopping_place(place: Enu, speed: EastNorth, limits: Px4Limits) -> Enu:
     """Return the stopping place of LAND and hold."""
     time = limits.stopping_time(math.hypot(speed.east, speed.north))
     return place._replace(east=place.east + speed.east * time, north=place.north + speed.north * time)
@@ -121,7 +121,7 @@ def return_orders(here: Enu, limits: Px4Limits, goal_ground: Enu, goal_height: f
 
 def contingency_orders(contingency: Contingency, row: Vector, itinerary: Itinerary, limits: Px4Limits) -> list[Order]:
     here = Enu(*map(float, row[1:4]))
-    speed = Horizontal(float(row[4]), float(row[5]))
+    speed = EastNorth(float(row[4]), float(row[5]))
     ground = itinerary.ground
     if contingency is Contingency.RTL:
         goal = Enu(*itinerary.goal_of_return(here))

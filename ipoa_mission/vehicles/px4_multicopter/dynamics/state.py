@@ -113,7 +113,7 @@ class Control(NamedTuple):
     thrust: float  # upward setpoint
 
 
-class Horizontal(NamedTuple):
+class EastNorth(NamedTuple):
     east: float
     north: float
 
@@ -121,8 +121,8 @@ class Horizontal(NamedTuple):
 class Body(NamedTuple):
     place: Enu
     speed: Enu  # estimated
-    acceleration: Horizontal
-    setpoint: Horizontal  # lean setpoint: acceleration at one g
+    acceleration: EastNorth
+    setpoint: EastNorth  # lean setpoint: acceleration at one g
     thrust: Enu  # lean, and thrust above weight
     on_ground: bool
     airborne_since: float
@@ -259,6 +259,6 @@ def integrate(state: State, setpoint: Enu, constants: SimulationConstants, is_he
         speed = Enu(speed.east + felt_east * dt, speed.north + felt_north * dt, rise)
         place = plus(place, scaled(plus(speed, drift), dt))
     return Body(
-        place=place, speed=speed, acceleration=Horizontal(felt_east, felt_north),
-        setpoint=Horizontal(lean_east, lean_north), thrust=thrust, on_ground=on_ground, airborne_since=since,
+        place=place, speed=speed, acceleration=EastNorth(felt_east, felt_north),
+        setpoint=EastNorth(lean_east, lean_north), thrust=thrust, on_ground=on_ground, airborne_since=since,
     )  # fmt: skip
