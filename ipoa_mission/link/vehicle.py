@@ -37,6 +37,19 @@ STARTUP_S = 60.0
 LISTS = (MissionType.MISSION, MissionType.FENCE, MissionType.RALLY)
 
 
+def _with_lists(failed: MissionError, kind: int, sent: Sequence[int]) -> MissionError:
+    """Add what the vehicle holds of each list of an upload that failed in the list `kind`."""
+    names = [conversations.list_name(each) for each in sent]
+    at = list(sent).index(kind)
+    new = f"it holds the new {' and the new '.join(names[:at])}" if at > 0 else ""
+    old = f"it keeps the {' and the '.join(names[at + 1 :])} that it had" if names[at + 1 :] else ""
+    failed.args = ("; ".join(filter(None, (*failed.args, new, old))),)
+    its_own = "new" if isinstance(failed, Unflyable) else failed.known.get("list_on_vehicle", "unknown")
+    states = ["new"] * at + [its_own] + ["old"] * (len(names) - at - 1)
+    failed.known["lists_on_vehicle"] = dict(zip(names, states, strict=True))
+    return failed
+
+
 @dataclass(frozen=True)
 class ConnectionOptions:
     """As `connect` explains them."""
@@ -78,7 +91,7 @@ class Vehicle(VehicleSession):
         self._numbers = itertools.count(2 * round(1e3 * line.now()), 2)  # differ from the last session's
 
     def upload(self, mission: Mission, progress: Progress = silent, checked: bool = True) -> None:
-        """Upload a mission, with its fence and rally points, and verify each list.
+        """Upload a mission, after its fence and rally points, and verify each list.
 
         Args:
             mission: for this vehicle's autopilot.
@@ -90,7 +103,7 @@ class Vehicle(VehicleSession):
             BadInput: the mission is for another autopilot or vehicle.
             Unsafe: the check found errors; nothing was sent.
             MissionRefused, NoAnswer, ReadBackDiffers, Replaced, Unflyable, TimeUp, Cancelled: it is not on the vehicle,
-                or cannot be flown.
+                or cannot be flown; `known["lists_on_vehicle"]` has the state of each list.
         """
         self.state.expect_flown()
         if mission.other_vehicle or mission.autopilot is not self.autopilot:
@@ -101,20 +114,17 @@ class Vehicle(VehicleSession):
             if checked:
                 aboard, unsaid = check_aboard(mission, self.autopilot, self.firmware_version())
                 refuse_errors((*unsaid, *check_mission(aboard)))
-            try:
-                self.upload_items(stored_mission.to_wire(mission), MissionType.MISSION, progress)
-            except Unflyable as unflyable:
-                if unflyable.why or self.home() is not None:
-                    raise
-                raise Unplaced from None
-            try:
-                if mission.fence:
-                    self.upload_items(stored_mission.fence_to_wire(mission.fence), MissionType.FENCE)
-                if mission.rally:
-                    self.upload_items(stored_mission.rally_to_wire(mission.rally), MissionType.RALLY)
-            except Cancelled as cancelled:
-                words = f"{cancelled}; its mission is the new one"
-                raise Cancelled(words, cancelled.hint, list_on_vehicle=cancelled.list_on_vehicle) from None
+            lists = {MissionType.MISSION: stored_mission.to_wire(mission)}
+            if mission.rally:
+                lists = {MissionType.RALLY: stored_mission.rally_to_wire(mission.rally), **lists}
+            if mission.fence:  # PX4 judges a mission by the fence that it holds
+                lists = {MissionType.FENCE: stored_mission.fence_to_wire(mission.fence), **lists}
+            for kind, items in lists.items():
+                try:
+                    self.upload_items(items, kind, progress if kind == MissionType.MISSION else silent)
+                except MissionError as error:
+                    is_unplaced = isinstance(error, Unflyable) and not error.why and self.home() is None
+                    raise _with_lists(Unplaced() if is_unplaced else error, kind, list(lists)) from None
             if interrupt.take():
                 raise Cancelled("cancelled too late: the vehicle holds everything that was sent", list_on_vehicle="new")
         self._set_mission(mission)

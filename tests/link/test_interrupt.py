@@ -111,18 +111,22 @@ def test_cancellation_between_two_lists_names_the_state_of_both() -> None:
     line, mock, _ = aboard(PX4)
     vehicle = meet(line)
     listed = mock.vehicle.load_list
-
-    def store_and_press(kind: int) -> None:
-        listed(kind)
-        press()
-
-    mock.transfers.changed = store_and_press
     items = (takeoff(HOME, 10.0), waypoint(Geodetic(47.4002, 8.5), 12.0))
-    with refuses("cancelled", list_on_vehicle="new"):
-        vehicle.upload(Mission(HOME, items, PX4, fence=(FenceCircle((47.4, 8.5), 300.0),)))
-    mock.transfers.changed = lambda kind: press() if kind == MissionType.FENCE else listed(kind)
-    with refuses("cancelled", list_on_vehicle="new"):
-        vehicle.upload(Mission(HOME, items, PX4, fence=(FenceCircle((47.4, 8.5), 300.0),)))
+    mission = Mission(HOME, items, PX4, fence=(FenceCircle((47.4, 8.5), 300.0),))
+    for pressed_at, left in (
+        (MissionType.FENCE, {"fence": "new", "mission": "old"}),
+        (MissionType.MISSION, {"fence": "new", "mission": "new"}),
+    ):
+
+        def store_and_press(kind: int, at: int = pressed_at) -> None:
+            listed(kind)
+            _press_at(at, kind)
+
+        mock.transfers.changed = store_and_press
+        with refuses("cancelled", list_on_vehicle="new") as cancelled:
+            vehicle.upload(mission)
+        assert cancelled.value.known["lists_on_vehicle"] == left
+        assert ("it keeps the mission that it had" in str(cancelled.value)) is ("old" in left.values())
 
 
 class Pressing(Loopback):

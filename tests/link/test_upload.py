@@ -2,14 +2,21 @@ import pytest
 
 from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.errors import MissionError
+from ipoa_mission.geodesy import Geodetic
+from ipoa_mission.link.codec import Codec, Target
+from ipoa_mission.link.connect import meet
 from ipoa_mission.link.conversations import download
 from ipoa_mission.link.dialogue import Cancelled, NoAnswer, TimeUp
+from ipoa_mission.link.line import Line
 from ipoa_mission.link.messages import Ack, Count, ItemAt, Message, MissionType, Request, RequestList, Result
 from ipoa_mission.link.upload import Upload, upload
-from ipoa_mission.mission.items import Item
+from ipoa_mission.link.vehicle import ConnectionOptions
+from ipoa_mission.mission.items import FenceCircle, Item, Mission, takeoff, waypoint
 from ipoa_mission.mission.stored_mission import compare
+from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot
+from ipoa_mission.simulator.station import Loopback, Station
 from tests.link.scripted_answers import lead
-from tests.link_pair import STRANGER, Air, Fate, Vehicle, items_of
+from tests.link_pair import HOME, STRANGER, Air, Fate, Vehicle, items_of
 from tests.refused import refuses
 
 PX4, ARDUPILOT = Autopilot.PX4, Autopilot.ARDUPILOT
@@ -211,3 +218,31 @@ def test_a_download_that_takes_too_long_says_how_much_had_come() -> None:
     vehicle.store(items_of(PX4, 30))
     with refuses("time-up", "", "9 of 30"):
         Air(vehicle, [Fate(1, 0.1)]).hold(download(MissionType.MISSION), interrupts={2.1: TimeUp("the time is up")})
+
+
+@pytest.mark.parametrize("refused", [MissionType.FENCE, MissionType.RALLY, MissionType.MISSION])
+@pytest.mark.parametrize("family", registered())
+def test_a_refused_list_is_named_with_the_state_of_all(family: Autopilot, refused: MissionType) -> None:
+    """The mission is the last: it never flies without its new fence, by which PX4 judges it."""
+    mock = BuiltInAutopilot(family, HOME)
+    vehicle = meet(Line(Loopback(Station(mock)), Codec(245, 190)), options=ConnectionOptions(fast=False))
+    items = (takeoff(HOME, 10.0), waypoint(Geodetic(47.4002, 8.5), 12.0))
+    receive = mock.receive
+
+    def refuse(message: Message, source: Target, now: float) -> None:
+        if isinstance(message, Count) and message.kind == refused:
+            mock.vehicle.send(Ack(Result.NO_SPACE, refused), source)
+        else:
+            receive(message, source, now)
+
+    mock.receive = refuse  # type: ignore[method-assign]
+    fence = (FenceCircle((47.4, 8.5), 300.0),)
+    with refuses("mission-refused", "", "NO_SPACE") as failed:
+        vehicle.upload(Mission(HOME, items, family, fence=fence, rally=(HOME,)))
+    sent = [MissionType.FENCE, MissionType.RALLY, MissionType.MISSION]
+    at = sent.index(refused)
+    assert [bool(mock.transfers.listed(kind)) for kind in sent] == [n < at for n in range(3)]
+    states = list(failed.value.known["lists_on_vehicle"].values())
+    assert states == [*["new"] * at, "unknown", *["old"] * (2 - at)]
+    assert ("it keeps the" in str(failed.value)) is (refused != MissionType.MISSION)
+    assert ("it holds the new fence" in str(failed.value)) is (refused != MissionType.FENCE)
