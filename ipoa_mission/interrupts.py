@@ -2,7 +2,7 @@
 
 import os
 import signal
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 
 
@@ -51,7 +51,7 @@ def terminations() -> list[int]:
     return [getattr(signal, name) for name in ("SIGTERM", "SIGHUP") if hasattr(signal, name)]
 
 
-def handle(handlers: dict[int, object], by: Callable[[int, object], None]) -> list[int]:
+def handle(handlers: Mapping[int, object], by: Callable[[int, object], None]) -> list[int]:
     """Handle the signals that have these handlers; return them: none outside the main thread."""
     handled = [number for number, present in handlers.items() if signal.getsignal(number) is present]
     try:

@@ -10,12 +10,13 @@ from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.autopilot.commands import Command, VehicleCommand
 from ipoa_mission.flight.preflight import without_station
 from ipoa_mission.geodesy import Geodetic
+from ipoa_mission.interrupts import Interrupt
 from ipoa_mission.link import reconnect
 from ipoa_mission.link.channel import LinkDown, Peer
 from ipoa_mission.link.codec import Codec, Target
 from ipoa_mission.link.connect import meet
 from ipoa_mission.link.dialogue import Cancelled, NoAnswer
-from ipoa_mission.link.line import Interrupt, Line
+from ipoa_mission.link.line import Line
 from ipoa_mission.link.messages import CommandLong, Heartbeat, Message, MissionType, Position
 from ipoa_mission.link.reconnect import GIVE_UP_S, SILENT_S
 from ipoa_mission.mission.items import Mission, land, takeoff
