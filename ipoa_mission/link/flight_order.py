@@ -91,6 +91,7 @@ class FlightOrder:
     state: VehicleState
     now: Callable[[], float]
     words: str = ""  # why it does not obey
+    is_refused: bool = False  # in this mode, and nobody took over
     is_paused: bool = False
     _is_cut: bool = False
     _mode: int | None = None  # before the order
@@ -124,6 +125,7 @@ class FlightOrder:
 
     def cut(self, is_cut: bool) -> None:
         self._is_cut = is_cut
+        self.is_refused = False
         if self._steps:
             self.words = f"{self._steps[0].name} was ordered, and the link was lost before the vehicle showed it"
             self._steps.clear()
@@ -148,6 +150,7 @@ class FlightOrder:
                 yield SendOnce(step.message)
         except (NotFlown, NotReady, CommandRefused) as reason:
             self.words = str(reason)
+            self.is_refused = isinstance(reason, CommandRefused) or reason.code == "mode-not-shown"
             self._steps.clear()
             log.warning("%s", reason)
 
@@ -157,6 +160,7 @@ class FlightOrder:
 
     def _take(self, *steps: _Step) -> None:
         self.words = f"{steps[0].name} was not ordered: the link is lost" if self._is_cut and steps else ""
+        self.is_refused = False
         self._mode = self.state.custom_mode
         self._steps = [] if self._is_cut else [*steps]
 
@@ -275,13 +279,18 @@ class PositionLoss:
 
 @dataclass
 class Conformance:
-    """React to deviations of one vehicle's flight; `report` gets each, with its time from the arming [s]."""
+    """React to deviations of one vehicle's flight; `report` gets each, with its time from the arming [s].
+
+    A refused order is given again while the vehicle flies on in its mode. RTL does not replace a hold: nobody chose
+    that way, and PX4 requires a position for both.
+    """
 
     state: VehicleState
     order: FlightOrder
     on_deviation: OnDeviation = OnDeviation.HOLD
     report: Callable[[Deviation], None] = lambda deviation: None
     ends_held: bool = True  # watching ends when a deviation holds the vehicle
+    repeat_s: float = 5.0  # after a refusal
     deviations: list[Deviation] = field(default_factory=list)
     positions: PositionLoss = field(default_factory=PositionLoss)
     _monitor: Monitor | None = None
@@ -289,12 +298,14 @@ class Conformance:
     _seen_s: float = -math.inf
     _is_ordered: bool = False
     _disobeyed: str = ""
+    _again_s: float = math.inf
 
     def begin(self, monitor: "Monitor | None") -> None:
         self._monitor = monitor
         self._seen_s = -math.inf
         self._is_ordered = False
         self._disobeyed = ""
+        self._again_s = math.inf
         self.positions = PositionLoss()
         self.deviations.clear()
 
@@ -332,15 +343,24 @@ class Conformance:
                 self._compare(heard, in_mission)
             elif self.state.in_air:
                 self._monitor.interrupt()
+                self._again_s = math.inf  # it obeyed, or somebody took over
+                if self._is_ordered and not self.order.words:
+                    self._disobeyed = ""
 
     def _compare(self, heard: Position, in_mission: bool) -> None:
         assert self._monitor is not None
         if self._is_ordered and self.order.is_under_way:
             return  # ignore deviations until the vehicle obeys
-        if in_mission:
-            if self._is_ordered and self.order.words and not self._disobeyed:
+        if self._is_ordered and (in_mission or self.order.is_refused):
+            if self.order.words and not self._disobeyed:
                 self._disobeyed = self.why_not
+            if self.order.is_refused:
+                self._again_s = heard.time_s + self.repeat_s
+                words = "nothing was done: the vehicle flies on; take it over; %s is ordered again in %g s"
+                log.warning(words, self.on_deviation, self.repeat_s)
             self._is_ordered = False  # refused, or the mission was resumed
+        elif self.order.is_refused and heard.time_s >= self._again_s:
+            self._react_by_order()
         place = self._monitor.local(Geodetic(heard.latitude_deg, heard.longitude_deg, heard.altitude), heard.height)
         deviation = self._monitor.see(heard.time_s, place, self._item)
         if deviation is not None:
@@ -367,8 +387,13 @@ class Conformance:
         is_ordered = self.on_deviation is not OnDeviation.REPORT and not self._is_ordered
         log.warning("%s%s", deviation, f"; {self.on_deviation} is ordered" if is_ordered else "")
         self.report(deviation)
-        self._is_ordered |= is_ordered
-        if is_ordered and self.on_deviation is OnDeviation.HOLD:
+        if is_ordered:
+            self._react_by_order()
+
+    def _react_by_order(self) -> None:
+        self._is_ordered = True
+        self._again_s = math.inf
+        if self.on_deviation is OnDeviation.HOLD:
             self.order.hold()
-        elif is_ordered:
+        else:
             self.order.give(self.state.autopilot.modes.returning)

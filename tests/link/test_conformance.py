@@ -192,6 +192,38 @@ def test_a_flight_that_disobeyed_its_order_is_incomplete(
 
 @pytest.mark.parametrize("reaction", [OnDeviation.HOLD, OnDeviation.RTL])
 @pytest.mark.parametrize("family", registered())
+def test_a_refused_order_is_given_again_until_the_vehicle_obeys(
+    family: Autopilot, reaction: OnDeviation, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    vehicle, _ = begun(family, elsewhere(family))
+    vehicle.conformance.on_deviation = reaction
+    monitor = vehicle.conformance._monitor
+    assert monitor is not None
+    see = monitor.see
+    monkeypatch.setattr(monitor, "see", lambda *seen: None if vehicle.conformance.deviations else see(*seen))
+    mock = far_end(line_of(vehicle)).autopilot
+    heard, times_s = mock.receive, list[float]()
+
+    def receive(message: Message, source: Target, now: float) -> None:
+        is_order = isinstance(message, CommandLong) and message.command in (Command.DO_PAUSE_CONTINUE, 176)
+        if is_order and (not times_s or now - times_s[0] < 9.0):
+            times_s.append(now)
+            mock.vehicle.send(CommandAck(message.command, CommandResult.TEMPORARILY_REJECTED), source)
+        else:
+            heard(message, source, now)
+
+    mock.receive = receive
+    record = vehicle.watch()
+    assert 5.0 < times_s[-1] - times_s[0] < 7.0
+    assert record.failure.startswith(("it holds" if reaction is OnDeviation.HOLD else "rtl was ordered") + ", because ")
+    assert "REJECTED" not in record.failure
+    assert (record.in_air, vehicle.conformance.is_held) == ((reaction is OnDeviation.HOLD,) * 2)
+    nothing = f"nothing was done: the vehicle flies on; take it over; {reaction} is ordered again in 5 s"
+    assert [each.getMessage() for each in caplog.records].count(nothing) == 2
+
+
+@pytest.mark.parametrize("reaction", [OnDeviation.HOLD, OnDeviation.RTL])
+@pytest.mark.parametrize("family", registered())
 def test_no_order_is_repeated_after_the_pilot_took_over(family: Autopilot, reaction: OnDeviation) -> None:
     vehicle, _ = begun(family, elsewhere(family))
     vehicle.conformance.on_deviation = reaction
