@@ -11,8 +11,8 @@ from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.errors import MissionError
 from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.link.codec import Target
+from ipoa_mission.link.connection import Connection
 from ipoa_mission.link.dialogue import SPECIFIED, Dialogue, Exchange, Patience
-from ipoa_mission.link.line import Line
 from ipoa_mission.link.messages import Ack, Heartbeat, Message, MissionType
 from ipoa_mission.mission.items import Item, takeoff, waypoint
 from ipoa_mission.simulator.mission_service import MissionService
@@ -132,13 +132,13 @@ class Air:
                 heapq.heappush(self._flying, (self.now + fate.delay_s, self._count, to_vehicle, message))
 
 
-def line_of(vehicle: Any) -> Line:
-    assert isinstance(vehicle.line, Line)
-    return vehicle.line
+def connection_of(vehicle: Any) -> Connection:
+    assert isinstance(vehicle.connection, Connection)
+    return vehicle.connection
 
 
-def far_end(line: Line) -> Any:
-    return line.channel.far  # type: ignore[attr-defined]
+def far_end(connection: Connection) -> Any:
+    return connection.channel.far  # type: ignore[attr-defined]
 
 
 def plain(message: Message) -> Message:

@@ -1,7 +1,7 @@
 """Handle Ctrl-C, SIGTERM and SIGHUP: exit code 130, and a message of changes on the vehicle and in files.
 
-An `interruptible` verb has one `ChangesMade` and hands it down. On a link, `link/line.converse` raises `Cancelled` at
-the first Ctrl-C, and the vehicle keeps a whole mission; a second ends at once.
+An `interruptible` verb has one `ChangesMade` and hands it down. On a link, `link/connection.run_dialogue` raises
+`Cancelled` at the first Ctrl-C, and the vehicle keeps a whole mission; a second ends at once.
 """
 
 import inspect

@@ -66,8 +66,8 @@ def _vehicle_on(link: str, options: LinkOptions, usual_log: Path | None, reading
         if signer is not None:
             words = "the mavsdk backend does not sign"
             raise BadInput(words, hint="omit --backend", code="backend-cannot", place="--key")
-        connection = ConnectionOptions(patience, reading=reading)
-        vehicle: Vehicle = connect_by_mavsdk(link, options.system, options.log, connection)
+        by_options = ConnectionOptions(patience, reading=reading)
+        vehicle: Vehicle = connect_by_mavsdk(link, options.system, options.log, by_options)
     else:
         from ipoa_mission.link.connect import connect
 
@@ -224,14 +224,14 @@ def scan(
 
     Example: `ipoa-mission scan --link udpin:127.0.0.1:14550`
     """
-    from ipoa_mission.link.connect import open_line
+    from ipoa_mission.link.connect import open_connection
     from ipoa_mission.link.dialogue import NoAnswer
     from ipoa_mission.link.discovery import scan as listen
     from ipoa_mission.link.discovery import versions_of
 
-    with open_line(link) as line:
-        heard = listen(line, seconds)
-        versions = versions_of(line, (vehicle.system for vehicle in heard))
+    with open_connection(link) as connection:
+        heard = listen(connection, seconds)
+        versions = versions_of(connection, (vehicle.system for vehicle in heard))
         rows = [
             {
                 "system": vehicle.system,
@@ -240,7 +240,7 @@ def scan(
                 "firmware_version": str(versions[vehicle.system]) if vehicle.system in versions else None,
                 "flown": vehicle.kind.is_flown,
                 "armed": vehicle.armed,
-                "contested": line.contested(vehicle.system),
+                "contested": connection.contested(vehicle.system),
             }
             for vehicle in heard
         ]

@@ -210,13 +210,13 @@ class OutsideOwnFence(MissionError):
 
 
 def await_home(vehicle: Vehicle, progress: Progress = silent) -> None:
-    until_s = vehicle.line.now() + vehicle.ready_s
+    until_s = vehicle.connection.now() + vehicle.ready_s
     reason = ""
     try:
         while vehicle.home() is None:
             reason = "; ".join(("the vehicle has no position yet", *dict.fromkeys(vehicle.state.warnings)))
             progress(0.0, reason)
-            if vehicle.line.now() > until_s:
+            if vehicle.connection.now() > until_s:
                 raise NotReady(f"not ready after {vehicle.ready_s:.0f} s: {reason}", hint="check its GPS reception")
             vehicle.state.warnings.clear()
     except TimeUp as late:

@@ -8,9 +8,9 @@ from typing import Any
 from ipoa_mission.errors import MissionError
 from ipoa_mission.link.channel import open_channel
 from ipoa_mission.link.codec import Codec, numbered
+from ipoa_mission.link.connection import Connection, SignsOtherwise
 from ipoa_mission.link.dialogue import SPECIFIED, NoAnswer, Patience
 from ipoa_mission.link.discovery import FoundVehicle, autopilots_in, round_trips_in
-from ipoa_mission.link.line import Line, SignsOtherwise
 from ipoa_mission.link.mavutil_channel import MavutilChannel
 from ipoa_mission.link.messages import STATION_COMPONENT, STATION_SYSTEM, Ping
 from ipoa_mission.link.signing import Signer
@@ -67,18 +67,18 @@ def connect(
         from ipoa_mission.link.mavsdk_backend import borrow
 
         return borrow(link, log)
-    line = open_line(link, log, signer)
+    connection = open_connection(link, log, signer)
     try:
-        return meet(line, system, ConnectionOptions(patience, fast, anyway, reading))
+        return meet(connection, system, ConnectionOptions(patience, fast, anyway, reading))
     except NoAnswer as silence:
-        line.close()
+        connection.close()
         if log is not None:
             _drop_unanswered(Path(log))
         hint = "is the autopilot running, and does it send to this address?"
         place = link if isinstance(link, str) else "connect"
         raise NoAnswer(f"{silence}", hint=hint, code="not-heard", place=place) from None
     except BaseException:
-        line.close()
+        connection.close()
         raise
 
 
@@ -87,46 +87,46 @@ def _drop_unanswered(log: Path) -> None:
         log.unlink()
 
 
-def open_line(link: Any, log: str | Path | None = None, signer: Signer | None = None) -> Line:
+def open_connection(link: Any, log: str | Path | None = None, signer: Signer | None = None) -> Connection:
     codec = Codec(STATION_SYSTEM, STATION_COMPONENT, signer)
     if not isinstance(link, str):
-        return Line(MavutilChannel(link), codec, log)
+        return Connection(MavutilChannel(link), codec, log)
     again = partial(open_channel, link)
-    return Line(again(), codec, log, again)
+    return Connection(again(), codec, log, again)
 
 
-def meet(line: Line, system: int | None = None, options: ConnectionOptions | None = None) -> Vehicle:
+def meet(connection: Connection, system: int | None = None, options: ConnectionOptions | None = None) -> Vehicle:
     """Raise as `connect` does; pings meanwhile fit the first timers to the round trip."""
     options = options or ConnectionOptions()
-    autopilots, trips_s = _listen(line, system, options)
-    vehicle = _choose(autopilots, system, line.rejected(system))
+    autopilots, trips_s = _listen(connection, system, options)
+    vehicle = _choose(autopilots, system, connection.rejected(system))
     if not (options.reading or vehicle.kind.is_flown):
         raise NotFlown(vehicle.kind, f"vehicle {vehicle.system}")
     if not options.anyway:
-        line.expect_alone(vehicle.system)
-    return Vehicle(line, vehicle, options, trips_s.get(vehicle.system))
+        connection.expect_alone(vehicle.system)
+    return Vehicle(connection, vehicle, options, trips_s.get(vehicle.system))
 
 
 def _listen(
-    line: Line, system: int | None, options: ConnectionOptions
+    connection: Connection, system: int | None, options: ConnectionOptions
 ) -> tuple[dict[int, FoundVehicle], dict[int, float]]:
     """Return autopilots and round trips [s], by system id."""
     autopilots: dict[int, FoundVehicle] = {}
     trips_s: dict[int, float] = {}
-    until = line.now() + min(PRESENCE_S, options.patience.total_s)
+    until = connection.now() + min(PRESENCE_S, options.patience.total_s)
     is_met = is_rejected = False
-    while line.now() < until:
-        heard = line.receive(until)
-        if not is_rejected and line.rejected(system):
+    while connection.now() < until:
+        heard = connection.receive(until)
+        if not is_rejected and connection.rejected(system):
             is_rejected = True
-            until = min(until, line.now() + 3.0)
+            until = min(until, connection.now() + 3.0)
         autopilots |= autopilots_in(heard)
-        trips_s |= round_trips_in(heard, line.now())
+        trips_s |= round_trips_in(heard, connection.now())
         if not is_met and (autopilots if system is None else system in autopilots):
             is_met = True
-            until = line.now() + OTHER_HEARTBEATS_S
+            until = connection.now() + OTHER_HEARTBEATS_S
             if options.reading or all(vehicle.kind.is_flown for vehicle in autopilots.values()):
-                line.send(Ping(round(line.now() * 1e6), 0))
+                connection.send(Ping(round(connection.now() * 1e6), 0))
     return autopilots, trips_s
 
 

@@ -10,10 +10,10 @@ from ipoa_mission.autopilot.autopilot import VehicleKind
 from ipoa_mission.autopilot.version import Version
 from ipoa_mission.link import messages as m
 from ipoa_mission.link.codec import Heard, Target
+from ipoa_mission.link.connection import Connection, Listening, MessageLink, run_dialogue
 from ipoa_mission.link.conversations import observed
 from ipoa_mission.link.dialogue import SPECIFIED, Dialogue, Patience, T, Tempo
-from ipoa_mission.link.line import Carrier, Line, Listening, converse
-from ipoa_mission.link.mavutil_channel import expect_line, messages_from, payload_of
+from ipoa_mission.link.mavutil_channel import expect_connection, messages_from, payload_of
 from ipoa_mission.link.orders import message_request, request_version
 from ipoa_mission.link.vehicle_state import VehicleState
 
@@ -28,24 +28,24 @@ class FoundVehicle:
     is_ready: bool
 
 
-def scan(line: Line, seconds: float = 3.0) -> tuple[FoundVehicle, ...]:
+def scan(connection: Connection, seconds: float = 3.0) -> tuple[FoundVehicle, ...]:
     autopilots: dict[int, FoundVehicle] = {}
-    until = line.now() + seconds
-    while line.now() < until:
-        autopilots |= autopilots_in(line.receive(until))
+    until = connection.now() + seconds
+    while connection.now() < until:
+        autopilots |= autopilots_in(connection.receive(until))
     return tuple(autopilots[system] for system in sorted(autopilots))
 
 
-def versions_of(line: Line, systems: Iterable[int], seconds: float = VERSIONS_S) -> dict[int, Version]:
+def versions_of(connection: Connection, systems: Iterable[int], seconds: float = VERSIONS_S) -> dict[int, Version]:
     silent = set(systems)
     versions = dict[int, Version]()
-    until = line.now() + seconds
-    while silent and line.now() < until:
+    until = connection.now() + seconds
+    while silent and connection.now() < until:
         for system in sorted(silent):
-            line.send(message_request("AUTOPILOT_VERSION"), Target(system, m.AUTOPILOT_COMPONENT))
-        again = min(line.now() + 0.7, until)
-        while silent and line.now() < again:
-            for heard in line.receive(again):
+            connection.send(message_request("AUTOPILOT_VERSION"), Target(system, m.AUTOPILOT_COMPONENT))
+        again = min(connection.now() + 0.7, until)
+        while silent and connection.now() < again:
+            for heard in connection.receive(again):
                 if isinstance(heard.message, m.AutopilotVersion) and heard.system in silent:
                     silent.discard(heard.system)
                     version = Version.of_flight_sw(heard.message.flight_sw_version)
@@ -78,9 +78,13 @@ class VehicleSession:
     """Dialogues with one vehicle, and its state."""
 
     def __init__(
-        self, line: Carrier, heard: FoundVehicle, patience: Patience = SPECIFIED, round_trip_s: float | None = None
+        self,
+        connection: MessageLink,
+        heard: FoundVehicle,
+        patience: Patience = SPECIFIED,
+        round_trip_s: float | None = None,
     ) -> None:
-        self.line = line
+        self.connection = connection
         self.system = heard.system
         self.autopilot = heard.kind.autopilot
         self.state = VehicleState(self.autopilot, heard.kind, heard.is_ready, heard.armed)
@@ -98,11 +102,11 @@ class VehicleSession:
         self.close()
 
     def close(self) -> None:
-        self.line.close()
+        self.connection.close()
 
     def give_up_after(self, seconds: float) -> None:
         """Raise TimeUp in the present verb after this time, also in a watched flight."""
-        self._until = self.line.now() + seconds
+        self._until = self.connection.now() + seconds
 
     @property
     def version_heard(self) -> Version | None:
@@ -114,11 +118,11 @@ class VehicleSession:
 
     def send(self, message: Any) -> None:
         """Send a message of pymavlink to its own target; raise BadInput for an unknown dialect."""
-        expect_line(self.line).send_payload(*payload_of(message))
+        expect_connection(self.connection).send_payload(*payload_of(message))
 
     def messages(self, seconds: float, *names: str) -> list[Any]:
         """Return the vehicle's messages as pymavlink's; `names`: only those."""
-        return messages_from(expect_line(self.line), self.system, seconds, names, self._overhear)
+        return messages_from(expect_connection(self.connection), self.system, seconds, names, self._overhear)
 
     def _tell(self, dialogue: Dialogue[T]) -> T:
         """Hold a dialogue that changes a supported multicopter."""
@@ -136,12 +140,12 @@ class VehicleSession:
     def _hold(self, dialogue: Dialogue[T], quiet_s: float = math.inf) -> T:
         target = Target(self.system, m.AUTOPILOT_COMPONENT)
         listening = Listening(self._overhear, self._until, quiet_s)
-        return converse(self.line, target, dialogue, self._tempo, listening)
+        return run_dialogue(self.connection, target, dialogue, self._tempo, listening)
 
     @contextmanager
     def _in_time(self) -> Iterator[None]:
         before = self._until
-        self._until = min(before, self.line.now() + self._patience.total_s)
+        self._until = min(before, self.connection.now() + self._patience.total_s)
         try:
             yield
         finally:

@@ -16,9 +16,9 @@ from ipoa_mission.link import messages as m
 from ipoa_mission.link import wire
 from ipoa_mission.link.channel import Address, LinkDown, Transport, parse_address
 from ipoa_mission.link.codec import EVERYONE, Heard, Target
+from ipoa_mission.link.connection import MessageLink
 from ipoa_mission.link.dialogue import NoAnswer, until
 from ipoa_mission.link.discovery import FoundVehicle
-from ipoa_mission.link.line import Carrier
 from ipoa_mission.link.vehicle import ConnectionOptions, Vehicle
 from ipoa_mission.link.vehicle_state import NotFlown
 
@@ -71,7 +71,7 @@ def _mavsdk_url(address: Address) -> str:
     return f"{scheme}://{address.host}:{address.port}"
 
 
-class MavsdkLine(Carrier):
+class MavsdkConnection(MessageLink):
     """By MAVSDK's plugin for messages in JSON. It sends with MAVSDK's own ids, and passes on only messages to them."""
 
     def __init__(self, instance: Any, system: Any) -> None:
@@ -125,12 +125,12 @@ def _to_json(value: Any) -> Any:
 
 class MavsdkVehicle(Vehicle):
     def __init__(self, instance: Any, system: Any, options: ConnectionOptions | None = None) -> None:
-        line = MavsdkLine(instance, system)
+        connection = MavsdkConnection(instance, system)
         reported = system.autopilot_type().name
         likely = next((each for each in registered() if each.firmware_name.upper() == reported), default_autopilot())
         kind = VehicleKind(likely.mav_autopilot, QUADROTOR)  # until its first heartbeat
         found = FoundVehicle(int(system.get_system_id()), kind, armed=False, is_ready=True)
-        super().__init__(line, found, options)
+        super().__init__(connection, found, options)
         presence_s = min(PRESENCE_S, self._patience.total_s)
         if not self._hold(until(lambda: m.Heartbeat in self.state.heard, presence_s)):
             raise NoAnswer("no heartbeat is heard", code="not-heard", place=f"vehicle {self.system}")

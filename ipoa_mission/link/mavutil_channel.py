@@ -6,8 +6,8 @@ from typing import Any
 from ipoa_mission.errors import BadInput
 from ipoa_mission.link.channel import MAX_READ, LinkDown, Peer, RealTime, readable
 from ipoa_mission.link.codec import number_of
+from ipoa_mission.link.connection import Connection
 from ipoa_mission.link.definitions import DEFINITIONS, Definition, dialect_of
-from ipoa_mission.link.line import Line
 from ipoa_mission.link.messages import Message
 
 
@@ -56,21 +56,21 @@ def as_pymavlink(frame: bytes) -> Any:
     return dialect_of(number_of(frame)).MAVLink(None).decode(bytearray(frame))
 
 
-def expect_line(line: object) -> Line:
-    if not isinstance(line, Line):
+def expect_connection(connection: object) -> Connection:
+    if not isinstance(connection, Connection):
         raise BadInput("messages of pymavlink's: expected a link of our own, not MAVSDK's", code="backend-cannot")
-    return line
+    return connection
 
 
 def messages_from(
-    line: Line, system: int, seconds: float, names: Collection[str], note: Callable[[Message], object]
+    connection: Connection, system: int, seconds: float, names: Collection[str], note: Callable[[Message], object]
 ) -> list[Any]:
     """Return those in `names` (empty: all); `note` all."""
     messages = []
-    until = line.now() + seconds
-    while line.now() < until:
-        for heard in [frame for frame in line.overhear(until) if frame.system == system]:
+    until = connection.now() + seconds
+    while connection.now() < until:
+        for heard in [frame for frame in connection.overhear(until) if frame.system == system]:
             messages.append(as_pymavlink(heard.raw))
-            if heard.message is not None and line.is_for_us(heard):
+            if heard.message is not None and connection.is_for_us(heard):
                 note(heard.message)
     return [message for message in messages if not names or message.get_type() in names]

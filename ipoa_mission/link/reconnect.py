@@ -11,10 +11,10 @@ from ipoa_mission.interrupts import Interrupt, noted_interrupts
 from ipoa_mission.link import orders
 from ipoa_mission.link.channel import LinkDown
 from ipoa_mission.link.codec import Heard, Target
+from ipoa_mission.link.connection import NOTICE_S, Listening, MessageLink, run_dialogue
 from ipoa_mission.link.conversations import observed
 from ipoa_mission.link.dialogue import Cancelled, Dialogue, NoAnswer, Patience, Silence, Tempo, TimeUp, until
 from ipoa_mission.link.discovery import autopilots_in
-from ipoa_mission.link.line import NOTICE_S, Carrier, Listening, converse
 from ipoa_mission.link.messages import AUTOPILOT_COMPONENT, AutopilotVersion, Current, Heartbeat, Message, Position
 from ipoa_mission.link.onboard_list import OnboardList, prove
 from ipoa_mission.link.upload import Replaced
@@ -49,7 +49,7 @@ class KnownVehicle:
 class LinkLoss:
     """`seconds`: its duration so far, None without a loss. `meanwhile`: what the vehicle does alone."""
 
-    line: Carrier
+    connection: MessageLink
     seconds: float | None = None
     words: str = ""
     meanwhile: str = ""
@@ -69,9 +69,9 @@ class LinkLoss:
         Raise LinkDown (no link), NotTheSameVehicle, OtherKind, NoAnswer (after `GIVE_UP_S`) or TimeUp (at `until_s`).
         """
         self._is_open = not isinstance(lost, LinkDown)
-        if not (self._is_open or self.line.reopens):
+        if not (self._is_open or self.connection.reopens):
             raise lost
-        self._reopens_s = self.line.now()
+        self._reopens_s = self.connection.now()
         self._since_s = self._reopens_s - SILENT_S * self._is_open
         self._ends_s = min(self._since_s + GIVE_UP_S, until_s)
         self._reported_s = -RETRY_S
@@ -83,14 +83,14 @@ class LinkLoss:
             with noted_interrupts() as interrupt:
                 messages = self._identified(known, interrupt, report)
                 while messages is None:
-                    if self.line.now() >= until_s:
+                    if self.connection.now() >= until_s:
                         raise TimeUp("the time is up")
                     if self._is_over:
                         words = _with(f"the link is lost for {GIVE_UP_S:g} s: ", self._why, self._others)
                         raise NoAnswer(words, code="link-lost")
                     messages = self._identified(known, interrupt, report)
             words = "it is the same vehicle" + (", with the mission that was uploaded" if known.onboard else "")
-            log.warning("the link is back after %.0f s: %s", self.line.now() - self._since_s, words)
+            log.warning("the link is back after %.0f s: %s", self.connection.now() - self._since_s, words)
             return messages
         finally:
             self.seconds = None
@@ -122,36 +122,38 @@ class LinkLoss:
                     elif autopilots_in([heard]):
                         self._others = f"vehicle {heard.system} is heard; nothing is sent to it"
             dialogue = observed(recognize(candidate, known), lambda heard: candidate.expect_flown())
-            converse(self.line, target, dialogue, Tempo(known.patience), Listening(note, self._ends_s, SILENT_S))
+            run_dialogue(
+                self.connection, target, dialogue, Tempo(known.patience), Listening(note, self._ends_s, SILENT_S)
+            )
             return messages
         except LinkDown as down:
             self._is_open = False
-            self._reopens_s = self.line.now() + RETRY_S
+            self._reopens_s = self.connection.now() + RETRY_S
             self._why = str(down)
         except (NoAnswer, NotReady, Silence) as unknown:
             self._why = f"it was heard, but {unknown}"
         except TimeUp:
             return None
         except (IdentityChanged, Replaced) as other:
-            raise NotTheSameVehicle(known.system, self.line.now() - self._since_s, str(other)) from None
+            raise NotTheSameVehicle(known.system, self.connection.now() - self._since_s, str(other)) from None
         return None
 
     def _receive(self) -> list[Heard]:
-        now = self.line.now()
+        now = self.connection.now()
         if not self._is_open:
             if now < self._reopens_s:
                 time.sleep(NOTICE_S)
                 return []
-            self.line.reopen()
+            self.connection.reopen()
             self._is_open = True
-        return self.line.receive(now + NOTICE_S)
+        return self.connection.receive(now + NOTICE_S)
 
     @property
     def _is_over(self) -> bool:
-        return self.line.now() >= self._ends_s
+        return self.connection.now() >= self._ends_s
 
     def _report_loss(self, report: Callable[[str], None]) -> None:
-        now = self.line.now()
+        now = self.connection.now()
         self.seconds = now - self._since_s
         if now - self._reported_s >= RETRY_S:
             self._reported_s = now

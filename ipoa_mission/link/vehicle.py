@@ -16,10 +16,10 @@ from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.interrupts import noted_interrupts
 from ipoa_mission.link import conversations, departure, orders
 from ipoa_mission.link.channel import LinkDown
+from ipoa_mission.link.connection import MessageLink
 from ipoa_mission.link.dialogue import SPECIFIED, Cancelled, Dialogue, NoAnswer, Patience, Silence, TimeUp, until
 from ipoa_mission.link.discovery import FoundVehicle, VehicleSession
 from ipoa_mission.link.flight_order import SHOWN_S, Conformance, FlightOrder, pause, resume, return_to_launch
-from ipoa_mission.link.line import Carrier
 from ipoa_mission.link.logbook import Logbook, Observer, watch
 from ipoa_mission.link.mavftp import FileRefused
 from ipoa_mission.link.messages import Heartbeat, Message, MissionType
@@ -61,7 +61,7 @@ class ConnectionOptions:
 
 
 class Vehicle(VehicleSession):
-    """One vehicle on a line, found by `connect`.
+    """One vehicle on a connection, found by `connect`.
 
     Example:
         >>> from ipoa_mission import connect
@@ -71,10 +71,14 @@ class Vehicle(VehicleSession):
     """
 
     def __init__(
-        self, line: Carrier, heard: FoundVehicle, options: ConnectionOptions | None = None, trip_s: float | None = None
+        self,
+        connection: MessageLink,
+        heard: FoundVehicle,
+        options: ConnectionOptions | None = None,
+        trip_s: float | None = None,
     ) -> None:
         self._options = options or ConnectionOptions()
-        super().__init__(line, heard, self._options.patience, trip_s)
+        super().__init__(connection, heard, self._options.patience, trip_s)
         self.overhearing: Callable[[Message], None] = lambda message: None
         """Called with every message of the vehicle while a dialogue is held."""
         self._mission: Mission | None = None
@@ -82,13 +86,13 @@ class Vehicle(VehicleSession):
         self._departure: departure.Departure | None = None
         self._logbook = Logbook((), self.autopilot)
         self._mode_watch = ModeWatch(self.state)
-        self.order = FlightOrder(self.state, line.now)
+        self.order = FlightOrder(self.state, connection.now)
         """Orders a watched vehicle to hold, resume, or end its flight."""
         self.conformance = Conformance(self.state, self.order)
         """Compares a watched vehicle with its forecast, and orders the reaction to a deviation."""
-        self.link_loss = LinkLoss(line)
+        self.link_loss = LinkLoss(connection)
         """State of the link to a watched vehicle: lost or not, for how long, and what the vehicle does meanwhile."""
-        self._numbers = itertools.count(2 * round(1e3 * line.now()), 2)  # differ from the last session's
+        self._numbers = itertools.count(2 * round(1e3 * connection.now()), 2)  # differ from the last session's
 
     def upload(self, mission: Mission, progress: Progress = silent, checked: bool = True) -> None:
         """Upload a mission, after its fence and rally points, and verify each list.
@@ -217,7 +221,7 @@ class Vehicle(VehicleSession):
         onboard_lists = tuple(self._onboard_lists.values())
         home = self.autopilot.counts_home
         if not self._options.anyway:
-            self.line.expect_alone(self.system)
+            self.connection.expect_alone(self.system)
         permit = permit or (None if mission is None else partial(check_start, mission, None, first))
         prepared = departure.Departure(self.state, first + home, moving + home, climb, onboard_lists, progress, permit)
         with departure.restored_mode(self.state, self._tell_without_limit):
@@ -240,10 +244,10 @@ class Vehicle(VehicleSession):
         """
         if self._departure is None:
             raise NotReady("the vehicle was not prepared", hint="call `prepare` first")
-        until_s = min(self._until, self.line.now() + self.ready_s)
+        until_s = min(self._until, self.connection.now() + self.ready_s)
         prepared = replace(self._departure, progress=progress)
         with self.state.with_state_as_hint(), departure.restored_mode(self.state, self._tell_without_limit):
-            self._tell_without_limit(departure.depart_when_ready(prepared, lambda: until_s - self.line.now()))
+            self._tell_without_limit(departure.depart_when_ready(prepared, lambda: until_s - self.connection.now()))
         self.state.replaced_mode = None
 
     def watch(self, progress: Progress = silent) -> FlightRecord:
@@ -371,7 +375,7 @@ class Vehicle(VehicleSession):
         self._logbook.note(message)
         for onboard in self._onboard_lists.values():
             onboard.note(message, self._logbook.armed)
-        self._mode_watch.note(message, self.line.now())
+        self._mode_watch.note(message, self.connection.now())
         self.overhearing(message)
 
     def _checksum_numbers(self) -> Iterator[int] | None:
@@ -386,6 +390,6 @@ class Vehicle(VehicleSession):
     def _await_ready(self) -> None:
         """Wait until an ArduPilot has booted: before, it answers NO_SPACE."""
         if self.autopilot.protocol_profile.boots_slowly:
-            wait_s = min(STARTUP_S, self._until - self.line.now())
+            wait_s = min(STARTUP_S, self._until - self.connection.now())
             if not self._hold(until(lambda: self.state.booted, wait_s)):
                 raise NoAnswer("the vehicle has not finished its start-up", code="not-started-up")

@@ -7,7 +7,7 @@ from ipoa_mission.autopilot.parameters import NO_PARAMETERS, Parameters
 from ipoa_mission.ground import Ground
 from ipoa_mission.link.codec import Codec
 from ipoa_mission.link.connect import meet
-from ipoa_mission.link.line import Line
+from ipoa_mission.link.connection import Connection
 from ipoa_mission.link.messages import STATION_COMPONENT, STATION_SYSTEM
 from ipoa_mission.link.vehicle import Vehicle
 from ipoa_mission.mission.flight_record import FlightRecord
@@ -86,4 +86,4 @@ def board(
     autopilot = BuiltInAutopilot(mission.autopilot, mission.home, mission.parameters, conditions)
     station = Station(autopilot)
     channel = Loopback(station, faults, conditions.seed)
-    return meet(Line(channel, Codec(STATION_SYSTEM, STATION_COMPONENT), log))
+    return meet(Connection(channel, Codec(STATION_SYSTEM, STATION_COMPONENT), log))

@@ -20,7 +20,7 @@ from ipoa_mission.forecast.contingency.contingencies_now import ContingenciesNow
 from ipoa_mission.forecast.contingency.energy_budget import Budget, ReserveNow, budget_of
 from ipoa_mission.geometry import Vector
 from ipoa_mission.link.channel import serial_ports
-from ipoa_mission.link.connect import connect, open_line
+from ipoa_mission.link.connect import connect, open_connection
 from ipoa_mission.link.discovery import scan
 from ipoa_mission.link.messages import Gps, Message, Position, Text, WindEstimate, WindVelocity
 from ipoa_mission.mission.item_words import count_words
@@ -129,8 +129,8 @@ def listen(order: JobOrder, answer: Answer) -> None:
 
 def _heard_on(link: str) -> Iterator[HeardLink]:
     try:
-        with open_line(link) as line:
-            vehicles = scan(line, LISTEN_S)
+        with open_connection(link) as connection:
+            vehicles = scan(connection, LISTEN_S)
     except MissionError as error:
         yield HeardLink(link=link, system=None, words=str(error).removeprefix(f"{link}: "))
         return

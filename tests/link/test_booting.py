@@ -10,8 +10,8 @@ from ipoa_mission.flight.procedure import Stage, fly_mission
 from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.link.codec import Codec, Target
 from ipoa_mission.link.connect import meet
+from ipoa_mission.link.connection import Connection
 from ipoa_mission.link.dialogue import SPECIFIED
-from ipoa_mission.link.line import Line
 from ipoa_mission.link.messages import CommandLong, Count, ItemAt, Message
 from ipoa_mission.link.orders import CommandRefused
 from ipoa_mission.link.upload import Replaced
@@ -53,8 +53,8 @@ class Booting(BuiltInAutopilot):
 
 
 def met(autopilot: BuiltInAutopilot, total_s: float = SPECIFIED.total_s) -> Vehicle:
-    line = Line(Loopback(Station(autopilot)), Codec(245, 190))
-    return meet(line, options=ConnectionOptions(patience=replace(SPECIFIED, total_s=total_s)))
+    connection = Connection(Loopback(Station(autopilot)), Codec(245, 190))
+    return meet(connection, options=ConnectionOptions(patience=replace(SPECIFIED, total_s=total_s)))
 
 
 class RecordedStages:
@@ -88,9 +88,9 @@ def test_a_mission_that_is_replaced_while_it_is_waited_for_is_not_flown(autopilo
         def replace_once(_share: float, words: str) -> None:
             if stage is Stage.START and len(booting.armings_s) == 1 and words:
                 items, stranger = to_wire(longer), Target(250, 190)
-                booting.receive(Count(len(items)), stranger, vehicle.line.now())
+                booting.receive(Count(len(items)), stranger, vehicle.connection.now())
                 for seq, item in enumerate(items):
-                    booting.receive(ItemAt(seq, item), stranger, vehicle.line.now())
+                    booting.receive(ItemAt(seq, item), stranger, vehicle.connection.now())
 
         yield replace_once
 
@@ -104,10 +104,10 @@ def test_a_mission_that_is_replaced_while_it_is_waited_for_is_not_flown(autopilo
 def test_the_user_s_patience_ends_the_waiting_with_the_vehicle_s_reason(autopilot: Autopilot) -> None:
     booting = Booting(autopilot, placed_s=1e9)
     with met(booting, total_s=100.0) as vehicle:
-        begun = vehicle.line.now()
+        begun = vehicle.connection.now()
         with refuses("not-ready"):
             fly_mission(vehicle, suited(vehicle, MISSION))
-        assert 100.0 < vehicle.line.now() - begun < 130.0
+        assert 100.0 < vehicle.connection.now() - begun < 130.0
 
 
 @pytest.mark.parametrize(
@@ -126,7 +126,7 @@ def test_lasting_refusal_ends_at_once_with_the_vehicle_s_reason(autopilot: Autop
         with pytest.raises((NotReady, CommandRefused)) as refused:
             fly_mission(vehicle, suited(vehicle, MISSION))
         assert hinders in str(refused.value)
-        assert vehicle.line.now() < booting.profile.start_up.origin_s + 40.0
+        assert vehicle.connection.now() < booting.profile.start_up.origin_s + 40.0
     assert len(booting.armings_s) <= 1
 
 

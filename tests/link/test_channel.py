@@ -12,8 +12,8 @@ import pytest
 from ipoa_mission.link.channel import LinkDown, SerialChannel, UdpChannel, open_channel, parse_address, serial_ports
 from ipoa_mission.link.codec import EVERYONE, Codec, Framer, frames
 from ipoa_mission.link.connect import meet
+from ipoa_mission.link.connection import Connection
 from ipoa_mission.link.dialogue import SPECIFIED, NoAnswer, TimeUp
-from ipoa_mission.link.line import Line
 from ipoa_mission.link.messages import Heartbeat, MavAutopilot, Text
 from ipoa_mission.link.vehicle import ConnectionOptions
 from tests.quick_link import hurry
@@ -90,7 +90,8 @@ def test_verb_on_a_blocked_serial_line_ends_at_its_timeout(
         serial.send(full, None)
     os.write(cable.vehicle, AUTOPILOT)
     vehicle = meet(
-        Line(serial, Codec(245, 190)), options=ConnectionOptions(patience=replace(SPECIFIED, total_s=0.5), fast=False)
+        Connection(serial, Codec(245, 190)),
+        options=ConnectionOptions(patience=replace(SPECIFIED, total_s=0.5), fast=False),
     )
     began = time.monotonic()
     with pytest.raises((TimeUp, NoAnswer)):

@@ -12,8 +12,8 @@ from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.geodesy import Geodetic, LocalFrame
 from ipoa_mission.link.codec import Codec, Heard, Target
 from ipoa_mission.link.connect import meet
+from ipoa_mission.link.connection import Connection
 from ipoa_mission.link.flight_order import PositionLoss
-from ipoa_mission.link.line import Line
 from ipoa_mission.link.messages import (
     CommandAck,
     CommandLong,
@@ -29,7 +29,7 @@ from ipoa_mission.mission.flight_record import Deviation, DeviationKind, OnDevia
 from ipoa_mission.mission.items import Mission, land, takeoff
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as Mock
 from ipoa_mission.simulator.station import Loopback, Station
-from tests.link_pair import far_end, line_of
+from tests.link_pair import connection_of, far_end
 from tests.px4_waypoints import waypoint
 from tests.refused import refuses
 
@@ -46,13 +46,13 @@ def mission(family: Autopilot, *places: Geodetic) -> Mission:
 
 def begun(family: Autopilot, forecast: Mission | None = None) -> tuple[Vehicle, list[CommandLong]]:
     """Fly 150 m east and 60 m north, against another forecast."""
-    vehicle = meet(Line(Loopback(Station(Mock(family, HOME))), Codec(245, 190)))
+    vehicle = meet(Connection(Loopback(Station(Mock(family, HOME))), Codec(245, 190)))
     flown = mission(family, place(150.0, 0.0), place(150.0, 60.0))
     vehicle.upload(flown)
     vehicle.conformance.begin(ConformanceMonitor(Forecast(forecast or flown)))
     vehicle.prepare()
     vehicle.start()
-    mock, commands = far_end(line_of(vehicle)).autopilot, list[CommandLong]()
+    mock, commands = far_end(connection_of(vehicle)).autopilot, list[CommandLong]()
     heard = mock.receive
 
     def receive(message: Message, source: Target, now: float) -> None:
@@ -83,15 +83,15 @@ def test_a_loss_of_positions_alone_is_warned_of_and_ends_the_comparison(
     family: Autopilot, lasting: bool, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
     vehicle, commands = begun(family)
-    whole = Line.receive
+    whole = Connection.receive
     requests = list[CommandLong]()
 
-    def receive(line: Line, until: float) -> list[Heard]:
+    def receive(connection: Connection, until: float) -> list[Heard]:
         requests[:] = [each for each in commands if each.command == 511 and each.params[1] > 0.0]
         is_heard = len(requests) >= 2 and not lasting
-        return [each for each in whole(line, until) if is_heard or not is_high(each.message)]
+        return [each for each in whole(connection, until) if is_heard or not is_high(each.message)]
 
-    monkeypatch.setattr(Line, "receive", receive)
+    monkeypatch.setattr(Connection, "receive", receive)
     record = vehicle.watch()
     words = "the flight was not compared for {} s: no position was heard"
     warned = [record.getMessage() for record in caplog.records if record.levelno == logging.WARNING]
@@ -172,7 +172,7 @@ def test_a_flight_that_disobeyed_its_order_is_incomplete(
     """None: it does not answer."""
     vehicle, _ = begun(family, elsewhere(family))
     vehicle.conformance.on_deviation = reaction
-    mock = far_end(line_of(vehicle)).autopilot
+    mock = far_end(connection_of(vehicle)).autopilot
     heard = mock.receive
 
     def receive(message: Message, source: Target, now: float) -> None:
@@ -227,7 +227,7 @@ def test_a_refused_order_is_given_again_until_the_vehicle_obeys(
 def test_no_order_is_repeated_after_the_pilot_took_over(family: Autopilot, reaction: OnDeviation) -> None:
     vehicle, _ = begun(family, elsewhere(family))
     vehicle.conformance.on_deviation = reaction
-    mock, modes = far_end(line_of(vehicle)).autopilot, family.modes
+    mock, modes = far_end(connection_of(vehicle)).autopilot, family.modes
     chosen = modes.landing
     main, sub, *_ = (*modes.numbers(chosen), 0.0)
     heard, times_s = mock.receive, list[float]()
@@ -239,7 +239,7 @@ def test_no_order_is_repeated_after_the_pilot_took_over(family: Autopilot, react
             heard(message, source, now)
 
     def overhear(message: Message) -> None:
-        now = vehicle.line.now()
+        now = vehicle.connection.now()
         if times_s and now > times_s[0] + 0.5 and not taken_s:
             taken_s.append(now)
             heard(CommandLong(176, (1.0, main, sub, 0.0, 0.0, 0.0, 0.0)), Target(254, 190), now)

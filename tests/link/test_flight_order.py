@@ -37,9 +37,9 @@ def flying(name: str) -> tuple[Mission, Vehicle]:
 
 
 def later(vehicle: Vehicle, seconds: float) -> Position:
-    until = vehicle.line.now() + seconds
-    while vehicle.line.now() < until:
-        for message in vehicle.line.receive(until):
+    until = vehicle.connection.now() + seconds
+    while vehicle.connection.now() < until:
+        for message in vehicle.connection.receive(until):
             if message.message is not None:
                 vehicle.state.note(message.message)
     assert vehicle.state.position is not None
@@ -71,8 +71,8 @@ def test_vehicle_pauses_resumes_and_returns(name: str) -> None:
         assert moved(vehicle, 5.0) > 5.0
         vehicle.return_to_launch()
         assert vehicle.mode == HOME[mission.autopilot]
-        landed_by = vehicle.line.now() + 200.0
-        while vehicle.state.armed and vehicle.line.now() < landed_by:
+        landed_by = vehicle.connection.now() + 200.0
+        while vehicle.state.armed and vehicle.connection.now() < landed_by:
             later(vehicle, 1.0)
         assert vehicle.state.armed is False
 
@@ -118,10 +118,10 @@ def test_px4_says_why_it_takes_back_its_yes() -> None:
         later(vehicle, 25.0)
         vehicle.return_to_launch()
         vehicle.clear()
-        begun = vehicle.line.now()
+        begun = vehicle.connection.now()
         with refuses("not-ready", "", "Switching to Mission is currently not available") as refused:
             vehicle.resume()
-        assert vehicle.line.now() - begun < SHOWN_S
+        assert vehicle.connection.now() - begun < SHOWN_S
         assert "in AUTO.RTL" in str(refused.value.hint)
 
 

@@ -13,8 +13,8 @@ from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.interrupts import noted_interrupts, noted_terminations, terminations
 from ipoa_mission.link.codec import Codec, Target
 from ipoa_mission.link.connect import meet
+from ipoa_mission.link.connection import Connection, run_dialogue
 from ipoa_mission.link.dialogue import SPECIFIED, Cancelled, Dialogue, Pause, Tempo
-from ipoa_mission.link.line import Line, converse
 from ipoa_mission.link.messages import MissionType
 from ipoa_mission.link.vehicle import ConnectionOptions
 from ipoa_mission.mission.items import FenceCircle, Item, Mission, takeoff, waypoint
@@ -47,11 +47,11 @@ def _press_at(moment: int, number: int) -> None:
         press()
 
 
-def aboard(family: Autopilot, fast: bool = False) -> tuple[Line, Mock, Callable[[tuple[Item, ...]], None]]:
+def aboard(family: Autopilot, fast: bool = False) -> tuple[Connection, Mock, Callable[[tuple[Item, ...]], None]]:
     mock = Mock(family, HOME)
-    line = Line(Loopback(Station(mock), SLOW), Codec(245, 190))
-    vehicle = meet(line, options=ConnectionOptions(fast=fast))
-    return line, mock, lambda items: vehicle.upload_items(items, MissionType.MISSION)
+    connection = Connection(Loopback(Station(mock), SLOW), Codec(245, 190))
+    vehicle = meet(connection, options=ConnectionOptions(fast=fast))
+    return connection, mock, lambda items: vehicle.upload_items(items, MissionType.MISSION)
 
 
 @contextlib.contextmanager
@@ -86,7 +86,7 @@ def test_interrupt_at_any_instruction_leaves_a_whole_mission(family: Autopilot, 
         upload(new)
     outcomes = set()
     for moment in range(1, counted[0], counted[0] // MOMENTS):
-        line, mock, upload = aboard(family, fast)
+        connection, mock, upload = aboard(family, fast)
         upload(old)
         try:
             with each_instruction(partial(_press_at, moment)):
@@ -99,17 +99,17 @@ def test_interrupt_at_any_instruction_leaves_a_whole_mission(family: Autopilot, 
         expected = old if "keeps" in words else new
         assert compare(expected, stored, family) is None, (moment, words)
         assert any(sign in words for sign in ("keeps", "too late", "was completed", "holds the whole new")), words
-        over = line.channel.now() + 0.1
-        while line.channel.now() < over:
-            line.receive(over)
+        over = connection.channel.now() + 0.1
+        while connection.channel.now() < over:
+            connection.receive(over)
         assert mock.transfers.deadline > 1e9  # the vehicle waits for nothing more
         outcomes.add("keeps" in words)
     assert outcomes == {True, False}
 
 
 def test_cancellation_between_two_lists_names_the_state_of_both() -> None:
-    line, mock, _ = aboard(PX4)
-    vehicle = meet(line)
+    connection, mock, _ = aboard(PX4)
+    vehicle = meet(connection)
     listed = mock.vehicle.load_list
     items = (takeoff(HOME, 10.0), waypoint(Geodetic(47.4002, 8.5), 12.0))
     mission = Mission(HOME, items, PX4, fence=(FenceCircle((47.4, 8.5), 300.0),))
@@ -162,11 +162,14 @@ def stubborn() -> Dialogue[None]:
 
 
 def test_a_conversation_may_end_well_and_a_second_press_ends_it_at_once() -> None:
-    assert converse(Line(Pressing(5.0), Codec(245, 190)), Target(1, 1), pausing(), Tempo(SPECIFIED)) == "ended well"
-    line = Line(Pressing(5.0, 6.0), Codec(245, 190))
+    assert (
+        run_dialogue(Connection(Pressing(5.0), Codec(245, 190)), Target(1, 1), pausing(), Tempo(SPECIFIED))
+        == "ended well"
+    )
+    connection = Connection(Pressing(5.0, 6.0), Codec(245, 190))
     with pytest.raises(KeyboardInterrupt):
-        converse(line, Target(1, 1), stubborn(), Tempo(SPECIFIED))
-    assert 6.0 <= line.channel.now() < 6.2
+        run_dialogue(connection, Target(1, 1), stubborn(), Tempo(SPECIFIED))
+    assert 6.0 <= connection.channel.now() < 6.2
 
 
 def test_a_press_that_nobody_took_is_raised_when_the_conversation_is_over() -> None:
@@ -234,17 +237,19 @@ def waiting() -> Dialogue[str]:
 
 def test_a_press_in_the_moment_in_which_a_conversation_ends_is_not_lost() -> None:
     undisturbed = Pressing()
-    assert converse(Line(undisturbed, Codec(245, 190)), Target(1, 1), waiting(), Tempo(SPECIFIED)) == "done"
+    assert run_dialogue(Connection(undisturbed, Codec(245, 190)), Target(1, 1), waiting(), Tempo(SPECIFIED)) == "done"
     with pytest.raises(KeyboardInterrupt):
-        converse(Line(Pressing(undisturbed.waited_at), Codec(245, 190)), Target(1, 1), waiting(), Tempo(SPECIFIED))
+        run_dialogue(
+            Connection(Pressing(undisturbed.waited_at), Codec(245, 190)), Target(1, 1), waiting(), Tempo(SPECIFIED)
+        )
 
 
 def test_a_press_in_the_last_moment_of_an_upload_is_told_to_be_too_late() -> None:
     mission = Mission(HOME, (takeoff(HOME, 10.0), waypoint(Geodetic(47.4002, 8.5), 12.0)), PX4)
     undisturbed = Pressing()
-    meet(Line(undisturbed, Codec(245, 190))).upload(mission)
+    meet(Connection(undisturbed, Codec(245, 190))).upload(mission)
     channel = Pressing(undisturbed.waited_at)
-    vehicle = meet(Line(channel, Codec(245, 190)))
+    vehicle = meet(Connection(channel, Codec(245, 190)))
     with refuses("cancelled", list_on_vehicle="new"):
         vehicle.upload(mission)
     assert channel.now() == undisturbed.now()

@@ -11,8 +11,8 @@ from ipoa_mission.autopilot.commands import plain_frame
 from ipoa_mission.link.channel import Peer
 from ipoa_mission.link.codec import Codec, Framer, Target
 from ipoa_mission.link.connect import meet
+from ipoa_mission.link.connection import Connection
 from ipoa_mission.link.item_run import ItemRun, ItemsRead, ItemsSent
-from ipoa_mission.link.line import Line
 from ipoa_mission.link.messages import ItemAt, Message, MissionType, Request
 from ipoa_mission.link.signing import Signer
 from ipoa_mission.link.upload import Upload
@@ -149,7 +149,7 @@ def test_item_run_takes_one_frame_each_way_an_item(
     reached: list[Message] = []
     mock = Mock(autopilot, HOME)
     channel = Counting(Station(mock, signer=Signer(key) if key else None))
-    vehicle = meet(Line(channel, Codec(*US, Signer(key) if key else None)), options=ConnectionOptions(fast=False))
+    vehicle = meet(Connection(channel, Codec(*US, Signer(key) if key else None)), options=ConnectionOptions(fast=False))
     items = items_of(autopilot, 300)
     monkeypatch.setattr(vehicle, "_overhear", reached.append)
     sent, heard = channel.sent, channel.heard

@@ -9,9 +9,9 @@ from ipoa_mission.errors import BadInput
 from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.link.codec import Codec, Target, frames
 from ipoa_mission.link.connect import meet
+from ipoa_mission.link.connection import Connection
 from ipoa_mission.link.dialogue import wait
 from ipoa_mission.link.discovery import scan
-from ipoa_mission.link.line import Line
 from ipoa_mission.link.messages import Count, Heartbeat, Message
 from ipoa_mission.link.vehicle import ConnectionOptions, Vehicle
 from ipoa_mission.link.vehicle_state import NotFlown
@@ -85,25 +85,25 @@ def _messages(data: bytes) -> list[Message]:
     return [message.message for message in heard if message is not None and message.message is not None]
 
 
-def line_to(firmware: int, mav_type: int) -> tuple[Line, Overheard]:
+def connection_to(firmware: int, mav_type: int) -> tuple[Connection, Overheard]:
     family = Autopilot.ARDUPILOT if firmware == 3 else Autopilot.PX4
     channel = Overheard(Station(Disguised(family, firmware, mav_type)))
-    return Line(channel, Codec(245, 190)), channel
+    return Connection(channel, Codec(245, 190)), channel
 
 
 @pytest.mark.parametrize(("firmware", "mav_type"), OTHERS)
 def test_other_kinds_are_refused_by_name_and_sent_only_heartbeats(firmware: int, mav_type: int) -> None:
-    line, channel = line_to(firmware, mav_type)
+    connection, channel = connection_to(firmware, mav_type)
     with refuses("not-flown", "", "vehicle 1", str(VehicleKind(firmware, mav_type))):
-        meet(line)
+        meet(connection)
     assert {type(message) for message in channel.sent} == {Heartbeat}
 
 
 @pytest.mark.parametrize("verb", CHANGES)
 @pytest.mark.parametrize(("firmware", "mav_type"), [(3, 1), (12, 20), (0, 2)])
 def test_other_kinds_can_be_read_and_not_changed(firmware: int, mav_type: int, verb: str) -> None:
-    line, channel = line_to(firmware, mav_type)
-    vehicle = meet(line, options=ConnectionOptions(fast=False, reading=True))
+    connection, channel = connection_to(firmware, mav_type)
+    vehicle = meet(connection, options=ConnectionOptions(fast=False, reading=True))
     vehicle.download_items(0)
     channel.sent.clear()
     with refuses("not-flown"):
@@ -113,14 +113,14 @@ def test_other_kinds_can_be_read_and_not_changed(firmware: int, mav_type: int, v
 
 @pytest.mark.parametrize("mav_type", sorted(MULTICOPTERS))
 def test_every_multicopter_is_taken(mav_type: int) -> None:
-    line, _ = line_to(3, mav_type)
-    meet(line).upload(MISSION)
+    connection, _ = connection_to(3, mav_type)
+    meet(connection).upload(MISSION)
 
 
 def test_one_that_turns_out_to_be_something_else_is_refused_from_there_on() -> None:
     """Two vehicles with one id, one after the other, or by turns."""
-    line, channel = line_to(3, 2)
-    vehicle = meet(line, options=ConnectionOptions(fast=False))
+    connection, channel = connection_to(3, 2)
+    vehicle = meet(connection, options=ConnectionOptions(fast=False))
     vehicle.upload(MISSION)
     for kind in ((3, 1), (3, 2)):
         channel.far.autopilot.kind_sent = kind  # type: ignore[attr-defined]
@@ -142,8 +142,8 @@ def fly_all(vehicle: Vehicle) -> None:
 @pytest.mark.parametrize("kind", [(3, 1), (12, 2)])
 def test_a_vehicle_that_changes_its_kind_in_flight_gets_only_heartbeats(after: object, kind: tuple[int, int]) -> None:
     """Nor is it disarmed."""
-    line, channel = line_to(3, 2)
-    vehicle = meet(line, options=ConnectionOptions(fast=False))
+    connection, channel = connection_to(3, 2)
+    vehicle = meet(connection, options=ConnectionOptions(fast=False))
     channel.turning = after, kind
     with pytest.raises(NotFlown):
         fly_all(vehicle)
@@ -152,8 +152,8 @@ def test_a_vehicle_that_changes_its_kind_in_flight_gets_only_heartbeats(after: o
 
 
 def test_a_companion_with_the_autopilots_ids_changes_no_vehicle_state() -> None:
-    line, channel = line_to(3, 2)
-    vehicle = meet(line, options=ConnectionOptions(fast=False))
+    connection, channel = connection_to(3, 2)
+    vehicle = meet(connection, options=ConnectionOptions(fast=False))
     vehicle.state.armed = True
     channel.far.autopilot.kind_sent = 8, 18  # type: ignore[attr-defined]
     vehicle._hold(wait(3.0))
@@ -162,8 +162,8 @@ def test_a_companion_with_the_autopilots_ids_changes_no_vehicle_state() -> None:
 
 
 def test_a_mission_for_another_vehicle_is_not_uploaded() -> None:
-    line, channel = line_to(3, 2)
-    vehicle = meet(line)
+    connection, channel = connection_to(3, 2)
+    vehicle = meet(connection)
     channel.sent.clear()
     for checked in (True, False):
         with refuses("other-vehicle", "", "plane", "multicopter", kind=BadInput):
@@ -172,8 +172,8 @@ def test_a_mission_for_another_vehicle_is_not_uploaded() -> None:
 
 
 def test_a_scan_and_a_choice_among_several_name_the_kinds() -> None:
-    line, _ = line_to(3, 10)
-    assert [str(vehicle.kind) for vehicle in scan(line)] == ["ArduPilot rover"]
+    connection, _ = connection_to(3, 10)
+    assert [str(vehicle.kind) for vehicle in scan(connection)] == ["ArduPilot rover"]
 
 
 def test_beside_a_plane_a_copter_is_chosen_by_its_id() -> None:
@@ -198,11 +198,11 @@ def test_beside_a_plane_a_copter_is_chosen_by_its_id() -> None:
         def deadline(self) -> float:
             return min(station.deadline for station in stations)
 
-    def line() -> Line:
-        return Line(Both(Pair()), Codec(245, 190))
+    def connection() -> Connection:
+        return Connection(Both(Pair()), Codec(245, 190))
 
-    meet(line(), 2).upload(MISSION)
+    meet(connection(), 2).upload(MISSION)
     with refuses("not-flown", "", "vehicle 1", "ArduPilot plane"):
-        meet(line(), 1)
+        meet(connection(), 1)
     with refuses("several-vehicles", "", "1 (ArduPilot plane), 2 (ArduPilot multicopter)"):
-        meet(line())
+        meet(connection())

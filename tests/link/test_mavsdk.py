@@ -16,7 +16,7 @@ from ipoa_mission.link import upload
 from ipoa_mission.link.channel import UdpChannel, parse_address
 from ipoa_mission.link.codec import Codec
 from ipoa_mission.link.connect import meet
-from ipoa_mission.link.line import Line
+from ipoa_mission.link.connection import Connection
 from ipoa_mission.link.messages import STATION_COMPONENT, STATION_SYSTEM
 from ipoa_mission.link.vehicle import ConnectionOptions
 from ipoa_mission.link.wire import coordinate
@@ -94,7 +94,7 @@ def test_our_upload_puts_a_mission_on_mavsdks_own_server(monkeypatch: pytest.Mon
     legs = [waypoint(Geodetic(47.4 + 0.00012345 * n, 8.5 - 0.00054321 * n), 30.0 + n) for n in range(1, 20)]
     items = (takeoff(HOME, 20.0), *legs, return_to_launch())
     with (
-        Line(channel, Codec(STATION_SYSTEM, STATION_COMPONENT)) as line,
+        Connection(channel, Codec(STATION_SYSTEM, STATION_COMPONENT)) as connection,
         subprocess.Popen(
             [sys.executable, str(HERE / "mavsdk_server.py"), f"udpout://127.0.0.1:{channel.port}", "20"],
             stdout=subprocess.DEVNULL,
@@ -103,7 +103,7 @@ def test_our_upload_puts_a_mission_on_mavsdks_own_server(monkeypatch: pytest.Mon
         ) as server,
     ):
         try:
-            vehicle = meet(line, options=ConnectionOptions(reading=True))  # a generic vehicle
+            vehicle = meet(connection, options=ConnectionOptions(reading=True))  # a generic vehicle
             vehicle._hold(upload.upload(upload.Upload(to_wire(Mission(HOME, items)), vehicle.autopilot)))
             assert server.stderr is not None
             result = next(json.loads(words) for words in server.stderr if words.startswith("{"))

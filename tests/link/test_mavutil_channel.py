@@ -7,11 +7,11 @@ from pymavlink.dialects.v20 import ardupilotmega
 from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.errors import BadInput
 from ipoa_mission.link import definitions
-from ipoa_mission.link.connect import connect, meet, open_line
+from ipoa_mission.link.connect import connect, meet, open_connection
 from ipoa_mission.link.definitions import add_dialect
-from ipoa_mission.link.mavutil_channel import MavutilChannel, expect_line, messages_from
+from ipoa_mission.link.mavutil_channel import MavutilChannel, expect_connection, messages_from
 from ipoa_mission.link.messages import Heartbeat, MavAutopilot, Message
-from tests.link.test_strangers import Net, line_on, station
+from tests.link.test_strangers import Net, connection_on, station
 from tests.link.test_verbs import met
 from tests.refused import refuses
 
@@ -37,16 +37,16 @@ def test_an_open_connection_is_read_written_and_left_open() -> None:
 def test_a_line_is_laid_on_what_is_open_and_not_opened_anew() -> None:
     ours, theirs = socket.socketpair()
     with ours, theirs:
-        line = open_line(SimpleNamespace(fd=ours.fileno(), recv=ours.recv, write=ours.send))
-        assert isinstance(line.channel, MavutilChannel)
-        assert not line.reopens
+        connection = open_connection(SimpleNamespace(fd=ours.fileno(), recv=ours.recv, write=ours.send))
+        assert isinstance(connection.channel, MavutilChannel)
+        assert not connection.reopens
 
 
 def test_wrong_connections_are_bad_input() -> None:
     with refuses("bad-input", "connect"):
         MavutilChannel(object())
     with refuses("backend-cannot", kind=BadInput):
-        expect_line(object())
+        expect_connection(object())
 
 
 def test_messages_of_pymavlinks_are_said_and_heard() -> None:
@@ -60,7 +60,7 @@ def test_messages_of_pymavlinks_are_said_and_heard() -> None:
 
 
 def test_only_the_requested_of_two_vehicles_on_a_link_is_heard() -> None:
-    vehicle = meet(line_on(Net(one=station(), other=station(Autopilot.ARDUPILOT, 2))), 2)
+    vehicle = meet(connection_on(Net(one=station(), other=station(Autopilot.ARDUPILOT, 2))), 2)
     heard: list[Message] = []
     vehicle.overhearing = heard.append
     assert {message.get_srcSystem() for message in vehicle.messages(3.0)} == {2}
@@ -72,9 +72,9 @@ def test_a_message_to_another_station_is_returned_and_not_noted() -> None:
     answer = ardupilotmega.MAVLink_param_value_message(b"RTL_ALT", 1500.0, 9, 1, 0).pack(sender)
     clock = iter((0.0, 0.5, 2.0))
     frame = SimpleNamespace(system=1, raw=answer, message=object())
-    line = SimpleNamespace(now=lambda: next(clock), overhear=lambda until: [frame], is_for_us=lambda heard: False)
+    connection = SimpleNamespace(now=lambda: next(clock), overhear=lambda until: [frame], is_for_us=lambda heard: False)
     noted: list[Message] = []
-    (message,) = messages_from(line, 1, 1.0, (), noted.append)  # type: ignore[arg-type]
+    (message,) = messages_from(connection, 1, 1.0, (), noted.append)  # type: ignore[arg-type]
     assert (message.get_type(), noted) == ("PARAM_VALUE", [])
 
 

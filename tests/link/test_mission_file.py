@@ -12,9 +12,9 @@ from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.errors import MissionError
 from ipoa_mission.link.codec import Codec, Target
 from ipoa_mission.link.connect import meet
+from ipoa_mission.link.connection import Connection, run_dialogue
 from ipoa_mission.link.conversations import KeepsChanging
 from ipoa_mission.link.dialogue import SPECIFIED, Cancelled, Exchange, Tempo, TimeUp
-from ipoa_mission.link.line import Line, converse
 from ipoa_mission.link.mavftp import (
     MISSION_FILE,
     FileError,
@@ -39,7 +39,7 @@ from ipoa_mission.simulator.faults import Faults
 from ipoa_mission.simulator.file_service import FileService
 from ipoa_mission.simulator.station import Loopback, Station
 from tests.examples import examples
-from tests.link_pair import HOME, items_of, line_of
+from tests.link_pair import HOME, connection_of, items_of
 from tests.refused import refuses
 
 ARDUPILOT = Autopilot.ARDUPILOT
@@ -48,8 +48,8 @@ CLIENT = Target(245, 190)
 
 def aboard(faults: Faults, seed: int = 0, fast: bool = True, family: Autopilot = ARDUPILOT) -> tuple[Vehicle, Mock]:
     mock = Mock(family, HOME)
-    line = Line(Loopback(Station(mock), faults, seed), Codec(*CLIENT))
-    return meet(line, options=ConnectionOptions(fast=fast)), mock
+    connection = Connection(Loopback(Station(mock), faults, seed), Codec(*CLIENT))
+    return meet(connection, options=ConnectionOptions(fast=fast)), mock
 
 
 def heard_by(mock: Mock) -> list[object]:
@@ -80,9 +80,9 @@ def test_mission_file_is_several_times_as_quick_at_200_ms() -> None:
     took = {}
     for fast in (True, False):
         vehicle, _ = aboard(Faults(delay_s=0.2), fast=fast)
-        begun = line_of(vehicle).channel.now()
+        begun = connection_of(vehicle).channel.now()
         vehicle.upload_items(items_of(ARDUPILOT, 100), MissionType.MISSION)
-        took[fast] = line_of(vehicle).channel.now() - begun
+        took[fast] = connection_of(vehicle).channel.now() - begun
     assert took[True] < took[False] / 3
 
 
@@ -128,7 +128,7 @@ def test_px4_has_no_such_file() -> None:
     vehicle.upload_items(items_of(Autopilot.PX4, 5), MissionType.MISSION)
     assert not any(isinstance(message, FileTransfer) for message in heard)
     with refuses("file-refused", "", "MISSION/mission.dat"):
-        converse(line_of(vehicle), Target(1, 1), read_file(MISSION_FILE), Tempo(SPECIFIED))
+        run_dialogue(connection_of(vehicle), Target(1, 1), read_file(MISSION_FILE), Tempo(SPECIFIED))
 
 
 def test_a_file_that_reads_back_differently_is_an_error() -> None:
@@ -136,14 +136,14 @@ def test_a_file_that_reads_back_differently_is_an_error() -> None:
     mock._files = FileService(True, 650, mock.transfers.listed, lambda items: True)
     job = Upload(items_of(ARDUPILOT, 5), ARDUPILOT)
     with pytest.raises(ReadBackDiffers):
-        converse(line_of(vehicle), Target(1, 1), upload_by_file(job), Tempo(SPECIFIED))
+        run_dialogue(connection_of(vehicle), Target(1, 1), upload_by_file(job), Tempo(SPECIFIED))
 
 
 def test_silence_says_what_was_asked() -> None:
     vehicle, mock = aboard(Faults())
     mock.receive = lambda *anything: None  # type: ignore[method-assign]
     with refuses("no-answer", "", "reset"):
-        converse(line_of(vehicle), Target(1, 1), write_file("x", b"y"), Tempo(SPECIFIED))
+        run_dialogue(connection_of(vehicle), Target(1, 1), write_file("x", b"y"), Tempo(SPECIFIED))
 
 
 @pytest.mark.parametrize("error", [Cancelled("cancelled"), TimeUp("the time is up")], ids=["cancelled", "late"])
@@ -152,10 +152,10 @@ def test_an_aborted_file_upload_leaves_a_whole_mission_and_names_it(error: Missi
     vehicle, mock = aboard(Faults(delay_s=0.2))
     old, new = items_of(ARDUPILOT, 4, shift=0.1), items_of(ARDUPILOT, 40)
     vehicle.upload_items(old, MissionType.MISSION)
-    until = line_of(vehicle).channel.now() + moment
-    exchange = Exchange(upload_by_file(Upload(new, ARDUPILOT)), line_of(vehicle).channel.now(), SPECIFIED)
+    until = connection_of(vehicle).channel.now() + moment
+    exchange = Exchange(upload_by_file(Upload(new, ARDUPILOT)), connection_of(vehicle).channel.now(), SPECIFIED)
     with pytest.raises(type(error)) as caught:
-        drive(exchange, line_of(vehicle), until, error)
+        drive(exchange, connection_of(vehicle), until, error)
     stored = mock.transfers.listed(0)
     words = str(caught.value)
     if isinstance(error, TimeUp) and moment > 2.0:
@@ -179,18 +179,18 @@ def test_cancelled_while_closing_a_vehicle_that_refuses_or_is_silent(mute: bool,
     mock.receive = receive  # type: ignore[method-assign]
     mock._files = FileService(True, 650, mock.transfers.listed, lambda items: False)
     exchange = Exchange(
-        upload_by_file(Upload(items_of(ARDUPILOT, 4), ARDUPILOT)), line_of(vehicle).channel.now(), SPECIFIED
+        upload_by_file(Upload(items_of(ARDUPILOT, 4), ARDUPILOT)), connection_of(vehicle).channel.now(), SPECIFIED
     )
     with refuses(*words):
-        drive(exchange, line_of(vehicle), line_of(vehicle).channel.now() + 1.3, Cancelled("cancelled"))
+        drive(exchange, connection_of(vehicle), connection_of(vehicle).channel.now() + 1.3, Cancelled("cancelled"))
 
 
-def drive(exchange: Exchange[int], line: Line, moment: float, error: MissionError) -> None:
-    now = line.channel.now
+def drive(exchange: Exchange[int], connection: Connection, moment: float, error: MissionError) -> None:
+    now = connection.channel.now
     while not exchange.finished:
         for message in exchange.outgoing():
-            line.send(message, Target(1, 1))
-        for heard in line.receive(min(exchange.deadline, moment)):
+            connection.send(message, Target(1, 1))
+        for heard in connection.receive(min(exchange.deadline, moment)):
             if heard.message is not None:
                 exchange.receive(heard.message, now())
         exchange.tick(now())
@@ -238,8 +238,11 @@ def test_a_list_that_was_changed_once_is_read_once_more(fast: bool) -> None:
     vehicle.upload_items(items_of(ARDUPILOT, 5), MissionType.MISSION)
     mock.transfers.stores[MissionType.MISSION].put(())
     with pytest.raises(Replaced):
-        converse(
-            line_of(vehicle), Target(1, 1), prove(vehicle._onboard_lists.values(), vehicle.state), Tempo(SPECIFIED)
+        run_dialogue(
+            connection_of(vehicle),
+            Target(1, 1),
+            prove(vehicle._onboard_lists.values(), vehicle.state),
+            Tempo(SPECIFIED),
         )
 
 
@@ -255,8 +258,8 @@ def test_a_question_for_a_checksum_that_is_repeated_is_a_new_one() -> None:
             receive(message, source, now)
 
     mock.receive = deaf_at_first  # type: ignore[method-assign]
-    answers = converse(
-        line_of(vehicle), Target(1, 1), list_checksum(MissionType.MISSION, counting(0, 2)), Tempo(SPECIFIED)
+    answers = run_dialogue(
+        connection_of(vehicle), Target(1, 1), list_checksum(MissionType.MISSION, counting(0, 2)), Tempo(SPECIFIED)
     )
     assert answers == file_checksum(pack_mission(()))
     assert len(set(numbers)) == 4
@@ -272,10 +275,12 @@ def test_mission_file_without_checksums_is_read_and_silence_is_an_error() -> Non
         None if isinstance(message, FileTransfer) else receive(message, *rest)
     )
     with refuses("no-answer", "", "MISSION/mission.dat"):
-        converse(line_of(vehicle), Target(1, 1), list_checksum(MissionType.MISSION, counting(0, 2)), Tempo(SPECIFIED))
-    begun = vehicle.line.now()
+        run_dialogue(
+            connection_of(vehicle), Target(1, 1), list_checksum(MissionType.MISSION, counting(0, 2)), Tempo(SPECIFIED)
+        )
+    begun = vehicle.connection.now()
     assert len(vehicle.download_items(MissionType.MISSION)) == 5
-    assert vehicle.line.now() - begun < 40.0
+    assert vehicle.connection.now() - begun < 40.0
 
 
 # --- the file -------------------------------------------------------------------------------------------------------

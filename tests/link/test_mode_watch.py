@@ -7,8 +7,8 @@ from ipoa_mission.autopilot.commands import Command, VehicleCommand
 from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.link.codec import Codec, Target
 from ipoa_mission.link.connect import meet
+from ipoa_mission.link.connection import Connection
 from ipoa_mission.link.flight_order import ORDER_REPEATS, FlightOrder
-from ipoa_mission.link.line import Line
 from ipoa_mission.link.messages import (
     CommandAck,
     CommandLong,
@@ -26,7 +26,7 @@ from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as Mock
 from ipoa_mission.simulator.station import Loopback, Station
 from tests.examples import some
 from tests.link.suited import suited
-from tests.link_pair import far_end, line_of
+from tests.link_pair import connection_of, far_end
 from tests.px4_waypoints import waypoint
 
 HOME = Geodetic(47.4, 8.5, 400.0)
@@ -37,7 +37,7 @@ IN_AIR = 2
 
 
 def flying(family: Autopilot) -> Vehicle:
-    vehicle = meet(Line(Loopback(Station(Mock(family, HOME))), Codec(245, 190)))
+    vehicle = meet(Connection(Loopback(Station(Mock(family, HOME))), Codec(245, 190)))
     vehicle.upload(suited(vehicle, MISSION))
     vehicle.prepare()
     vehicle.start()
@@ -47,7 +47,7 @@ def flying(family: Autopilot) -> Vehicle:
 def ordered_into(vehicle: Vehicle, mode: int) -> None:
     main, sub, *_ = (*vehicle.autopilot.modes.numbers(mode), 0.0)
     order = CommandLong(VehicleCommand.DO_SET_MODE, (1.0, main, sub, 0.0, 0.0, 0.0, 0.0))
-    far_end(line_of(vehicle)).autopilot.receive(order, PILOT, vehicle.line.now())
+    far_end(connection_of(vehicle)).autopilot.receive(order, PILOT, vehicle.connection.now())
 
 
 @pytest.mark.parametrize("family", registered())
@@ -57,7 +57,7 @@ def test_mode_watch_reports_hold_and_resume_within_seconds(family: Autopilot, ca
     told_s: list[float] = []
 
     def overhear(message: Message) -> None:
-        now = vehicle.line.now()
+        now = vehicle.connection.now()
         if isinstance(message, Position) and message.height > 4.0 and not held_s:
             held_s.append(now)
             ordered_into(vehicle, family.modes.hold)
@@ -126,7 +126,7 @@ def test_an_order_to_end_the_flight_is_given_until_the_vehicle_shows_it(
     family: Autopilot, lost: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     vehicle, mode = flying(family), family.modes.landing
-    mock = far_end(line_of(vehicle)).autopilot
+    mock = far_end(connection_of(vehicle)).autopilot
     heard, messages = mock.receive, list[Message]()
 
     def receive(message: Message, source: Target, now: float) -> None:

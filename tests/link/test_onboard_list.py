@@ -9,8 +9,8 @@ from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.link import onboard_list as onboard_lists
 from ipoa_mission.link.codec import Codec, Target
 from ipoa_mission.link.connect import meet
+from ipoa_mission.link.connection import Connection
 from ipoa_mission.link.dialogue import Dialogue, NoAnswer
-from ipoa_mission.link.line import Line
 from ipoa_mission.link.messages import (
     AutopilotVersion,
     CommandLong,
@@ -31,7 +31,7 @@ from ipoa_mission.mission.stored_mission import to_wire
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as Mock
 from ipoa_mission.simulator.station import Loopback, Station
 from tests.link.suited import suited
-from tests.link_pair import far_end, items_of, line_of
+from tests.link_pair import connection_of, far_end, items_of
 from tests.px4_waypoints import waypoint
 from tests.refused import refuses
 
@@ -47,20 +47,20 @@ class MessageHeard(Exception):
 
 
 def vehicle_of(family: Autopilot, **habits: object) -> Vehicle:
-    return meet(Line(Loopback(Station(Mock(family, HOME, **habits))), Codec(245, 190)))  # type: ignore[arg-type]
+    return meet(Connection(Loopback(Station(Mock(family, HOME, **habits))), Codec(245, 190)))  # type: ignore[arg-type]
 
 
 def mock_of(vehicle: Vehicle) -> Mock:
-    mock: Mock = far_end(line_of(vehicle)).autopilot
+    mock: Mock = far_end(connection_of(vehicle)).autopilot
     return mock
 
 
 def replaced_by(vehicle: Vehicle, mission: Mission) -> None:
     mock = mock_of(vehicle)
     items = to_wire(replace(mission, autopilot=vehicle.autopilot))
-    mock.receive(Count(len(items)), STRANGER, vehicle.line.now())
+    mock.receive(Count(len(items)), STRANGER, vehicle.connection.now())
     for seq, item in enumerate(items):
-        mock.receive(ItemAt(seq, item), STRANGER, vehicle.line.now())
+        mock.receive(ItemAt(seq, item), STRANGER, vehicle.connection.now())
 
 
 OTHERS: dict[str, Callable[[Mission], Mission]] = {
@@ -101,7 +101,7 @@ def test_a_list_that_another_station_is_just_sending_is_not_flown(has_checksum: 
     vehicle.prepare()
     items = to_wire(replace(MISSION, autopilot=ARDUPILOT))
     mock = mock_of(vehicle)
-    begun_s = vehicle.line.now()
+    begun_s = vehicle.connection.now()
     receive = mock.receive
 
     def sending(message: Message, client: Target, now: float) -> None:
@@ -160,16 +160,16 @@ def test_a_list_that_cannot_be_read_in_flight_is_looked_at_once_more(monkeypatch
 
     def once_refused(job: Upload) -> Dialogue[int]:
         if not refused_s:
-            refused_s.append(vehicle.line.now())
+            refused_s.append(vehicle.connection.now())
             raise NotReady("the vehicle does not tell")
         return (yield from read(job))
 
     def overhear(message: Message) -> None:
         if isinstance(message, Position) and message.height > 4.0 and not replaced_s:
-            replaced_s.append(vehicle.line.now())
+            replaced_s.append(vehicle.connection.now())
             replaced_by(vehicle, OTHERS["as long"](MISSION))
         if vehicle.changed and not told_s:
-            told_s.append(vehicle.line.now())
+            told_s.append(vehicle.connection.now())
 
     vehicle.overhearing = overhear
     monkeypatch.setattr(onboard_lists, "_read_again", once_refused)
@@ -190,10 +190,10 @@ def test_mission_replaced_in_flight_makes_the_flight_incomplete(
 
     def overhear(message: Message) -> None:
         if isinstance(message, Position) and message.height > 4.0 and not times:
-            times.append(vehicle.line.now())
+            times.append(vehicle.connection.now())
             replaced_by(vehicle, OTHERS[replacement](MISSION))
         if vehicle.changed and len(times) == 1:
-            times.append(vehicle.line.now())
+            times.append(vehicle.connection.now())
             raise MessageHeard
 
     vehicle.overhearing = overhear

@@ -10,8 +10,8 @@ from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.link import orders
 from ipoa_mission.link.codec import Codec
 from ipoa_mission.link.connect import meet
+from ipoa_mission.link.connection import Connection
 from ipoa_mission.link.dialogue import SPECIFIED, Dialogue, Exchange, NoAnswer, SendOnce
-from ipoa_mission.link.line import Line
 from ipoa_mission.link.messages import (
     AutopilotVersion,
     CommandAck,
@@ -163,18 +163,18 @@ def test_missing_parameters_cost_little_time_and_late_answers_count(
     family: Autopilot, delay_s: float, within_s: float
 ) -> None:
     faults = Faults(delay_s=delay_s)
-    vehicle = meet(Line(Loopback(Station(Mock(family, HOME)), faults), Codec(245, 190)))
+    vehicle = meet(Connection(Loopback(Station(Mock(family, HOME)), faults), Codec(245, 190)))
     there = "WPNAV_SPEED" if family is ARDUPILOT else "MPC_XY_CRUISE"
-    begun = vehicle.line.now()
+    begun = vehicle.connection.now()
     assert vehicle.parameters(["NO_SUCH_FENCE", "NOR_THIS"]) == {}
-    assert vehicle.line.now() - begun <= within_s
+    assert vehicle.connection.now() - begun <= within_s
     assert vehicle.parameters([there, "NO_SUCH_FENCE"]).keys() == {there}
 
 
 @pytest.mark.parametrize("seed", range(10))
 def test_over_a_bad_radio_what_it_has_is_found_all_the_same(seed: int) -> None:
     radio = Faults(loss=0.2, duplicate=0.1, delay_s=0.3, reorder=0.1)
-    vehicle = meet(Line(Loopback(Station(Mock(PX4, HOME)), radio, seed), Codec(245, 190)))
+    vehicle = meet(Connection(Loopback(Station(Mock(PX4, HOME)), radio, seed), Codec(245, 190)))
     wanted = ["MPC_XY_CRUISE", "NO_SUCH_NAME", "MPC_ACC_HOR", "GF_ACTION"]
     assert list(vehicle.parameters(wanted)) == ["MPC_XY_CRUISE", "MPC_ACC_HOR", "GF_ACTION"]
 
@@ -198,7 +198,7 @@ def test_a_parameter_is_set_in_the_type_that_it_has_and_read_back() -> None:
 
 @pytest.mark.parametrize("autopilot", [PX4, ARDUPILOT])
 def test_reads_in_a_row_do_not_take_late_answers_for_absence(autopilot: Autopilot) -> None:
-    vehicle = meet(Line(Loopback(Station(Mock(autopilot, HOME))), Codec(245, 190)))
+    vehicle = meet(Connection(Loopback(Station(Mock(autopilot, HOME))), Codec(245, 190)))
     names = list(autopilot.assumed_parameters())
     table = autopilot.parameter_table
     for at in range(0, len(names), 8):

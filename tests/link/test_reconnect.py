@@ -15,8 +15,8 @@ from ipoa_mission.link import reconnect
 from ipoa_mission.link.channel import LinkDown, Peer
 from ipoa_mission.link.codec import Codec, Target
 from ipoa_mission.link.connect import meet
+from ipoa_mission.link.connection import Connection
 from ipoa_mission.link.dialogue import Cancelled, NoAnswer
-from ipoa_mission.link.line import Line
 from ipoa_mission.link.messages import CommandLong, Heartbeat, Message, MissionType, Position
 from ipoa_mission.link.reconnect import GIVE_UP_S, SILENT_S
 from ipoa_mission.mission.items import Mission, land, takeoff
@@ -88,9 +88,9 @@ class Flight:
     def __init__(self, family: Autopilot, monkeypatch: pytest.MonkeyPatch, opens: bool = True) -> None:
         self.station = Heard(Mock(family, HOME))
         self.air = Air(self.station)
-        self.line = Line(self.air, Codec(245, 190), again=self.air.again if opens else None)
+        self.connection = Connection(self.air, Codec(245, 190), again=self.air.again if opens else None)
         monkeypatch.setattr(reconnect, "time", SimpleNamespace(sleep=self.air.rest))
-        self.vehicle = meet(self.line)
+        self.vehicle = meet(self.connection)
         self.vehicle.upload(suited(self.vehicle, MISSION))
         self.vehicle.link_loss.meanwhile = without_station(self.vehicle)
         self.vehicle.prepare()
@@ -137,7 +137,7 @@ def is_order(message: Message) -> bool:
 
 def loaded(family: Autopilot, mission: Mission) -> Mock:
     mock = Mock(family, HOME)
-    twin = meet(Line(Loopback(Station(mock)), Codec(245, 190)))
+    twin = meet(Connection(Loopback(Station(mock)), Codec(245, 190)))
     twin.upload(suited(twin, mission))
     return mock
 
@@ -315,7 +315,7 @@ def test_streams_that_were_forgotten_are_asked_for_again(refuses: bool, monkeypa
 
 def test_a_link_that_was_lent_is_not_opened_anew(monkeypatch: pytest.MonkeyPatch) -> None:
     flight = Flight(PX4, monkeypatch, opens=False)
-    assert not flight.line.reopens
+    assert not flight.connection.reopens
     with refuses("link-down", "", "gone"):
         flight.lose(10.0, breaks=True)
 

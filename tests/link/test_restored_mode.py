@@ -22,7 +22,7 @@ from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot
 from tests.link.scripted import ARDUPILOT, ARM, PX4, SET_MODE, Scripted
 from tests.link.suited import suited
 from tests.link.test_verbs import met
-from tests.link_pair import far_end, line_of
+from tests.link_pair import connection_of, far_end
 
 HOME = Geodetic(47.4, 8.5, 400.0)
 MISSION = Mission(HOME, (takeoff(HOME, 10.0), return_to_launch()))
@@ -34,7 +34,7 @@ LEFT = {PX4: "it is in AUTO.MISSION: it takes off when armed", ARDUPILOT: "it is
 def loaded(family: Autopilot, before: int | None = None) -> tuple[Vehicle, BuiltInAutopilot]:
     vehicle = met(family)
     vehicle.upload(suited(vehicle, MISSION))
-    mock = far_end(line_of(vehicle)).autopilot
+    mock = far_end(connection_of(vehicle)).autopilot
     mock.vehicle.set_mode(BEFORE[family] if before is None else before)
     vehicle.home()
     return vehicle, mock

@@ -11,8 +11,8 @@ from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.link.codec import EVERYONE, Codec
 from ipoa_mission.link.connect import meet
+from ipoa_mission.link.connection import CAUSE_S, Connection
 from ipoa_mission.link.dialogue import NoAnswer
-from ipoa_mission.link.line import CAUSE_S, Line
 from ipoa_mission.link.messages import Heartbeat, MissionType, Text
 from ipoa_mission.link.signing import (
     EPOCH_2015_S,
@@ -37,9 +37,9 @@ MISSION = Mission(HOME, (takeoff(HOME, 5.0), waypoint(THERE, 5.0), land(THERE)))
 KEY = key_of("a passphrase")
 
 
-def signed_pair(ours: bytes | None, theirs: bytes | None) -> Line:
+def signed_pair(ours: bytes | None, theirs: bytes | None) -> Connection:
     station = Station(Mock(Autopilot.PX4, HOME), signer=Signer(theirs) if theirs else None)
-    return Line(Loopback(station), Codec(245, 190, Signer(ours) if ours else None))
+    return Connection(Loopback(station), Codec(245, 190, Signer(ours) if ours else None))
 
 
 def test_a_mission_goes_over_a_signed_link() -> None:
@@ -49,16 +49,16 @@ def test_a_mission_goes_over_a_signed_link() -> None:
 @pytest.mark.parametrize(("theirs", "words"), [(None, "it does not sign"), (bytes(32), "another key")])
 @pytest.mark.parametrize("system", [None, 1])
 def test_vehicles_without_our_key_are_named(theirs: bytes | None, words: str, system: int | None) -> None:
-    line = signed_pair(KEY, theirs)
+    connection = signed_pair(KEY, theirs)
     with refuses("signs-otherwise", "", "vehicle 1", words):
-        meet(line, system)
-    assert line.now() < 4.5
+        meet(connection, system)
+    assert connection.now() < 4.5
 
 
 def test_an_unsigned_vehicle_is_not_taken_for_the_one_sought() -> None:
-    line = signed_pair(KEY, None)
+    connection = signed_pair(KEY, None)
     with refuses("not-heard", "", "system id 7", kind=NoAnswer):
-        meet(line, 7)
+        meet(connection, 7)
 
 
 def test_a_replay_of_what_a_vehicle_said_before_is_named() -> None:
@@ -75,17 +75,17 @@ def test_a_replay_of_what_a_vehicle_said_before_is_named() -> None:
 def test_a_vehicle_with_a_key_does_nothing_for_a_stranger_who_is_told_why(
     autopilot: Autopilot, is_parameter: bool
 ) -> None:
-    line = Line(Loopback(Station(Mock(autopilot, HOME), signer=Signer(KEY))), Codec(245, 190))
-    vehicle = meet(line)
+    connection = Connection(Loopback(Station(Mock(autopilot, HOME), signer=Signer(KEY))), Codec(245, 190))
+    vehicle = meet(connection)
     vehicle.state.booted = True
-    mission, begun = replace(MISSION, autopilot=autopilot), line.now()
+    mission, begun = replace(MISSION, autopilot=autopilot), connection.now()
     order = partial(vehicle.parameters, ["A"]) if is_parameter else partial(vehicle.upload, mission, checked=False)
     with refuses("signs-otherwise") as caught:
         order()
     assert "--key" in str(caught.value.hint)
     assert "mixture" not in str(caught.value.hint)
-    assert line.now() - begun < (15.0 if is_parameter else CAUSE_S + 1.0)
-    assert far_end(line).autopilot.transfers.listed(MissionType.MISSION) == ()
+    assert connection.now() - begun < (15.0 if is_parameter else CAUSE_S + 1.0)
+    assert far_end(connection).autopilot.transfers.listed(MissionType.MISSION) == ()
 
 
 NOW = 1_767_225_600.0
@@ -174,9 +174,9 @@ def test_signing_timestamps_continue_after_an_unclosed_owner(tmp_path: Path) -> 
 
 @full_disk
 def test_a_log_on_a_full_disk_ends_with_a_warning_and_the_session_goes_on(caplog: pytest.LogCaptureFixture) -> None:
-    line = Line(Loopback(Station(Mock(Autopilot.PX4, HOME))), Codec(245, 190), FULL)
-    meet(line).upload(MISSION)
-    line.close()
+    connection = Connection(Loopback(Station(Mock(Autopilot.PX4, HOME))), Codec(245, 190), FULL)
+    meet(connection).upload(MISSION)
+    connection.close()
     assert [record.message for record in caplog.records] == [
         "/dev/full: cannot be written any more: No space left on device; the log ends here"
     ]
@@ -218,7 +218,7 @@ def test_a_key_that_others_may_write_is_warned_of(tmp_path: Path, caplog: pytest
 
 def test_a_line_that_is_closed_gives_its_link_id_back(tmp_path: Path) -> None:
     path = tmp_path / "timestamp"
-    line = Line(Loopback(Station(Mock(Autopilot.PX4, HOME))), Codec(245, 190, persistent_signer(KEY, path)))
-    with line:
+    connection = Connection(Loopback(Station(Mock(Autopilot.PX4, HOME))), Codec(245, 190, persistent_signer(KEY, path)))
+    with connection:
         assert persistent_signer(KEY, path).link_id == 1
     assert persistent_signer(KEY, path).link_id == 0

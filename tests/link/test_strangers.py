@@ -11,8 +11,8 @@ from ipoa_mission.link import reconnect
 from ipoa_mission.link.channel import Peer
 from ipoa_mission.link.codec import EVERYONE, Codec, Target
 from ipoa_mission.link.connect import connect, meet
+from ipoa_mission.link.connection import CAUSE_S, Connection
 from ipoa_mission.link.dialogue import NoAnswer
-from ipoa_mission.link.line import CAUSE_S, Line
 from ipoa_mission.link.messages import Ack, Count, Heartbeat, MavAutopilot, Message, MissionType, Ping, Result
 from ipoa_mission.link.tlog import read_tlog
 from ipoa_mission.link.vehicle import ConnectionOptions
@@ -75,8 +75,8 @@ def stored_count(net: Net, address: str) -> int:
     return len(net.ends[address].autopilot.transfers.listed(MissionType.MISSION))
 
 
-def line_on(net: Net) -> Line:
-    return Line(net, Codec(*US))
+def connection_on(net: Net) -> Connection:
+    return Connection(net, Codec(*US))
 
 
 def is_exact(net: Net, address: str, family: Autopilot = PX4) -> bool:
@@ -91,17 +91,17 @@ def is_exact(net: Net, address: str, family: Autopilot = PX4) -> bool:
 def test_two_vehicles_with_one_system_id_are_told_and_refused(system: int | None) -> None:
     net = Net(one=station(), other=station(ARDUPILOT))
     with refuses("contested", "", "system id 1") as caught:
-        meet(line_on(net), system)
+        meet(connection_on(net), system)
     assert "MAV_SYS_ID" in str(caught.value.hint)
     assert (stored_count(net, "one"), stored_count(net, "other")) == (0, 0)
 
 
 def test_forced_link_speaks_only_to_the_first_of_two(caplog: pytest.LogCaptureFixture) -> None:
     net = Net(one=station(), other=station())
-    line = line_on(net)
-    vehicle = meet(line, options=ConnectionOptions(anyway=True))
+    connection = connection_on(net)
+    vehicle = meet(connection, options=ConnectionOptions(anyway=True))
     vehicle.upload(suited(vehicle, MISSION))
-    assert line.contested(1)
+    assert connection.contested(1)
     assert is_exact(net, "one")
     assert stored_count(net, "other") == 0
     before = net.ends["other"].autopilot.vehicle.mode
@@ -115,24 +115,24 @@ def test_forced_link_speaks_only_to_the_first_of_two(caplog: pytest.LogCaptureFi
 
 def test_a_vehicle_that_moves_to_another_address_is_no_second_one() -> None:
     net = Net(one=station())
-    line = line_on(net)
-    meet(line)
+    connection = connection_on(net)
+    meet(connection)
     net.ends = {"elsewhere": net.ends["one"]}
     until = net.now() + 20.0
     while net.now() < until:
-        line.receive(until)
-        assert not line.contested(1)
-    meet(line).upload(MISSION)
+        connection.receive(until)
+        assert not connection.contested(1)
+    meet(connection).upload(MISSION)
     assert is_exact(net, "elsewhere")
 
 
 def test_vehicles_with_ids_of_their_own_are_not_contested() -> None:
-    line = line_on(Net(one=station(), other=station(ARDUPILOT, 2)))
-    assert meet(line, 2).autopilot is ARDUPILOT
-    assert not line.contested(1)
-    assert not line.contested(2)
-    assert line._routes.heard_s(Target(9, 1)) is None
-    assert line._routes.heard_s(VEHICLE) == pytest.approx(line.channel.now(), abs=1.1)
+    connection = connection_on(Net(one=station(), other=station(ARDUPILOT, 2)))
+    assert meet(connection, 2).autopilot is ARDUPILOT
+    assert not connection.contested(1)
+    assert not connection.contested(2)
+    assert connection._routes.heard_s(Target(9, 1)) is None
+    assert connection._routes.heard_s(VEHICLE) == pytest.approx(connection.channel.now(), abs=1.1)
 
 
 # --- made-up ids and forged answers ---------------------------------------------------------------------------------
@@ -146,8 +146,8 @@ def saying(message: Message, names: list[Target], peer: str = "mallory") -> Call
 @pytest.mark.parametrize("family", registered())
 def test_forty_made_up_ids_do_not_come_between(family: Autopilot) -> None:
     net = Net(one=station(family))
-    line = line_on(net)
-    vehicle = meet(line)
+    connection = connection_on(net)
+    vehicle = meet(connection)
     net.strangers.append(saying(Heartbeat(2, MavAutopilot.PX4), [Target(system, 1) for system in range(2, 42)]))
     vehicle.upload(suited(vehicle, MISSION))
     assert is_exact(net, "one", family)
@@ -164,7 +164,7 @@ def test_forty_made_up_stations_do_not_come_between(family: Autopilot) -> None:
             net.ends["one"].receive(beat, f"mallory {n}", now)
         return []
 
-    vehicle = meet(line_on(net))
+    vehicle = meet(connection_on(net))
     vehicle.home()
     net.strangers.append(flood)
     vehicle.upload(suited(vehicle, MISSION))
@@ -175,7 +175,7 @@ def test_forty_made_up_stations_do_not_come_between(family: Autopilot) -> None:
 @pytest.mark.parametrize("forged", [Ack(Result.DENIED), Ack(Result.ACCEPTED), Count(3)])
 def test_messages_of_a_stranger_in_the_vehicle_s_name_are_not_heard(forged: Message) -> None:
     net = Net(one=station())
-    vehicle = meet(line_on(net))
+    vehicle = meet(connection_on(net))
     net.strangers.append(saying(forged, [VEHICLE]))
     vehicle.upload(suited(vehicle, MISSION))
     assert is_exact(net, "one")
@@ -196,7 +196,7 @@ def test_another_station_with_our_ids_does_not_hide_the_built_in_autopilot(famil
         return []
 
     net.strangers.append(twin_beats)
-    vehicle = meet(line_on(net))
+    vehicle = meet(connection_on(net))
     vehicle.upload(suited(vehicle, MISSION))
     assert is_exact(net, "one", family)
     assert net.ends["one"]._routes.to(US) == {"us", "twin"}
@@ -217,7 +217,7 @@ def test_an_answer_reaches_both_stations_with_the_same_ids() -> None:
 def test_frames_that_are_cut_at_sixteen_bytes_are_heard(family: Autopilot) -> None:
     net = Net(one=station(family))
     net.cut = 16
-    vehicle = meet(line_on(net))
+    vehicle = meet(connection_on(net))
     vehicle.upload(suited(vehicle, MISSION))
     assert is_exact(net, "one", family)
 
@@ -236,7 +236,7 @@ class Drip(Net):
 @pytest.mark.parametrize("family", registered())
 def test_a_stream_that_comes_in_pieces_is_heard(family: Autopilot) -> None:
     net = Drip(one=station(family))
-    vehicle = meet(line_on(net), options=ConnectionOptions(fast=False))
+    vehicle = meet(connection_on(net), options=ConnectionOptions(fast=False))
     vehicle.upload(suited(vehicle, MISSION))
     assert is_exact(net, "one", family)
     assert len(vehicle.download().items) == len(MISSION.items)
@@ -248,8 +248,8 @@ def test_messages_to_others_and_unread_messages_are_logged_only(tmp_path: Path) 
     unread = dialect.MAVLink_meminfo_message(0, 0).pack(dialect.MAVLink(None, *VEHICLE))
     net = Net()
     net.strangers.append(lambda now: [(frame, "one") for frame in (theirs, unread, ours)])
-    with Line(net, Codec(*US), tmp_path / "all.tlog") as line:
-        assert [message.message for message in line.receive(1.0)] == [Count(0)]
+    with Connection(net, Codec(*US), tmp_path / "all.tlog") as connection:
+        assert [message.message for message in connection.receive(1.0)] == [Count(0)]
     logged = [record.frame for record in read_tlog(tmp_path / "all.tlog")]
     assert [frame for frame in logged if frame in (theirs, unread, ours)] == [theirs, unread, ours]
 
@@ -299,20 +299,20 @@ class OldOnly:
 
 @pytest.mark.parametrize("tells_home", [False, True])
 def test_a_vehicle_of_mavlink_1_only_is_named_after_some_seconds(tells_home: bool) -> None:
-    line = Line(Loopback(OldOnly(tells_home=tells_home)), Codec(*US))
-    vehicle = meet(line)
+    connection = Connection(Loopback(OldOnly(tells_home=tells_home)), Codec(*US))
+    vehicle = meet(connection)
     if tells_home:
         assert vehicle.home() is not None
-    began = line.channel.now()
+    began = connection.channel.now()
     with refuses("speaks-mavlink1", "", "vehicle 1") as caught:
         vehicle.upload(suited(vehicle, MISSION))
     assert "MAV_PROTO_VER 2" in str(caught.value.hint)
-    assert line.channel.now() - began <= CAUSE_S + 1.0
+    assert connection.channel.now() - began <= CAUSE_S + 1.0
 
 
 def test_a_vehicle_that_answers_in_mavlink_1_is_spoken_to_as_any_other() -> None:
-    line = Line(Loopback(OldOnly(station())), Codec(*US))
-    vehicle = meet(line)
+    connection = Connection(Loopback(OldOnly(station())), Codec(*US))
+    vehicle = meet(connection)
     vehicle.upload(suited(vehicle, MISSION))
     assert vehicle.parameters(["MPC_XY_CRUISE", "NO_SUCH_NAME"]).keys() == {"MPC_XY_CRUISE"}
 

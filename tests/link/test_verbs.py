@@ -29,9 +29,9 @@ from ipoa_mission.link import vehicle as verbs
 from ipoa_mission.link.channel import LinkDown
 from ipoa_mission.link.codec import Codec
 from ipoa_mission.link.connect import connect, meet
+from ipoa_mission.link.connection import Connection
 from ipoa_mission.link.conversations import KeepsChanging, MissionRefused
 from ipoa_mission.link.dialogue import Dialogue, NoAnswer, Pause, SendOnce, Step, TimeUp
-from ipoa_mission.link.line import Line
 from ipoa_mission.link.messages import AutopilotVersion, Message, MissionType, ParamSet, ParamValue, Request, Result
 from ipoa_mission.link.orders import CommandRefused
 from ipoa_mission.link.signing import MAX_SIGNERS, persistent_signer
@@ -48,7 +48,7 @@ from ipoa_mission.simulator.faults import Faults
 from ipoa_mission.simulator.situation import Conditions
 from ipoa_mission.simulator.station import Loopback, Station
 from tests.link.suited import suited
-from tests.link_pair import line_of
+from tests.link_pair import connection_of
 from tests.refused import refuses
 
 HOME = Geodetic(47.4, 8.5, 400.0)
@@ -58,7 +58,7 @@ MISSION = Mission(HOME, (takeoff(HOME, 10.0), waypoint(Geodetic(47.4002, 8.5), 1
 
 def met(autopilot: Autopilot, **habits: Any) -> Vehicle:
     """The built-in autopilot at the other end of a loopback."""
-    return meet(Line(Loopback(Station(Mock(autopilot, HOME, **habits))), Codec(245, 190)))
+    return meet(Connection(Loopback(Station(Mock(autopilot, HOME, **habits))), Codec(245, 190)))
 
 
 @pytest.mark.parametrize("autopilot", registered())
@@ -145,7 +145,7 @@ def test_an_unchecked_mission_is_checked_in_its_world(missions: Path, version: V
     (latitude,), (longitude,), _ = scenario.frame.to_geodetic(np.array([[90.0, 60.0, 15.0]]))
     items = (safe.items[0], waypoint(Geodetic(float(latitude), float(longitude)), 15.0), return_to_launch())
     mission = replace(safe, items=items)
-    vehicle = meet(Line(Loopback(Station(Mock(Autopilot.PX4, mission.home))), Codec(245, 190)))
+    vehicle = meet(Connection(Loopback(Station(Mock(Autopilot.PX4, mission.home))), Codec(245, 190)))
     with refuses("unsafe", "", "mast"):
         fly_mission(vehicle, mission, scenario, set_params=True)
     assert vehicle.download().items == ()
@@ -160,7 +160,7 @@ def test_home_at_another_height_is_refused_in_a_world(missions: Path, higher: fl
     scenario = parse_scenario((missions / "sitl.toml").read_text(), missions / "x")
     mission = read_mission(missions / "sitl.plan")
     there = replace(mission.home, altitude=mission.home.altitude + higher)
-    vehicle = meet(Line(Loopback(Station(Mock(Autopilot.PX4, there))), Codec(245, 190)))
+    vehicle = meet(Connection(Loopback(Station(Mock(Autopilot.PX4, there))), Codec(245, 190)))
     remarks = list[str]()
     options = ProcedureOptions(remark=remarks.append, set_params=True)
     if abs(higher) > 15.0:
@@ -182,7 +182,7 @@ def test_mission_is_checked_with_the_parameters_aboard(missions: Path, change: s
     text = re.sub(f"^{key} .*$", change, text, flags=re.M) if change else text
     scenario = parse_scenario(text, missions / "x")
     mission = read_mission(missions / "sitl.plan")
-    vehicle = meet(Line(Loopback(Station(Mock(Autopilot.PX4, mission.home))), Codec(245, 190)))
+    vehicle = meet(Connection(Loopback(Station(Mock(Autopilot.PX4, mission.home))), Codec(245, 190)))
     vehicle.set_parameter("RTL_RETURN_ALT", 12.0)
     remarks, entered = list[str](), list[Stage]()
 
@@ -216,7 +216,7 @@ def test_parameter_that_changes_during_the_upload_is_checked_too(
     missions: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     mission = read_mission(missions / "sitl.plan")
-    vehicle = meet(Line(Loopback(Station(Mock(Autopilot.PX4, mission.home))), Codec(245, 190)))
+    vehicle = meet(Connection(Loopback(Station(Mock(Autopilot.PX4, mission.home))), Codec(245, 190)))
     upload = vehicle.upload
 
     def changed(*arguments: Any, **named: Any) -> None:
@@ -238,7 +238,7 @@ def test_parameter_that_changes_during_the_upload_is_checked_too(
 @pytest.mark.parametrize("check", ["expect_slow_landing", "expect_fit", "other_rally", "aboard"])
 def test_parameters_are_written_after_all_checks(missions: Path, monkeypatch: pytest.MonkeyPatch, check: str) -> None:
     mission = read_mission(missions / "sitl.plan")
-    vehicle = meet(Line(Loopback(Station(Mock(Autopilot.PX4, mission.home))), Codec(245, 190)))
+    vehicle = meet(Connection(Loopback(Station(Mock(Autopilot.PX4, mission.home))), Codec(245, 190)))
     vehicle.set_parameter("RTL_RETURN_ALT", 12.0)
     seen = list[float]()
     examined = preflight.expect_fit
@@ -295,12 +295,12 @@ def test_a_vehicle_that_is_armed_is_not_on_the_ground_to_be_prepared() -> None:
 
 def test_running_order_ends_after_its_time() -> None:
     slow = Faults(delay_s=0.2)
-    line = Line(Loopback(Station(Mock(Autopilot.PX4, HOME)), slow), Codec(245, 190))
-    vehicle = meet(line)
+    connection = Connection(Loopback(Station(Mock(Autopilot.PX4, HOME)), slow), Codec(245, 190))
+    vehicle = meet(connection)
     vehicle.give_up_after(0.3)
     with pytest.raises(TimeUp):
         vehicle.download()
-    assert line.now() < 3.0
+    assert connection.now() < 3.0
 
 
 def test_unflyable_verdict_without_a_position_does_not_fail_the_upload(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -326,23 +326,23 @@ def test_an_arducopter_that_never_ends_its_start_up_is_no_answer(monkeypatch: py
         vehicle.download()
 
 
-def test_every_end_of_the_search_for_a_vehicle_closes_the_line(monkeypatch: pytest.MonkeyPatch) -> None:
-    class Open(Line):
+def test_every_end_of_the_search_for_a_vehicle_closes_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    class Open(Connection):
         is_closed = False
 
         def close(self) -> None:
             self.is_closed = True
 
-    line = Open(Loopback(Station(Mock(Autopilot.PX4, HOME))), Codec(245, 190))
-    monkeypatch.setattr(connecting, "open_line", lambda *_: line)
+    connection = Open(Loopback(Station(Mock(Autopilot.PX4, HOME))), Codec(245, 190))
+    monkeypatch.setattr(connecting, "open_connection", lambda *_: connection)
     with refuses("not-heard", "udpin:127.0.0.1:0", "system id 9", kind=NoAnswer):
         connect("udpin:127.0.0.1:0", system=9)
-    assert line.is_closed
-    monkeypatch.setattr(line, "receive", lambda until: (_ for _ in ()).throw(LinkDown("gone")))
-    line.is_closed = False
+    assert connection.is_closed
+    monkeypatch.setattr(connection, "receive", lambda until: (_ for _ in ()).throw(LinkDown("gone")))
+    connection.is_closed = False
     with refuses("link-down", "", "gone"):
         connect("udpin:127.0.0.1:0")
-    assert line.is_closed
+    assert connection.is_closed
 
 
 def test_the_other_values_that_a_vehicle_tells_meanwhile_are_no_answer() -> None:
@@ -461,7 +461,7 @@ def test_an_arducopter_is_asked_once_whether_it_takes_a_file() -> None:
 def test_vehicle_with_another_sessions_mission_is_prepared(autopilot: Autopilot) -> None:
     before = met(autopilot)
     before.upload(suited(before, MISSION))
-    vehicle = meet(line_of(before))
+    vehicle = meet(connection_of(before))
     places: list[Geodetic] = []
 
     def forbid(place: Geodetic) -> None:

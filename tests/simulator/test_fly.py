@@ -13,7 +13,7 @@ from ipoa_mission.mission.stored_mission import compare, to_wire
 from ipoa_mission.simulator.faults import Faults
 from ipoa_mission.simulator.fly import board, conditions_for, fly_built_in
 from tests.examples import vehicles
-from tests.link_pair import far_end, line_of
+from tests.link_pair import connection_of, far_end
 from tests.px4_waypoints import waypoint
 from tests.refused import refuses
 
@@ -62,7 +62,7 @@ def test_two_hundred_items_arrive_exactly_over_a_bad_radio(autopilot: Autopilot)
     sent = mission(autopilot, 200)
     with board(sent, conditions_for(sent, seed=5), BAD_RADIO) as vehicle:
         vehicle.upload(sent)
-        stored = far_end(line_of(vehicle)).autopilot.transfers.stores[MissionType.MISSION].items
+        stored = far_end(connection_of(vehicle)).autopilot.transfers.stores[MissionType.MISSION].items
     assert compare(to_wire(sent), stored, autopilot) is None
 
 

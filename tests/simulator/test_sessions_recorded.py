@@ -18,7 +18,7 @@ from ipoa_mission.autopilot.commands import VehicleCommand
 from ipoa_mission.link.channel import Peer
 from ipoa_mission.link.codec import Codec, Target
 from ipoa_mission.link.connect import meet
-from ipoa_mission.link.line import Line
+from ipoa_mission.link.connection import Connection
 from ipoa_mission.link.mavftp import Opcode, unpack
 from ipoa_mission.link.messages import (
     Ack,
@@ -156,7 +156,7 @@ def first_checksum(recorded: list[Said]) -> int:
 @pytest.mark.parametrize("name", FLOWN)
 def test_recorded_session_is_the_same_flight_to_our_client(name: str) -> None:
     autopilot = autopilot_of(name)
-    vehicle = meet(Line(Loopback(Playback(recorded_session(name))), Codec(STATION, 190)))
+    vehicle = meet(Connection(Loopback(Playback(recorded_session(name))), Codec(STATION, 190)))
     vehicle._numbers = count(first_checksum(recorded_session(name)), 2)
     assert vehicle.autopilot is autopilot
     vehicle.home()

@@ -10,10 +10,10 @@ from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.link.channel import Address, LinkDown, Transport, UdpChannel, open_channel, parse_address
 from ipoa_mission.link.codec import EVERYONE, Codec, Heard, Target
-from ipoa_mission.link.connect import connect, meet, open_line
+from ipoa_mission.link.connect import connect, meet, open_connection
+from ipoa_mission.link.connection import Connection, MessageLink
 from ipoa_mission.link.dialogue import SPECIFIED, NoAnswer
 from ipoa_mission.link.discovery import VERSIONS_S, scan, versions_of
-from ipoa_mission.link.line import Carrier, Line
 from ipoa_mission.link.messages import (
     AutopilotVersion,
     CommandLong,
@@ -32,7 +32,7 @@ from ipoa_mission.simulator.faults import Faults
 from ipoa_mission.simulator.situation import Conditions
 from ipoa_mission.simulator.station import Loopback, Station
 from tests.link.suited import suited
-from tests.link_pair import far_end, line_of
+from tests.link_pair import connection_of, far_end
 from tests.px4_waypoints import waypoint
 from tests.refused import refuses
 
@@ -137,13 +137,13 @@ def test_a_vehicle_that_is_not_there_is_an_error(monkeypatch: pytest.MonkeyPatch
 @pytest.mark.parametrize("family", registered())
 def test_an_upload_ends_when_the_user_s_patience_does(family: Autopilot) -> None:
     slow = Faults(delay_s=0.2)
-    line = Line(Loopback(Station(Mock(family, HOME)), slow), Codec(245, 190))
-    vehicle = meet(line, options=ConnectionOptions(patience=replace(SPECIFIED, total_s=5.0), fast=False))
-    begun = line.channel.now()
+    connection = Connection(Loopback(Station(Mock(family, HOME)), slow), Codec(245, 190))
+    vehicle = meet(connection, options=ConnectionOptions(patience=replace(SPECIFIED, total_s=5.0), fast=False))
+    begun = connection.channel.now()
     legs = (waypoint(Geodetic(47.4 + 1e-5 * n, 8.5), 12.0) for n in range(50))
     with refuses("time-up", "", "attempt 1") as late:
         vehicle.upload(suited(vehicle, Mission(HOME, (takeoff(HOME, 10.0), *legs))))
-    assert line.channel.now() == pytest.approx(begun + 5.0, abs=0.1)
+    assert connection.channel.now() == pytest.approx(begun + 5.0, abs=0.1)
     assert ("keeps" if family is Autopilot.PX4 else "mixture") in str(late.value.hint)
     vehicle.upload(suited(vehicle, MISSION))  # the next one has its own five seconds
 
@@ -171,10 +171,10 @@ class Flock:
         return min(station.deadline for station in self._stations)
 
 
-def flock(*systems: int) -> Line:
+def flock(*systems: int) -> Connection:
     families = list(registered())
     stations = [Station(Mock(families[n % 2], HOME), system) for n, system in enumerate(systems)]
-    return Line(Loopback(Flock(*stations)), Codec(245, 190))
+    return Connection(Loopback(Flock(*stations)), Codec(245, 190))
 
 
 def test_a_scan_finds_every_vehicle_on_the_link() -> None:
@@ -186,21 +186,21 @@ def test_a_scan_finds_every_vehicle_on_the_link() -> None:
 
 
 def test_a_scan_asks_for_versions_and_does_not_wait_for_the_silent() -> None:
-    line = flock(1, 2, 3)
-    one, two, three = (station.autopilot for station in far_end(line)._stations)
+    connection = flock(1, 2, 3)
+    one, two, three = (station.autopilot for station in far_end(connection)._stations)
     two.vehicle._find_message = lambda name: CommandResult.UNSUPPORTED  # knows the older order alone
     receive = three.receive
     three.receive = lambda message, *rest: None if isinstance(message, CommandLong) else receive(message, *rest)
-    systems = [vehicle.system for vehicle in scan(line)]
-    begun = line.now()
-    versions = versions_of(line, systems)
+    systems = [vehicle.system for vehicle in scan(connection)]
+    begun = connection.now()
+    versions = versions_of(connection, systems)
     assert systems == [1, 2, 3]
     assert versions == {1: Autopilot.PX4.newest, 2: Autopilot.ARDUPILOT.newest}
-    assert line.now() - begun == pytest.approx(VERSIONS_S, abs=0.01)
+    assert connection.now() - begun == pytest.approx(VERSIONS_S, abs=0.01)
     message = one.vehicle.message
     one.vehicle.message = lambda name: AutopilotVersion(0) if name == "AUTOPILOT_VERSION" else message(name)
-    assert versions_of(line, [1, 2]) == {2: Autopilot.ARDUPILOT.newest}
-    assert line.now() - begun < VERSIONS_S + 1.0
+    assert versions_of(connection, [1, 2]) == {2: Autopilot.ARDUPILOT.newest}
+    assert connection.now() - begun < VERSIONS_S + 1.0
 
 
 def test_one_of_several_vehicles_is_chosen_by_its_system_id() -> None:
@@ -208,19 +208,19 @@ def test_one_of_several_vehicles_is_chosen_by_its_system_id() -> None:
         meet(flock(1, 2))
     with refuses("not-heard", "", "system id 9", "heard: 1, 2", kind=NoAnswer):
         meet(flock(1, 2), system=9)
-    line = flock(1, 2)
-    vehicle = meet(line, system=2)
+    connection = flock(1, 2)
+    vehicle = meet(connection, system=2)
     vehicle.upload(suited(vehicle, MISSION))
-    stored = [station.autopilot.transfers.listed(MissionType.MISSION) for station in far_end(line)._stations]
+    stored = [station.autopilot.transfers.listed(MissionType.MISSION) for station in far_end(connection)._stations]
     assert [len(items) for items in stored] in ([0, 4], [0, 3], [3, 0], [4, 0])
     assert stored[0] == ()
 
 
 def test_ardupilot_is_given_time_to_start_up() -> None:
     station = Station(Mock(Autopilot.ARDUPILOT, HOME, conditions=Conditions(cold=True)))
-    vehicle = meet(Line(Loopback(station), Codec(245, 190)))
+    vehicle = meet(Connection(Loopback(station), Codec(245, 190)))
     vehicle.upload(suited(vehicle, MISSION))
-    assert line_of(vehicle).channel.now() >= 3.0
+    assert connection_of(vehicle).channel.now() >= 3.0
 
 
 # --- routes and logs ------------------------------------------------------------------------------------------------
@@ -317,22 +317,22 @@ def test_a_garbled_peer_does_not_disturb_a_session(run_mock: Callable[..., objec
 
 
 def test_our_own_heartbeat_goes_out_every_second() -> None:
-    line = flock(1)
+    connection = flock(1)
     heard: list[float] = []
-    far_end(line)._stations[0].autopilot.receive = lambda message, source, now: (
+    far_end(connection)._stations[0].autopilot.receive = lambda message, source, now: (
         heard.append(now) if isinstance(message, Heartbeat) else None
     )
-    while line.channel.now() < 5.0:
-        line.receive(5.0)
+    while connection.channel.now() < 5.0:
+        connection.receive(5.0)
     assert len(heard) in (5, 6)
 
 
-def test_a_line_opens_for_listening_alone() -> None:
-    with open_line("udpin:127.0.0.1:0") as line:
-        assert line.receive(line.channel.now()) == []
+def test_a_connection_opens_for_listening_alone() -> None:
+    with open_connection("udpin:127.0.0.1:0") as connection:
+        assert connection.receive(connection.channel.now()) == []
 
 
-class Hidden(Carrier):
+class Hidden(MessageLink):
     """A link that hides its peers, as MAVSDK's."""
 
     def now(self) -> float:

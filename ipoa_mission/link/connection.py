@@ -1,4 +1,4 @@
-"""The ground station's end of a link, and `converse`, which holds a dialogue with one vehicle on it."""
+"""The ground station's end of a link, and `run_dialogue`, which holds a dialogue with one vehicle on it."""
 
 import logging
 import math
@@ -52,7 +52,7 @@ class SignsOtherwise(MissionError):
         super().__init__(f"vehicle {system} is there, but {words}", hint=hint)
 
 
-class Carrier(Protocol):
+class MessageLink(Protocol):
     """Carry messages; the defaults are of a link that hides its peers and cannot be opened again."""
 
     def now(self) -> float: ...
@@ -97,7 +97,7 @@ class Contested(MissionError):
         )
 
 
-class Line(Carrier):
+class Connection(MessageLink):
     """Hold a ground station's end of a link; `again` opens a new channel."""
 
     def __init__(
@@ -252,7 +252,7 @@ class Line(Carrier):
                 log.warning("another vehicle with system id %d is on the link; it is not listened to", heard.system)
         return False
 
-    def __enter__(self) -> "Line":
+    def __enter__(self) -> "Connection":
         return self
 
     def __exit__(self, *_: object) -> None:
@@ -261,15 +261,15 @@ class Line(Carrier):
 
 @dataclass(frozen=True)
 class Listening:
-    """`overhear` gets each message; raise TimeUp at `until`, on the line's clock, and Silence after `quiet_s`."""
+    """`overhear` gets each message; raise TimeUp at `until`, on the connection's clock, and Silence after `quiet_s`."""
 
     overhear: Callable[[Message], None] = lambda message: None
     until: float = math.inf
     quiet_s: float = math.inf
 
 
-def converse(
-    line: Carrier, target: Target, dialogue: Dialogue[T], tempo: Tempo, listening: Listening | None = None
+def run_dialogue(
+    connection: MessageLink, target: Target, dialogue: Dialogue[T], tempo: Tempo, listening: Listening | None = None
 ) -> T:
     """Hold a dialogue with one vehicle.
 
@@ -277,24 +277,24 @@ def converse(
     SignsOtherwise if the target never answers.
     """
     listening = listening or Listening()
-    now = line.now
+    now = connection.now
     until = listening.until
     with noted_interrupts() as interrupt:
         exchange = Exchange(dialogue, now(), tempo.patience, tempo)
         try:
             while not exchange.finished:
                 for message in exchange.outgoing():
-                    line.send(message, target)
+                    connection.send(message, target)
                 moment = min(until, now() + NOTICE_S)
-                for heard in line.carry_on(exchange, target, moment, lambda: interrupt.is_pending):
+                for heard in connection.carry_on(exchange, target, moment, lambda: interrupt.is_pending):
                     if (heard.system, heard.component) == target and heard.message is not None:
                         if now() - exchange.heard_s >= listening.quiet_s:
                             break
                         listening.overhear(heard.message)
                         exchange.receive(heard.message, now())
                 if exchange.was_answered:
-                    line.note_answer(target)
-                elif exchange.asked_for_s(now()) >= CAUSE_S and (cause := line.no_reply_cause(target)):
+                    connection.note_answer(target)
+                elif exchange.asked_for_s(now()) >= CAUSE_S and (cause := connection.no_reply_cause(target)):
                     exchange.interrupt(cause, now())
                 if now() - exchange.heard_s >= listening.quiet_s:
                     exchange.interrupt(Silence("the vehicle is not heard"), now())
@@ -305,11 +305,11 @@ def converse(
                     until = math.inf
                     exchange.interrupt(TimeUp("the time is up"), now())
         except NoAnswer as silence:
-            raise line.no_reply_cause(target) or silence from None
+            raise connection.no_reply_cause(target) or silence from None
         except (NotFlown, Silence):
             exchange.outgoing()  # drop messages that were due before
             raise
         finally:
             for message in exchange.outgoing():
-                line.send(message, target)
+                connection.send(message, target)
         return exchange.result
