@@ -201,12 +201,12 @@ def test_a_refused_order_is_given_again_until_the_vehicle_obeys(
     assert monitor is not None
     see = monitor.see
     monkeypatch.setattr(monitor, "see", lambda *seen: None if vehicle.conformance.deviations else see(*seen))
-    mock = far_end(line_of(vehicle)).autopilot
+    mock = far_end(connection_of(vehicle)).autopilot
     heard, times_s = mock.receive, list[float]()
 
     def receive(message: Message, source: Target, now: float) -> None:
         is_order = isinstance(message, CommandLong) and message.command in (Command.DO_PAUSE_CONTINUE, 176)
-        if is_order and (not times_s or now - times_s[0] < 9.0):
+        if isinstance(message, CommandLong) and is_order and (not times_s or now - times_s[0] < 9.0):
             times_s.append(now)
             mock.vehicle.send(CommandAck(message.command, CommandResult.TEMPORARILY_REJECTED), source)
         else:

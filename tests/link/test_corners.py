@@ -68,9 +68,8 @@ def conformance(in_air: bool, mode: int, under_way: bool = False) -> Any:
     state = SimpleNamespace(
         in_air=in_air, custom_mode=mode, current=None, autopilot=SimpleNamespace(modes=modes, counts_home=0)
     )
-    made: Any = Conformance(
-        state, SimpleNamespace(is_under_way=under_way, is_paused=False, is_refused=False, words="", now=lambda: 0.0)
-    )  # type: ignore[arg-type]
+    order = SimpleNamespace(is_under_way=under_way, is_paused=False, is_refused=False, words="", now=lambda: 0.0)
+    made: Any = Conformance(state, order)  # type: ignore[arg-type]
     seen: list[Any] = []
     monitor = SimpleNamespace(
         interrupt=lambda: seen.append("interrupted"),

@@ -5,9 +5,9 @@ from ipoa_mission.errors import MissionError
 from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.link.codec import Codec, Target
 from ipoa_mission.link.connect import meet
+from ipoa_mission.link.connection import Connection
 from ipoa_mission.link.conversations import download
 from ipoa_mission.link.dialogue import Cancelled, NoAnswer, TimeUp
-from ipoa_mission.link.line import Line
 from ipoa_mission.link.messages import Ack, Count, ItemAt, Message, MissionType, Request, RequestList, Result
 from ipoa_mission.link.upload import Upload, upload
 from ipoa_mission.link.vehicle import ConnectionOptions
@@ -225,7 +225,7 @@ def test_a_download_that_takes_too_long_says_how_much_had_come() -> None:
 def test_a_refused_list_is_named_with_the_state_of_all(family: Autopilot, refused: MissionType) -> None:
     """The mission is the last: it never flies without its new fence, by which PX4 judges it."""
     mock = BuiltInAutopilot(family, HOME)
-    vehicle = meet(Line(Loopback(Station(mock)), Codec(245, 190)), options=ConnectionOptions(fast=False))
+    vehicle = meet(Connection(Loopback(Station(mock)), Codec(245, 190)), options=ConnectionOptions(fast=False))
     items = (takeoff(HOME, 10.0), waypoint(Geodetic(47.4002, 8.5), 12.0))
     receive = mock.receive
 
