@@ -126,7 +126,6 @@ def _fly_built_in(changes: ChangesMade, seed: int, job: "Job", frames_log: Path)
 
 
 def _fly_on_link(changes: ChangesMade, source: Path, asked: FlyOptions, job: "Job", frames_log: Path) -> "FlownJob":
-    """Connect, upload, arm, start, watch; errors have `known` data for JSON."""
     from ipoa_mission.cli.mission_source import FlownJob, read_job
     from ipoa_mission.flight.post_flight import landed_elsewhere
 

@@ -94,7 +94,6 @@ def flown_clearance(record: FlightRecord, scenario: Scenario, mission: Mission |
 
 
 def _from_ground(mission: Mission, scenario: Scenario) -> Mission:
-    """Return it as flown from the scenario's ground."""
     home = scenario.frame.moved(np.zeros(3), mission.frame)
     rise = float(scenario.airspace.ground(home[None, :])[0] - home[2])
     items = tuple(

@@ -204,7 +204,6 @@ def load_mission(vehicle: Vehicle, forecast: Forecast, options: ProcedureOptions
 
 
 def _with_values(vehicle: Vehicle, forecast: Forecast, parameters: preflight.ParametersAboard) -> Forecast:
-    """Return the forecast of the version and parameters aboard."""
     if forecast.mission_as_read.autopilot is not vehicle.autopilot:
         return forecast
     aboard = forecast.on(vehicle.firmware_version())

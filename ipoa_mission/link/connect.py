@@ -110,7 +110,6 @@ def meet(connection: Connection, system: int | None = None, options: ConnectionO
 def _listen(
     connection: Connection, system: int | None, options: ConnectionOptions
 ) -> tuple[dict[int, FoundVehicle], dict[int, float]]:
-    """Return autopilots and round trips [s], by system id."""
     autopilots: dict[int, FoundVehicle] = {}
     trips_s: dict[int, float] = {}
     until = connection.now() + min(PRESENCE_S, options.patience.total_s)

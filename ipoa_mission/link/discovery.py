@@ -125,7 +125,6 @@ class VehicleSession:
         return messages_from(expect_connection(self.connection), self.system, seconds, names, self._overhear)
 
     def _tell(self, dialogue: Dialogue[T]) -> T:
-        """Hold a dialogue that changes a supported multicopter."""
         self.state.expect_flown()
         return self._hold(observed(dialogue, lambda heard: self.state.expect_flown()))
 

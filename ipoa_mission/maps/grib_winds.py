@@ -76,7 +76,6 @@ def grib_winds(path: Path, place: Geodetic) -> ForecastWinds:
 def _samples(
     moment: _Moment, values: Mapping[Component, list[float]], axis_deg: float | None, winds: ForecastWinds
 ) -> WindSamples:
-    """Components take precedence over speeds and directions."""
     east, north, speeds, directions = (values.get(component, []) for component in list(Component)[:4])
     where = (f"{moment.height:g} m", str(moment.time), True)
     pairs = list(zip(east, north, strict=False))

@@ -84,7 +84,6 @@ def _areas(osmium: Any, file: Any) -> dict[str, Relation]:
 
 
 def _located(osmium: Any, file: Any, path: Path) -> Iterator[_Located]:
-    """Yield the nodes with tags, and all ways."""
     osm = osmium.osm
     factory = osmium.geom.WKBFactory()
     all_nodes = osmium.geom.use_nodes.ALL

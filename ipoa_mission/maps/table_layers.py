@@ -123,7 +123,6 @@ def _features(batch: Any, shapes: _Shapes, places: Sequence[str], around: MapWin
 
 
 def _drawn(wkb: NDArray[Any], to_degrees: ToDegrees, places: Sequence[str]) -> NDArray[Any]:
-    """Return shapes in degrees; null becomes empty."""
 
     def convert(corners: Corners) -> Corners:
         hint = "the file names a coordinate system (a Shapefile in its .prj) that its coordinates do not fit"

@@ -39,7 +39,6 @@ def read_wind(path: Path, place: Geodetic, time: np.datetime64 | None) -> Foreca
 
 
 def _strength(forecast: ForecastWind) -> tuple[float, float]:
-    """Return greatest and mean speed [m/s]."""
     speeds = [forecast.wind.at(height) + forecast.wind.spread for height in range(0, 160, 10)]
     return max(speeds), float(np.mean(speeds))
 

@@ -132,7 +132,6 @@ def measure(
 
 
 def _at_checkpoints(optimum: Optimum) -> tuple[float, ...]:
-    """Return the best cost after each share of the evaluations."""
     spent = np.searchsorted(optimum.evaluations, CHECKPOINTS * optimum.evaluations[-1], side="right") - 1
     return tuple(float(h) for h in optimum.history[np.maximum(spent, 0)])
 

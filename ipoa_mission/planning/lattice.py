@@ -37,8 +37,6 @@ class LatticeStrategy(NamedTuple):
 
 
 class LatticeDetails(NamedTuple):
-    """`LatticeStrategy` has the numbers that vary."""
-
     max_control_points: int = 500
     detour_radius: float = 20.0  # [m]
     least_price: float = 0.1  # per meter, that divides the price of turns
@@ -348,7 +346,6 @@ def _leg_routes(
 
 
 def _passages(through: Vector, there: Vector, lattice: Lattice) -> Iterator[int]:
-    """Return locally cheapest nodes, cheapest first."""
     best = through[np.isfinite(through)].min()
     share = np.divide(there, through, out=np.zeros_like(there), where=np.isfinite(through) & (through > 0))
     chosen: list[tuple[float, int]] = []

@@ -211,7 +211,6 @@ def _search_once(searcher: Searcher, progress: Progress) -> ProvedCurve:
 
 
 def _search_passages(searcher: Searcher, progress: Progress) -> list[ProvedCurve]:
-    """Return polished curves, if need be from a finer lattice."""
     strategy = searcher.strategy
     curves = list[ProvedCurve]()
     for coarsest in range(len(strategy.lattice.refinements) - 1):
@@ -231,7 +230,6 @@ def _search_passages(searcher: Searcher, progress: Progress) -> list[ProvedCurve
 
 
 def _find_passages(searcher: Searcher, coarsest: int, progress: Progress) -> list[Candidate]:
-    """Return roughly polished curves, cheapest first."""
     problem = searcher.problem
     strategy = searcher.strategy
     straight, *routes = guesses(problem, coarsest, strategy.lattice)

@@ -23,6 +23,7 @@ from ipoa_mission.routing.build import VISITED
 from ipoa_mission.routing.resample import (
     ON_THE_CURVE,
     Route,
+    common_ends,
     corridor,
     curve_samples,
     evenly_spaced,
@@ -355,18 +356,10 @@ def _improve(attempt: Attempt) -> Attempt:
     return attempt
 
 
-def _changed(points: Points, others: Points) -> tuple[int, int]:
-    """Return the numbers of equal waypoints at the start and at the end."""
-    least = min(len(points), len(others))
-    start = int(np.argmax((points[:least] != others[:least]).any(axis=1)))
-    differs = (points[-(least - start) :] != others[-(least - start) :]).any(axis=1)
-    return start, int(np.argmax(differs[::-1])) if differs.any() else least - start
-
-
 def _is_open(candidate: Attempt, attempt: Attempt) -> bool:
     """Return whether the changed legs are proved, if they are straight."""
     points = candidate.route.points
-    start, end = _changed(attempt.route.points, points)
+    start, end = common_ends(attempt.route.points, points)
     legs = points[start - 1 : len(points) - end + 1]
     return candidate.route.spline or prove(legs, candidate.scenario, spare=0.0).is_proved
 
@@ -375,7 +368,7 @@ def _may_gain(candidate: Attempt, attempt: Attempt) -> bool:
     """Return whether a flight that ends where it has settled behind the change gains enough."""
     points = attempt.route.points
     others = candidate.route.points
-    behind = len(points) - _changed(points, others)[1]
+    behind = len(points) - common_ends(points, others)[1]
     reached = attempt.quick_prediction.reached
     after = reached[min(behind + 1, len(points) - 1)] + SEARCH.settled_s
     settled = max(behind + 2, int(np.searchsorted(reached, after)))

@@ -361,7 +361,6 @@ def added_sections() -> dict[str, type[AddedSection]]:
 
 
 def _with_added(table: dict[str, Any], context: Any) -> dict[str, Any]:
-    """Read added tables; `_expect_added` raises their errors."""
     for name, section in added_sections().items():
         raw = table.pop(name, None)
         if raw is None:

@@ -313,7 +313,6 @@ class MissionService:
         self.say(m.Ack(result, kind), client)
 
     def _slot(self, kind: int) -> int:
-        """Return the key of transfers that exclude each other."""
         return kind if self.profile.separate_lists else 0
 
     def _reply(self, answer: Answer, kind: int, client: Target) -> None:

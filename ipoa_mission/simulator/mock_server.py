@@ -81,7 +81,6 @@ class Server:
         return self._unread > LIMITS.frames_at_once
 
     def _advance_clock(self, now: float, hurry: float) -> None:
-        """Let the clock lag on a slow machine."""
         passed_s = now - self._real_s
         self._real_s = now
         self._unread = max(self._unread - passed_s * LIMITS.frames_hz, 0.0)

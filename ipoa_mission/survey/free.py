@@ -92,7 +92,6 @@ def listed(ways: Matrix) -> tuple[Matrix, NDArray[np.int64], NDArray[np.int64]]:
 
 
 def _rings(shape: Any) -> list[Plane]:
-    """Return all rings, closed, interior on the left."""
     oriented = shapely.orient_polygons(shape)
     return [shapely.get_coordinates(ring) for ring in shapely.get_rings(shapely.get_parts(oriented))]
 

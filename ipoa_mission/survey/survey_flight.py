@@ -235,7 +235,6 @@ def _replan(first: SurveyPlan, scenario: Scenario, flown: Sequence[Flown], seed:
 
 
 def _paths(flights: Iterable[Sequence[tuple[float, float, float]]], scenario: Scenario) -> Iterator[Points]:
-    """Yield paths from heights above home."""
     for positions in filter(None, flights):
         latitude, longitude, height = np.array(positions).T
         home = nearest_start(scenario, Geodetic(*positions[0][:2])).frame.home

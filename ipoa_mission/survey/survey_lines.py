@@ -244,7 +244,6 @@ class GapCloser:
         return best
 
     def _at_least(self, before: list[Vector], via: Plane, after: list[Vector]) -> float:
-        """Return a lower bound [s]."""
         legs = np.diff(np.array([*before, via[0]]), axis=0), np.diff(np.array([via[-1], *after]), axis=0)
         return self.cost.seconds(via) + float(np.linalg.norm(np.concatenate(legs), axis=1).sum()) / self.cost.speed
 

@@ -144,7 +144,6 @@ def _bound(law: DeviationLaw, chance: float | None) -> kept_limits.DeviationBoun
 
 
 def _worst_checks(part: Pieces, task: kept_limits.ClearanceTask, bound: kept_limits.DeviationBound) -> Iterable[Check]:
-    """Check the path, lowered and raised where flights spread."""
     side, down, up = np.vstack([part.spread, part.spread[-1:]]).T
     wider = replace(bound, lateral=bound.lateral + float(side.max()))
     worst = dict[tuple[str, float], Check]()

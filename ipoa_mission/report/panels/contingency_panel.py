@@ -79,7 +79,6 @@ def contingency_strip(forecast: Forecast, predicted: SampledTrack) -> str:
 
 
 def _stretch(row: ContingencyRow, ends: Vector) -> str:
-    """`ends`: shares of the strip (2,)."""
     begin, end = ends.tolist()
     look = GRADE_LOOKS[row.grade]
     words = escape(str(row))

@@ -125,7 +125,6 @@ def _energy_card(budget: Budget) -> str:
 
 
 def _flown_card(comparison: Comparison) -> str:
-    """Show the route if the log ends early."""
     if math.isfinite(comparison.flown_total_s):
         off = signed(100 * comparison.total_error, 1, "%")
         return _card("flown", seconds(comparison.flown_total_s), f"the estimate is off by {off}", "flown")
