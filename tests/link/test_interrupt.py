@@ -1,9 +1,12 @@
 import contextlib
+import os
 import signal
+import subprocess
 import sys
 import threading
 from collections.abc import Callable, Iterator
 from functools import partial
+from pathlib import Path
 from types import FrameType
 
 import pytest
@@ -226,6 +229,20 @@ def test_a_termination_is_a_ctrl_c_and_later_ones_are_ignored(number: int) -> No
             signal.raise_signal(number)
     finally:
         signal.signal(number, before)
+
+
+def test_output_to_a_closed_terminal_is_discarded(tmp_path: Path) -> None:
+    pty = pytest.importorskip("pty")
+    code = "import os, signal, time; from ipoa_mission.interrupts import noted_terminations\n"
+    code += "with noted_terminations():\n try:\n  print('.', flush=True); time.sleep(60)\n"
+    code += f" except KeyboardInterrupt:\n  print('more', flush=True); open('{tmp_path}/done', 'w').close()"
+    master, slave = pty.openpty()
+    with subprocess.Popen([sys.executable, "-c", code], stdin=slave, stdout=slave, stderr=slave) as program:
+        os.close(slave)
+        os.read(master, 1)
+        os.close(master)
+        program.send_signal(signal.SIGHUP)
+    assert (program.returncode, (tmp_path / "done").exists()) == (0, True)
 
 
 def waiting() -> Dialogue[str]:
