@@ -102,3 +102,11 @@ def test_a_return_at_the_end_of_a_mission_is_its_last_item() -> None:
     early = conformance(in_air=True, mode=2)
     early._logbook = SimpleNamespace(modes=frozenset({2}), is_flown=False, done=1, total=6)
     assert looked(early) == ["interrupted"]
+
+
+def test_another_kind_of_vehicle_is_asked_for_no_positions() -> None:
+    compared = conformance(in_air=True, mode=1)
+    compared.positions = SimpleNamespace(note=lambda *_: True, words="lost")
+    for other, count in ((None, 1), ("a plane", 0)):
+        compared.state.other_kind = other
+        assert len(list(compared.observe(Position(10.0, 47.4, 8.5, 500.0, 12.0), 0.0))) == count
