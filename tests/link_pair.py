@@ -12,7 +12,7 @@ from ipoa_mission.errors import MissionError
 from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.link.codec import Target
 from ipoa_mission.link.connection import Connection
-from ipoa_mission.link.dialogue import SPECIFIED, Dialogue, Exchange, Patience
+from ipoa_mission.link.dialogue import SPECIFIED, Dialogue, Exchange, RetryPolicy
 from ipoa_mission.link.messages import Ack, Heartbeat, Message, MissionType
 from ipoa_mission.mission.items import Item, takeoff, waypoint
 from ipoa_mission.simulator.mission_service import MissionService
@@ -94,9 +94,12 @@ class Air:
         self._beat = 1.0
 
     def hold(
-        self, dialogue: Dialogue[T], patience: Patience = SPECIFIED, interrupts: dict[float, MissionError] | None = None
+        self,
+        dialogue: Dialogue[T],
+        retry_policy: RetryPolicy = SPECIFIED,
+        interrupts: dict[float, MissionError] | None = None,
     ) -> T:
-        exchange, transfers, flying = Exchange(dialogue, self.now, patience), self.vehicle.transfers, self._flying
+        exchange, transfers, flying = Exchange(dialogue, self.now, retry_policy), self.vehicle.transfers, self._flying
         interrupts = dict(interrupts or {})
         while not exchange.finished:
             self._launch(exchange.outgoing(), to_vehicle=True)

@@ -59,14 +59,14 @@ def _vehicle_on(link: str, options: LinkOptions, usual_log: Path | None, reading
     timeout = options.timeout
     signer = signer_of(options.key)
     began = time.monotonic()
-    patience = SPECIFIED if timeout is None else replace(SPECIFIED, total_s=timeout)
+    retry_policy = SPECIFIED if timeout is None else replace(SPECIFIED, total_s=timeout)
     if options.backend is Backend.MAVSDK:
         from ipoa_mission.link.mavsdk_backend import connect as connect_by_mavsdk
 
         if signer is not None:
             words = "the mavsdk backend does not sign"
             raise BadInput(words, hint="omit --backend", code="backend-cannot", place="--key")
-        by_options = ConnectionOptions(patience, reading=reading)
+        by_options = ConnectionOptions(retry_policy, reading=reading)
         vehicle: Vehicle = connect_by_mavsdk(link, options.system, options.log, by_options)
     else:
         from ipoa_mission.link.connect import connect
@@ -76,7 +76,7 @@ def _vehicle_on(link: str, options: LinkOptions, usual_log: Path | None, reading
             system=options.system,
             log=options.log or usual_log,
             signer=signer,
-            patience=patience,
+            retry_policy=retry_policy,
             anyway=options.anyway,
             reading=reading,
         )

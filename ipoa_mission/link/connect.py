@@ -9,7 +9,7 @@ from ipoa_mission.errors import MissionError
 from ipoa_mission.link.channel import open_channel
 from ipoa_mission.link.codec import Codec, numbered
 from ipoa_mission.link.connection import Connection, SignsOtherwise
-from ipoa_mission.link.dialogue import SPECIFIED, NoAnswer, Patience
+from ipoa_mission.link.dialogue import SPECIFIED, NoAnswer, RetryPolicy
 from ipoa_mission.link.discovery import FoundVehicle, autopilots_in, round_trips_in
 from ipoa_mission.link.mavutil_channel import MavutilChannel
 from ipoa_mission.link.messages import STATION_COMPONENT, STATION_SYSTEM, Ping
@@ -28,7 +28,7 @@ def connect(
     system: int | None = None,
     log: str | Path | None = None,
     signer: Signer | None = None,
-    patience: Patience = SPECIFIED,
+    retry_policy: RetryPolicy = SPECIFIED,
     fast: bool = True,
     anyway: bool = False,
     reading: bool = False,
@@ -41,7 +41,7 @@ def connect(
         system: the system id, if there are several vehicles.
         log: a `.tlog` to write.
         signer: signs sent frames and checks received ones.
-        patience: the timeouts and retries.
+        retry_policy: the timeouts and retries.
         fast: use ArduPilot's mission file.
         anyway: take the first of several vehicles with this system id.
         reading: accept any vehicle; nothing can be changed on one that is not a multicopter.
@@ -69,7 +69,7 @@ def connect(
         return borrow(link, log)
     connection = open_connection(link, log, signer)
     try:
-        return meet(connection, system, ConnectionOptions(patience, fast, anyway, reading))
+        return meet(connection, system, ConnectionOptions(retry_policy, fast, anyway, reading))
     except NoAnswer as silence:
         connection.close()
         if log is not None:
@@ -112,7 +112,7 @@ def _listen(
 ) -> tuple[dict[int, FoundVehicle], dict[int, float]]:
     autopilots: dict[int, FoundVehicle] = {}
     trips_s: dict[int, float] = {}
-    until = connection.now() + min(PRESENCE_S, options.patience.total_s)
+    until = connection.now() + min(PRESENCE_S, options.retry_policy.total_s)
     is_met = is_rejected = False
     while connection.now() < until:
         heard = connection.receive(until)

@@ -12,7 +12,7 @@ from ipoa_mission.interrupts import noted_interrupts
 from ipoa_mission.link.channel import Channel, Peer
 from ipoa_mission.link.codec import EVERYONE, Codec, Heard, Target, is_old, is_signed
 from ipoa_mission.link.definitions import Definition
-from ipoa_mission.link.dialogue import Cancelled, Dialogue, Exchange, NoAnswer, Silence, T, Tempo, TimeUp
+from ipoa_mission.link.dialogue import Cancelled, Dialogue, Exchange, NoAnswer, RoundTrip, Silence, T, TimeUp
 from ipoa_mission.link.messages import AUTOPILOT_COMPONENT, Heartbeat, MavAutopilot, Message
 from ipoa_mission.link.routes import CLAIM_S, Routes
 from ipoa_mission.link.signing import Doubt
@@ -269,7 +269,7 @@ class Listening:
 
 
 def run_dialogue(
-    connection: MessageLink, target: Target, dialogue: Dialogue[T], tempo: Tempo, listening: Listening | None = None
+    connection: MessageLink, target: Target, dialogue: Dialogue[T], rtt: RoundTrip, listening: Listening | None = None
 ) -> T:
     """Hold a dialogue with one vehicle.
 
@@ -280,7 +280,7 @@ def run_dialogue(
     now = connection.now
     until = listening.until
     with noted_interrupts() as interrupt:
-        exchange = Exchange(dialogue, now(), tempo.patience, tempo)
+        exchange = Exchange(dialogue, now(), rtt.policy, rtt)
         try:
             while not exchange.finished:
                 for message in exchange.outgoing():

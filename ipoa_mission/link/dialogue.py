@@ -109,7 +109,7 @@ def wait(seconds: float) -> Dialogue[None]:
 
 
 @dataclass(frozen=True)
-class Patience:
+class RetryPolicy:
     """Timers of repeats and of giving up; the defaults are MAVLink's.
 
     With `adapt` a question is repeated after the measured round trip plus four deviations. A silent link is given up
@@ -130,10 +130,10 @@ class Patience:
         return self.answer_s * (self.retries + 1)
 
 
-SPECIFIED = Patience()
+SPECIFIED = RetryPolicy()
 
 
-class Tempo:
+class RoundTrip:
     """A link's round trip by RFC 6298 with Karn's rule, with shorter waits than TCP's."""
 
     FASTEST_S = 0.05
@@ -141,8 +141,8 @@ class Tempo:
     LONGEST_BACKOFF = 1.5
     SLOW_LINK_REPEATS = 5  # in a row: a slow link, not a lossy one
 
-    def __init__(self, patience: Patience) -> None:
-        self.patience = patience
+    def __init__(self, policy: RetryPolicy) -> None:
+        self.policy = policy
         self.loses = False  # a repeat was too late for an echo
         self.doubts = 0  # answers to repeated questions since the last round trip
         self._mean: float | None = None
@@ -150,8 +150,8 @@ class Tempo:
         self._backoff = 1.0
 
     def wait_s(self, item: bool) -> float:
-        wait = self.patience.item_s if item else self.patience.answer_s
-        if not self.patience.adapt:
+        wait = self.policy.item_s if item else self.policy.answer_s
+        if not self.policy.adapt:
             return wait
         if self._mean is not None:
             wait = max(self._mean + 4 * self._spread, self.FASTEST_S)
@@ -175,9 +175,9 @@ class Tempo:
 
         PX4 repeats each question over a slow link. After a loss each repeat is answered.
         """
-        if self.loses or not self.patience.adapt:
-            return self.patience.echo_s
-        return max(self.patience.echo_s, self._shortest)
+        if self.loses or not self.policy.adapt:
+            return self.policy.echo_s
+        return max(self.policy.echo_s, self._shortest)
 
     def repeated(self) -> None:
         """Back off a little on a lossy link, more on a slow one."""
@@ -190,12 +190,12 @@ class Exchange(Generic[T]):
 
     ANSWERS = (Ack, CommandAck, Count, FileTransfer, ItemAt, Request)
 
-    def __init__(self, dialogue: Dialogue[T], now: float, patience: Patience, tempo: Tempo | None = None) -> None:
+    def __init__(self, dialogue: Dialogue[T], now: float, policy: RetryPolicy, rtt: RoundTrip | None = None) -> None:
         self.finished = False
         self.was_answered = False
         self._dialogue = dialogue
-        self._patience = patience
-        self._tempo = tempo or Tempo(patience)
+        self._policy = policy
+        self._rtt = rtt or RoundTrip(policy)
         self._outbox: list[Message] = []
         self._awaited: Ask | Tell | Pause = Pause(math.inf)
         self._since = self._sent = self.heard_s = now
@@ -218,7 +218,7 @@ class Exchange(Generic[T]):
         if isinstance(self._awaited, Ask):
             return self._sent + self._wait_s
         if isinstance(self._awaited, Tell):
-            return self._since + self._patience.silence_s
+            return self._since + self._policy.silence_s
         return self._since + self._awaited.seconds
 
     def asked_for_s(self, now: float) -> float:
@@ -238,8 +238,8 @@ class Exchange(Generic[T]):
         if isinstance(run, ItemsRead):
             self._awaited = Ask(Request(run.at, run.kind), item=True, run=run)
             self._acted_on = (None, run.sent_s)
-            self._tempo.sample(run.round_trip_s)
-            self._wait_s = self._tempo.wait_s(item=True)
+            self._rtt.sample(run.round_trip_s)
+            self._wait_s = self._rtt.wait_s(item=True)
         else:
             self._acted_on = (Request(run.at, run.kind, run.is_legacy), run.sent_s)
 
@@ -253,7 +253,7 @@ class Exchange(Generic[T]):
             return
         self.heard_s = now
         last, when = self._acted_on
-        if message == last and now - when < self._tempo.echo_s:
+        if message == last and now - when < self._rtt.echo_s:
             return
         step = self._resume(message)
         if step is None and not self.finished:
@@ -261,11 +261,11 @@ class Exchange(Generic[T]):
         self.was_answered |= isinstance(message, self.ANSWERS) and not isinstance(self._awaited, Pause)
         if isinstance(self._awaited, Ask):
             if self._repeats == 0:
-                self._tempo.sample(now - self._sent)
+                self._rtt.sample(now - self._sent)
             else:
-                self._tempo.doubts += 1
+                self._rtt.doubts += 1
         elif message == last:
-            self._tempo.loses = True
+            self._rtt.loses = True
         self._acted_on = (message, now)
         self._follow(step, now)
 
@@ -277,7 +277,7 @@ class Exchange(Generic[T]):
                 self._follow(self._resume(None), now)
             case Ask(message, item) if not self._is_hopeless(item, now):
                 self._repeats += 1
-                self._tempo.repeated()
+                self._rtt.repeated()
                 self._send(message, now)
             case _:
                 self.interrupt(NoAnswer("the vehicle does not answer"), now)
@@ -288,14 +288,14 @@ class Exchange(Generic[T]):
         self._follow(self._move(lambda: self._dialogue.throw(error)), now)
 
     def _is_hopeless(self, item: bool, now: float) -> bool:
-        patience = self._patience
-        if self._repeats < patience.retries:
+        policy = self._policy
+        if self._repeats < policy.retries:
             return False
-        if now - self.heard_s >= patience.silence_s:
+        if now - self.heard_s >= policy.silence_s:
             return True
         if item:
-            return self._repeats >= patience.item_retries
-        return self._repeats >= patience.alive_retries and now - self._since >= patience.silence_s
+            return self._repeats >= policy.item_retries
+        return self._repeats >= policy.alive_retries and now - self._since >= policy.silence_s
 
     def _resume(self, message: Message | None) -> Step:
         return self._move(lambda: self._dialogue.send(message))
@@ -324,7 +324,7 @@ class Exchange(Generic[T]):
 
     def _send(self, message: Message, now: float) -> None:
         self._sent = now
-        self._wait_s = self._tempo.wait_s(isinstance(self._awaited, Ask) and self._awaited.item)
-        if self._repeats >= self._patience.alive_retries:
-            self._wait_s = max(self._wait_s, self._patience.answer_s)
+        self._wait_s = self._rtt.wait_s(isinstance(self._awaited, Ask) and self._awaited.item)
+        if self._repeats >= self._policy.alive_retries:
+            self._wait_s = max(self._wait_s, self._policy.answer_s)
         self._outbox.append(message)

@@ -12,7 +12,7 @@ from ipoa_mission.link import messages as m
 from ipoa_mission.link.codec import Heard, Target
 from ipoa_mission.link.connection import Connection, Listening, MessageLink, run_dialogue
 from ipoa_mission.link.conversations import observed
-from ipoa_mission.link.dialogue import SPECIFIED, Dialogue, Patience, T, Tempo
+from ipoa_mission.link.dialogue import SPECIFIED, Dialogue, RetryPolicy, RoundTrip, T
 from ipoa_mission.link.mavutil_channel import expect_connection, messages_from, payload_of
 from ipoa_mission.link.orders import message_request, request_version
 from ipoa_mission.link.vehicle_state import VehicleState
@@ -81,7 +81,7 @@ class VehicleSession:
         self,
         connection: MessageLink,
         heard: FoundVehicle,
-        patience: Patience = SPECIFIED,
+        retry_policy: RetryPolicy = SPECIFIED,
         round_trip_s: float | None = None,
     ) -> None:
         self.connection = connection
@@ -89,10 +89,10 @@ class VehicleSession:
         self.autopilot = heard.kind.autopilot
         self.state = VehicleState(self.autopilot, heard.kind, heard.is_ready, heard.armed)
         self._about: m.AutopilotVersion | None = None
-        self._patience = patience
-        self._tempo = Tempo(patience)
+        self._retry_policy = retry_policy
+        self._rtt = RoundTrip(retry_policy)
         if round_trip_s is not None:
-            self._tempo.sample(round_trip_s)
+            self._rtt.sample(round_trip_s)
         self._until = math.inf
 
     def __enter__(self) -> Self:
@@ -139,12 +139,12 @@ class VehicleSession:
     def _hold(self, dialogue: Dialogue[T], quiet_s: float = math.inf) -> T:
         target = Target(self.system, m.AUTOPILOT_COMPONENT)
         listening = Listening(self._overhear, self._until, quiet_s)
-        return run_dialogue(self.connection, target, dialogue, self._tempo, listening)
+        return run_dialogue(self.connection, target, dialogue, self._rtt, listening)
 
     @contextmanager
     def _in_time(self) -> Iterator[None]:
         before = self._until
-        self._until = min(before, self.connection.now() + self._patience.total_s)
+        self._until = min(before, self.connection.now() + self._retry_policy.total_s)
         try:
             yield
         finally:

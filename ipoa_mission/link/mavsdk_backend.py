@@ -39,7 +39,7 @@ def connect(
         result = instance.add_any_connection(_mavsdk_url(address))
         if result.name != "SUCCESS":
             raise LinkDown(f"cannot be opened: {result.name}", code="link-not-opened", place=address)
-        until = time.monotonic() + min(PRESENCE_S, options.patience.total_s)
+        until = time.monotonic() + min(PRESENCE_S, options.retry_policy.total_s)
         while time.monotonic() < until:
             for found in instance.get_systems():
                 if found.has_autopilot() and found.is_connected() and system in (None, found.get_system_id()):
@@ -131,7 +131,7 @@ class MavsdkVehicle(Vehicle):
         kind = VehicleKind(likely.mav_autopilot, QUADROTOR)  # until its first heartbeat
         found = FoundVehicle(int(system.get_system_id()), kind, armed=False, is_ready=True)
         super().__init__(connection, found, options)
-        presence_s = min(PRESENCE_S, self._patience.total_s)
+        presence_s = min(PRESENCE_S, self._retry_policy.total_s)
         if not self._hold(until(lambda: m.Heartbeat in self.state.heard, presence_s)):
             raise NoAnswer("no heartbeat is heard", code="not-heard", place=f"vehicle {self.system}")
         if not self._options.reading and self.state.kind is not None and not self.state.kind.is_flown:

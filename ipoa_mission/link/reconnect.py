@@ -13,7 +13,7 @@ from ipoa_mission.link.channel import LinkDown
 from ipoa_mission.link.codec import Heard, Target
 from ipoa_mission.link.connection import NOTICE_S, Listening, MessageLink, run_dialogue
 from ipoa_mission.link.conversations import observed
-from ipoa_mission.link.dialogue import Cancelled, Dialogue, NoAnswer, Patience, Silence, Tempo, TimeUp, until
+from ipoa_mission.link.dialogue import Cancelled, Dialogue, NoAnswer, RetryPolicy, RoundTrip, Silence, TimeUp, until
 from ipoa_mission.link.discovery import autopilots_in
 from ipoa_mission.link.messages import AUTOPILOT_COMPONENT, AutopilotVersion, Current, Heartbeat, Message, Position
 from ipoa_mission.link.onboard_list import OnboardList, prove
@@ -42,7 +42,7 @@ class KnownVehicle:
     clock_s: float
     about: AutopilotVersion | None
     onboard: OnboardList | None
-    patience: Patience
+    retry_policy: RetryPolicy
 
 
 @dataclass
@@ -122,9 +122,8 @@ class LinkLoss:
                     elif autopilots_in([heard]):
                         self._others = f"vehicle {heard.system} is heard; nothing is sent to it"
             dialogue = observed(recognize(candidate, known), lambda heard: candidate.expect_flown())
-            run_dialogue(
-                self.connection, target, dialogue, Tempo(known.patience), Listening(note, self._ends_s, SILENT_S)
-            )
+            listening = Listening(note, self._ends_s, SILENT_S)
+            run_dialogue(self.connection, target, dialogue, RoundTrip(known.retry_policy), listening)
             return messages
         except LinkDown as down:
             self._is_open = False

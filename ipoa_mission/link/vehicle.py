@@ -17,7 +17,7 @@ from ipoa_mission.interrupts import noted_interrupts
 from ipoa_mission.link import conversations, departure, orders
 from ipoa_mission.link.channel import LinkDown
 from ipoa_mission.link.connection import MessageLink
-from ipoa_mission.link.dialogue import SPECIFIED, Cancelled, Dialogue, NoAnswer, Patience, Silence, TimeUp, until
+from ipoa_mission.link.dialogue import SPECIFIED, Cancelled, Dialogue, NoAnswer, RetryPolicy, Silence, TimeUp, until
 from ipoa_mission.link.discovery import FoundVehicle, VehicleSession
 from ipoa_mission.link.flight_order import SHOWN_S, Conformance, FlightOrder, pause, resume, return_to_launch
 from ipoa_mission.link.logbook import Logbook, Observer, watch
@@ -54,7 +54,7 @@ def _with_lists(failed: MissionError, kind: int, sent: Sequence[int]) -> Mission
 class ConnectionOptions:
     """As `connect` explains them."""
 
-    patience: Patience = SPECIFIED
+    retry_policy: RetryPolicy = SPECIFIED
     fast: bool = True
     anyway: bool = False
     reading: bool = False
@@ -78,7 +78,7 @@ class Vehicle(VehicleSession):
         trip_s: float | None = None,
     ) -> None:
         self._options = options or ConnectionOptions()
-        super().__init__(connection, heard, self._options.patience, trip_s)
+        super().__init__(connection, heard, self._options.retry_policy, trip_s)
         self.overhearing: Callable[[Message], None] = lambda message: None
         """Called with every message of the vehicle while a dialogue is held."""
         self._mission: Mission | None = None
@@ -296,7 +296,7 @@ class Vehicle(VehicleSession):
         logbook = self._logbook
         onboard = self._onboard_lists.get(MissionType.MISSION)
         proved = None if onboard is None or onboard.changed else onboard
-        known = KnownVehicle(self.system, self.state, logbook.clock_s, self._about, proved, self._patience)
+        known = KnownVehicle(self.system, self.state, logbook.clock_s, self._about, proved, self._retry_policy)
         self.order.cut(True)
         report = partial(count, progress, logbook.done, logbook.total, "item ")
         messages = self.link_loss.end(lost, known, report, self._until)
@@ -327,7 +327,7 @@ class Vehicle(VehicleSession):
 
     @property
     def ready_s(self) -> float:
-        total_s = self._patience.total_s
+        total_s = self._retry_policy.total_s
         return departure.LIMITS.ready_s if total_s == SPECIFIED.total_s else total_s
 
     @property

@@ -173,7 +173,7 @@ class MissionService:
             return result
 
         dialogue = fetch(ItemsRead(kind, count, 0, take), profile.requests_legacy)
-        incoming = Incoming(client, kind, count, 0, Exchange(dialogue, now, profile.patience))
+        incoming = Incoming(client, kind, count, 0, Exchange(dialogue, now, profile.retry_policy))
         self._incoming[self._slot(kind)] = incoming
         self._flush(incoming.exchange, client)
 
@@ -241,7 +241,7 @@ class MissionService:
         elif self.profile.reads_item_by_item:
             self.say(m.Count(len(self.listed(kind)), kind), client)
         else:
-            exchange = Exchange(offer(self._read_back(kind), kind, Tell), now, self.profile.patience)
+            exchange = Exchange(offer(self._read_back(kind), kind, Tell), now, self.profile.retry_policy)
             self._readers.pop((client, kind), None)
             self._readers[client, kind] = exchange
             self._flush_reader((client, kind), exchange)

@@ -11,7 +11,7 @@ from ipoa_mission.autopilot.firmware_tables import NO_VERSION
 from ipoa_mission.autopilot.firmware_tables import Firmware as Tables
 from ipoa_mission.autopilot.parameters import Parameters
 from ipoa_mission.autopilot.version import Version
-from ipoa_mission.link.dialogue import Patience
+from ipoa_mission.link.dialogue import RetryPolicy
 from ipoa_mission.link.messages import CommandResult, MissionType
 from ipoa_mission.mission.items import Item
 from ipoa_mission.simulator.situation import FlightMode, Situation
@@ -65,7 +65,7 @@ class MockProfile:
     autopilot: Autopilot
     controller: Callable[[Situation, Parameters, random.Random], FlightController]
     requests_legacy: bool = False  # by MISSION_REQUEST; it refuses other items
-    patience: Patience
+    retry_policy: RetryPolicy
     timeout_result: int | None = None
     timeout_text: str
     truncating: frozenset[int] = frozenset()  # lists cleared at COUNT
@@ -130,10 +130,10 @@ class MockProfile:
         }
 
 
-def asks_every(seconds: float, give_up_s: float) -> Patience:
+def asks_every(seconds: float, give_up_s: float) -> RetryPolicy:
     """Repeat every `seconds` and give up after `give_up_s` [s]."""
     retries = round(give_up_s / seconds) - 1
-    return Patience(seconds, seconds, retries, retries, retries, adapt=False, echo_s=0.0)
+    return RetryPolicy(seconds, seconds, retries, retries, retries, adapt=False, echo_s=0.0)
 
 
 def mock_profile(autopilot: Autopilot, version: Version | None = None) -> MockProfile:

@@ -54,7 +54,7 @@ class Booting(BuiltInAutopilot):
 
 def met(autopilot: BuiltInAutopilot, total_s: float = SPECIFIED.total_s) -> Vehicle:
     connection = Connection(Loopback(Station(autopilot)), Codec(245, 190))
-    return meet(connection, options=ConnectionOptions(patience=replace(SPECIFIED, total_s=total_s)))
+    return meet(connection, options=ConnectionOptions(retry_policy=replace(SPECIFIED, total_s=total_s)))
 
 
 class RecordedStages:

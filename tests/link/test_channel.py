@@ -91,7 +91,7 @@ def test_verb_on_a_blocked_serial_line_ends_at_its_timeout(
     os.write(cable.vehicle, AUTOPILOT)
     vehicle = meet(
         Connection(serial, Codec(245, 190)),
-        options=ConnectionOptions(patience=replace(SPECIFIED, total_s=0.5), fast=False),
+        options=ConnectionOptions(retry_policy=replace(SPECIFIED, total_s=0.5), fast=False),
     )
     began = time.monotonic()
     with pytest.raises((TimeUp, NoAnswer)):

@@ -138,7 +138,7 @@ def test_a_vehicle_that_is_not_there_is_an_error(monkeypatch: pytest.MonkeyPatch
 def test_an_upload_ends_when_the_user_s_patience_does(family: Autopilot) -> None:
     slow = Faults(delay_s=0.2)
     connection = Connection(Loopback(Station(Mock(family, HOME)), slow), Codec(245, 190))
-    vehicle = meet(connection, options=ConnectionOptions(patience=replace(SPECIFIED, total_s=5.0), fast=False))
+    vehicle = meet(connection, options=ConnectionOptions(retry_policy=replace(SPECIFIED, total_s=5.0), fast=False))
     begun = connection.channel.now()
     legs = (waypoint(Geodetic(47.4 + 1e-5 * n, 8.5), 12.0) for n in range(50))
     with refuses("time-up", "", "attempt 1") as late:

@@ -29,7 +29,7 @@ def test_a_log_of_our_own_frames_is_removed_where_nobody_answers(
     monkeypatch.setattr("ipoa_mission.link.connect.PRESENCE_S", 1.2)
     for log in (tmp_path / "silent.tlog", None):
         with pytest.raises(NoAnswer):
-            connect("udpout:127.0.0.1:9", log=log, patience=asks_every(0.1, 0.3))
+            connect("udpout:127.0.0.1:9", log=log, retry_policy=asks_every(0.1, 0.3))
     _drop_unanswered(tmp_path / "none.tlog")
     assert not list(tmp_path.iterdir())
 

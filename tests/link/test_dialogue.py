@@ -10,11 +10,11 @@ from ipoa_mission.link.dialogue import (
     Dialogue,
     Exchange,
     NoAnswer,
-    Patience,
     Pause,
+    RetryPolicy,
+    RoundTrip,
     SendOnce,
     Tell,
-    Tempo,
 )
 from ipoa_mission.link.messages import Ack, Count, Heartbeat, Message, Request
 
@@ -39,26 +39,26 @@ def run_until(exchange: Exchange[Any], now: float) -> list[tuple[float, Message]
 
 
 def test_a_request_is_sent_at_once_and_again_after_the_specified_timeout() -> None:
-    sent = run_until(Exchange(asking(), 0.0, Patience(adapt=False)), 3.1)
+    sent = run_until(Exchange(asking(), 0.0, RetryPolicy(adapt=False)), 3.1)
     assert sent == [(0.0, Count(3)), (1.5, Count(3)), (3.0, Count(3))]
 
 
 def test_an_item_has_the_shorter_timer() -> None:
-    sent = run_until(Exchange(asking(item=True), 0.0, Patience(adapt=False)), 0.6)
+    sent = run_until(Exchange(asking(item=True), 0.0, RetryPolicy(adapt=False)), 0.6)
     assert [when for when, _ in sent] == [0.0, 0.25, 0.5]
 
 
 def test_silence_is_an_error() -> None:
-    exchange = Exchange(asking(), 0.0, Patience(adapt=False))
+    exchange = Exchange(asking(), 0.0, RetryPolicy(adapt=False))
     with pytest.raises(NoAnswer):
         run_until(exchange, 60.0)
     assert exchange.deadline == pytest.approx(SPECIFIED.silence_s)
 
 
 def test_a_busy_vehicle_on_a_fast_link_keeps_the_specified_timeout() -> None:
-    tempo = Tempo(SPECIFIED)
-    tempo.sample(0.001)
-    exchange = Exchange(asking(), 0.0, SPECIFIED, tempo)
+    rtt = RoundTrip(SPECIFIED)
+    rtt.sample(0.001)
+    exchange = Exchange(asking(), 0.0, SPECIFIED, rtt)
     times: list[float] = []
 
     def wait() -> None:
@@ -74,7 +74,7 @@ def test_a_busy_vehicle_on_a_fast_link_keeps_the_specified_timeout() -> None:
 
 
 def test_vehicle_that_is_heard_gets_more_patience() -> None:
-    exchange = Exchange(asking(), 0.0, Patience(adapt=False))
+    exchange = Exchange(asking(), 0.0, RetryPolicy(adapt=False))
     second = 0
     while exchange.deadline < (SPECIFIED.alive_retries + 1) * SPECIFIED.answer_s - 0.01:
         exchange.receive(BEAT, float(second))
@@ -219,45 +219,45 @@ def test_a_dialogue_without_a_word_is_over_at_once() -> None:
 
 
 def test_the_timer_follows_the_measured_round_trip() -> None:
-    tempo = Tempo(SPECIFIED)
-    assert (tempo.wait_s(item=False), tempo.wait_s(item=True)) == (1.5, 0.25)
+    rtt = RoundTrip(SPECIFIED)
+    assert (rtt.wait_s(item=False), rtt.wait_s(item=True)) == (1.5, 0.25)
     for _ in range(50):
-        tempo.sample(0.6)
-    assert 0.6 < tempo.wait_s(item=True) < 0.7
+        rtt.sample(0.6)
+    assert 0.6 < rtt.wait_s(item=True) < 0.7
     for _ in range(50):
-        tempo.sample(0.001)
-    assert tempo.wait_s(item=True) == Tempo.FASTEST_S
+        rtt.sample(0.001)
+    assert rtt.wait_s(item=True) == RoundTrip.FASTEST_S
 
 
 def test_losing_packets_slows_the_timer_little_and_a_slow_link_much() -> None:
-    lossy = Tempo(SPECIFIED)
+    lossy = RoundTrip(SPECIFIED)
     lossy.sample(0.5)
     usual = lossy.wait_s(item=True)
     for _ in range(10):
         lossy.repeated()
-    assert lossy.wait_s(item=True) == Tempo.LONGEST_BACKOFF * usual
-    for _ in range(Tempo.SLOW_LINK_REPEATS):
+    assert lossy.wait_s(item=True) == RoundTrip.LONGEST_BACKOFF * usual
+    for _ in range(RoundTrip.SLOW_LINK_REPEATS):
         lossy.doubts += 1
     for _ in range(10):
         lossy.repeated()
-    assert lossy.wait_s(item=True) == Tempo.SLOWEST_S
+    assert lossy.wait_s(item=True) == RoundTrip.SLOWEST_S
     lossy.sample(0.5)
     assert lossy.wait_s(item=True) < usual
 
 
 def test_fixed_timers_do_not_adapt() -> None:
-    tempo = Tempo(Patience(adapt=False))
-    tempo.sample(10.0)
-    tempo.repeated()
-    assert tempo.wait_s(item=False) == 1.5
+    rtt = RoundTrip(RetryPolicy(adapt=False))
+    rtt.sample(10.0)
+    rtt.repeated()
+    assert rtt.wait_s(item=False) == 1.5
 
 
 def test_an_answer_to_a_repeated_question_is_no_measure() -> None:
-    tempo = Tempo(SPECIFIED)
-    exchange = Exchange(asking(), 0.0, SPECIFIED, tempo)
+    rtt = RoundTrip(SPECIFIED)
+    exchange = Exchange(asking(), 0.0, SPECIFIED, rtt)
     exchange.tick(1.5)
     exchange.receive(Request(0), 1.6)
-    assert tempo.wait_s(item=True) == pytest.approx(0.25 * 1.5)
+    assert rtt.wait_s(item=True) == pytest.approx(0.25 * 1.5)
 
 
 def test_the_same_words_in_answer_to_a_new_question_are_no_echo() -> None:

@@ -17,7 +17,7 @@ from ipoa_mission.interrupts import noted_interrupts, noted_terminations, termin
 from ipoa_mission.link.codec import Codec, Target
 from ipoa_mission.link.connect import meet
 from ipoa_mission.link.connection import Connection, run_dialogue
-from ipoa_mission.link.dialogue import SPECIFIED, Cancelled, Dialogue, Pause, Tempo
+from ipoa_mission.link.dialogue import SPECIFIED, Cancelled, Dialogue, Pause, RoundTrip
 from ipoa_mission.link.messages import MissionType
 from ipoa_mission.link.vehicle import ConnectionOptions
 from ipoa_mission.mission.items import FenceCircle, Item, Mission, takeoff, waypoint
@@ -166,12 +166,12 @@ def stubborn() -> Dialogue[None]:
 
 def test_a_conversation_may_end_well_and_a_second_press_ends_it_at_once() -> None:
     assert (
-        run_dialogue(Connection(Pressing(5.0), Codec(245, 190)), Target(1, 1), pausing(), Tempo(SPECIFIED))
+        run_dialogue(Connection(Pressing(5.0), Codec(245, 190)), Target(1, 1), pausing(), RoundTrip(SPECIFIED))
         == "ended well"
     )
     connection = Connection(Pressing(5.0, 6.0), Codec(245, 190))
     with pytest.raises(KeyboardInterrupt):
-        run_dialogue(connection, Target(1, 1), stubborn(), Tempo(SPECIFIED))
+        run_dialogue(connection, Target(1, 1), stubborn(), RoundTrip(SPECIFIED))
     assert 6.0 <= connection.channel.now() < 6.2
 
 
@@ -254,10 +254,12 @@ def waiting() -> Dialogue[str]:
 
 def test_a_press_in_the_moment_in_which_a_conversation_ends_is_not_lost() -> None:
     undisturbed = Pressing()
-    assert run_dialogue(Connection(undisturbed, Codec(245, 190)), Target(1, 1), waiting(), Tempo(SPECIFIED)) == "done"
+    assert (
+        run_dialogue(Connection(undisturbed, Codec(245, 190)), Target(1, 1), waiting(), RoundTrip(SPECIFIED)) == "done"
+    )
     with pytest.raises(KeyboardInterrupt):
         run_dialogue(
-            Connection(Pressing(undisturbed.waited_at), Codec(245, 190)), Target(1, 1), waiting(), Tempo(SPECIFIED)
+            Connection(Pressing(undisturbed.waited_at), Codec(245, 190)), Target(1, 1), waiting(), RoundTrip(SPECIFIED)
         )
 
 

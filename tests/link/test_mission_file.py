@@ -14,7 +14,7 @@ from ipoa_mission.link.codec import Codec, Target
 from ipoa_mission.link.connect import meet
 from ipoa_mission.link.connection import Connection, run_dialogue
 from ipoa_mission.link.conversations import KeepsChanging
-from ipoa_mission.link.dialogue import SPECIFIED, Cancelled, Exchange, Tempo, TimeUp
+from ipoa_mission.link.dialogue import SPECIFIED, Cancelled, Exchange, RoundTrip, TimeUp
 from ipoa_mission.link.mavftp import (
     MISSION_FILE,
     FileError,
@@ -128,7 +128,7 @@ def test_px4_has_no_such_file() -> None:
     vehicle.upload_items(items_of(Autopilot.PX4, 5), MissionType.MISSION)
     assert not any(isinstance(message, FileTransfer) for message in heard)
     with refuses("file-refused", "", "MISSION/mission.dat"):
-        run_dialogue(connection_of(vehicle), Target(1, 1), read_file(MISSION_FILE), Tempo(SPECIFIED))
+        run_dialogue(connection_of(vehicle), Target(1, 1), read_file(MISSION_FILE), RoundTrip(SPECIFIED))
 
 
 def test_a_file_that_reads_back_differently_is_an_error() -> None:
@@ -136,14 +136,14 @@ def test_a_file_that_reads_back_differently_is_an_error() -> None:
     mock._files = FileService(True, 650, mock.transfers.listed, lambda items: True)
     job = Upload(items_of(ARDUPILOT, 5), ARDUPILOT)
     with pytest.raises(ReadBackDiffers):
-        run_dialogue(connection_of(vehicle), Target(1, 1), upload_by_file(job), Tempo(SPECIFIED))
+        run_dialogue(connection_of(vehicle), Target(1, 1), upload_by_file(job), RoundTrip(SPECIFIED))
 
 
 def test_silence_says_what_was_asked() -> None:
     vehicle, mock = aboard(Faults())
     mock.receive = lambda *anything: None  # type: ignore[method-assign]
     with refuses("no-answer", "", "reset"):
-        run_dialogue(connection_of(vehicle), Target(1, 1), write_file("x", b"y"), Tempo(SPECIFIED))
+        run_dialogue(connection_of(vehicle), Target(1, 1), write_file("x", b"y"), RoundTrip(SPECIFIED))
 
 
 @pytest.mark.parametrize("error", [Cancelled("cancelled"), TimeUp("the time is up")], ids=["cancelled", "late"])
@@ -242,7 +242,7 @@ def test_a_list_that_was_changed_once_is_read_once_more(fast: bool) -> None:
             connection_of(vehicle),
             Target(1, 1),
             prove(vehicle._onboard_lists.values(), vehicle.state),
-            Tempo(SPECIFIED),
+            RoundTrip(SPECIFIED),
         )
 
 
@@ -259,7 +259,7 @@ def test_a_question_for_a_checksum_that_is_repeated_is_a_new_one() -> None:
 
     mock.receive = deaf_at_first  # type: ignore[method-assign]
     answers = run_dialogue(
-        connection_of(vehicle), Target(1, 1), list_checksum(MissionType.MISSION, counting(0, 2)), Tempo(SPECIFIED)
+        connection_of(vehicle), Target(1, 1), list_checksum(MissionType.MISSION, counting(0, 2)), RoundTrip(SPECIFIED)
     )
     assert answers == file_checksum(pack_mission(()))
     assert len(set(numbers)) == 4
@@ -276,7 +276,10 @@ def test_mission_file_without_checksums_is_read_and_silence_is_an_error() -> Non
     )
     with refuses("no-answer", "", "MISSION/mission.dat"):
         run_dialogue(
-            connection_of(vehicle), Target(1, 1), list_checksum(MissionType.MISSION, counting(0, 2)), Tempo(SPECIFIED)
+            connection_of(vehicle),
+            Target(1, 1),
+            list_checksum(MissionType.MISSION, counting(0, 2)),
+            RoundTrip(SPECIFIED),
         )
     begun = vehicle.connection.now()
     assert len(vehicle.download_items(MissionType.MISSION)) == 5

@@ -188,7 +188,7 @@ class Px4Controller:
 MOCK_PROFILE = MockProfile(
     autopilot=PX4_MULTICOPTER,
     controller=Px4Controller,
-    patience=asks_every(0.25, 5.0),
+    retry_policy=asks_every(0.25, 5.0),
     timeout_text="Operation timeout",
     count_from_stranger=Answer.ERROR,
     count_again=Answer.ERROR,
