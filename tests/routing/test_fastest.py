@@ -21,8 +21,7 @@ from ipoa_mission.planning.proof import prove, prove_curve
 from ipoa_mission.planning.spline import Spline, basis
 from ipoa_mission.routing.assemble import choose_route
 from ipoa_mission.routing.build import build_mission, draft_mission
-from ipoa_mission.routing.fastest import _changed
-from ipoa_mission.routing.resample import Route, strays
+from ipoa_mission.routing.resample import Route, common_ends, strays
 from ipoa_mission.scenario import Scenario, parse_scenario
 from ipoa_mission.simulator.fly import fly_built_in as fly_here
 from tests.examples import some, vehicles
@@ -255,5 +254,5 @@ def test_a_changed_waypoint_is_found_between_the_equal_ones() -> None:
     for n in range(1, 6):
         moved = points.copy()
         moved[n] += 0.5
-        assert _changed(points, moved) == (n, 6 - n)
-        assert _changed(points, np.delete(points, n, axis=0)) == (n, 6 - n)
+        assert common_ends(points, moved) == (n, 6 - n)
+        assert common_ends(points, np.delete(points, n, axis=0)) == (n, 6 - n)
