@@ -107,7 +107,7 @@ class Autopilot(metaclass=_ByName):
         return self.firmware().name
 
     @property
-    def counts_home(self) -> int:
+    def seq_offset(self) -> int:
         return int(self.firmware().home_is_item_0)
 
     @abstractmethod

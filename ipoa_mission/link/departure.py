@@ -227,13 +227,13 @@ def _begin(departure: Departure) -> Dialogue[None]:
 def _set_first(departure: Departure) -> Dialogue[None]:
     state = departure.state
     first = departure.first
-    home = state.autopilot.counts_home
+    seq_offset = state.autopilot.seq_offset
     state.current = None
-    yield from set_current(first, home, restart=True)
+    yield from set_current(first, seq_offset, restart=True)
     begins = range(first, departure.moving + 1)
     if not (yield from until(lambda: state.current is not None and state.current.seq in begins, SHOWN_S)):
-        reported = "no item" if state.current is None else f"item {state.current.seq + 1 - home}"
-        words = f"the mission was set to begin at item {first + 1 - home}, but the vehicle reports {reported}"
+        reported = "no item" if state.current is None else f"item {state.current.seq + 1 - seq_offset}"
+        words = f"the mission was set to begin at item {first + 1 - seq_offset}, but the vehicle reports {reported}"
         raise NotReady(words, code="other-item-current")
 
 

@@ -378,7 +378,7 @@ class Conformance:
         if self._logbook is not None and self._returns_at_its_end:
             return self._logbook.total - 1
         current = self.state.current
-        return None if current is None else current.seq - self.state.autopilot.counts_home
+        return None if current is None else current.seq - self.state.autopilot.seq_offset
 
     def _react(self, deviation: Deviation) -> None:
         armed_s = 0.0 if self._logbook is None else self._logbook.armed_s

@@ -39,7 +39,7 @@ class Logbook:
     def __init__(self, items: Sequence[Item], autopilot: Autopilot, armed: bool = False) -> None:
         self._items = tuple(items)
         self._autopilot = autopilot
-        self._first = autopilot.counts_home
+        self._first = autopilot.seq_offset
         flown = [index for index, item in enumerate(items) if item.command < LAST_NAV]
         self._final = flown[-1] if flown else len(items) - 1
         self._texts: list[str] = []

@@ -69,7 +69,7 @@ class OnboardList:
         is_unknown = total in (0, 65535)
         if is_unknown and current.mission_state == MissionState.NO_MISSION:
             return "there is none any more"
-        sent = len(self.job.items) - self.job.autopilot.counts_home
+        sent = len(self.job.items) - self.job.autopilot.seq_offset
         return "" if is_unknown or total == sent else f"it has {count_words(total)}, and ours has {sent}"
 
 

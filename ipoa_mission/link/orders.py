@@ -72,17 +72,17 @@ def send_command(message: m.CommandLong, check: Callable[[], None] = lambda: Non
     return answer.result, str(texts)
 
 
-def set_current(seq: int, home: int, restart: bool = False) -> Dialogue[None]:
-    """By command 224, or the older message (PX4); `home`: 1 if the list has it; `restart` resets jump counters."""
+def set_current(seq: int, seq_offset: int, restart: bool = False) -> Dialogue[None]:
+    """By command 224, or the older message (PX4); `seq_offset`: 1 if home is item 0; `restart` resets jump counters."""
     result, words = yield from send(VehicleCommand.DO_SET_MISSION_CURRENT, float(seq), float(restart))
     if result == m.CommandResult.ACCEPTED:
         return
     if result != m.CommandResult.UNSUPPORTED:
-        raise CommandRefused(f"go to item {seq + 1 - home}", result, words)
+        raise CommandRefused(f"go to item {seq + 1 - seq_offset}", result, words)
     try:
         yield from hear(Ask(m.SetCurrent(seq)), lambda heard: isinstance(heard, m.Current) and heard.seq == seq)
     except NoAnswer:
-        raise NoAnswer(f"the vehicle did not go to item {seq + 1 - home}", code="no-such-item") from None
+        raise NoAnswer(f"the vehicle did not go to item {seq + 1 - seq_offset}", code="no-such-item") from None
 
 
 def stream_order(name: str, interval_s: float) -> m.CommandLong:

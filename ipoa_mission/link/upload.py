@@ -91,8 +91,8 @@ class Upload:
 
         ArduPilot may answer its home alone for an empty list.
         """
-        home = self.autopilot.counts_home if self.kind == MissionType.MISSION else 0
-        if not self.items and len(stored) <= home:
+        seq_offset = self.autopilot.seq_offset if self.kind == MissionType.MISSION else 0
+        if not self.items and len(stored) <= seq_offset:
             return None
         got = [self._item_held(n, one) for n, one in enumerate(stored)]
         return compare(self.items, got, self.autopilot)

@@ -179,7 +179,7 @@ class Vehicle(VehicleSession):
     def set_current(self, index: int) -> None:
         """Make item `index` of `Mission.items` the current one; see `state`."""
         with self._in_time():
-            self._tell(orders.set_current(index + self.autopilot.counts_home, self.autopilot.counts_home))
+            self._tell(orders.set_current(index + self.autopilot.seq_offset, self.autopilot.seq_offset))
             self._hold(until(lambda: self.state.custom_mode is not None, SHOWN_S))
 
     def pause(self) -> None:
@@ -219,11 +219,11 @@ class Vehicle(VehicleSession):
         items = () if mission is None else mission.items
         moving = next((n for n, item in enumerate(items) if n >= first and item.command < LAST_NAV), first)
         onboard_lists = tuple(self._onboard_lists.values())
-        home = self.autopilot.counts_home
+        seqs = (first + self.autopilot.seq_offset, moving + self.autopilot.seq_offset)
         if not self._options.anyway:
             self.connection.expect_alone(self.system)
         permit = permit or (None if mission is None else partial(check_start, mission, None, first))
-        prepared = departure.Departure(self.state, first + home, moving + home, climb, onboard_lists, progress, permit)
+        prepared = departure.Departure(self.state, *seqs, climb, onboard_lists, progress, permit)
         with departure.restored_mode(self.state, self._tell_without_limit):
             with self._in_time():
                 self._tell(departure.prepare(prepared, self.ready_s))

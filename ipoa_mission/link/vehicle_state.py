@@ -146,7 +146,7 @@ class VehicleState:
             where = "on the ground" if self.in_air is False else "perhaps in the air"
             return f"the vehicle is armed, {where}, in {mode}"
         height = "" if self.position is None else f" {self.position.height:.0f} m above home"
-        item = "" if self.current is None else f", at item {self.current.seq + 1 - self.autopilot.counts_home}"
+        item = "" if self.current is None else f", at item {self.current.seq + 1 - self.autopilot.seq_offset}"
         after = self.autopilot.modes.does_next(self.custom_mode)
         return f"the vehicle is armed and in the air{height}, in {mode}{item}: {after}"
 

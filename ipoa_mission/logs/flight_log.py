@@ -248,7 +248,7 @@ class _Stretch:
 
     def _mission(self, autopilot: Autopilot) -> Mission | None:
         """Return the logged mission, else the flown items: ArduPilot logs none uploaded as a file."""
-        first = autopilot.counts_home
+        first = autopilot.seq_offset
         home = self.later.home or self.at_arming.home
         place = next((message for message in self.messages if isinstance(message, m.Position)), None)
         if home is None and place is not None:

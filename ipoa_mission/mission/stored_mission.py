@@ -98,7 +98,7 @@ def compare(
 
 def first_number(items: Sequence[Item], autopilot: Autopilot) -> int:
     """Return 0 for a list with ArduPilot's home, else 1."""
-    return 0 if items and autopilot.counts_home and _is_home(items[0]) else 1
+    return 0 if items and autopilot.seq_offset and _is_home(items[0]) else 1
 
 
 def _sent(item: Item, firmware: Firmware) -> Item:

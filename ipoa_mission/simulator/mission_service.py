@@ -117,7 +117,7 @@ class MissionService:
 
     def listed(self, kind: int) -> tuple[Item, ...]:
         items = self.stores[m.MissionType(kind)].items
-        if kind == m.MissionType.MISSION and self.profile.autopilot.counts_home and items:
+        if kind == m.MissionType.MISSION and self.profile.autopilot.seq_offset and items:
             return (home_item(self.home()), *items[1:])
         return items
 

@@ -102,7 +102,7 @@ class MockVehicle:
 
     @property
     def first_item(self) -> int:
-        return self.profile.autopilot.counts_home
+        return self.profile.autopilot.seq_offset
 
     def send(self, message: Message, to: Target = EVERYONE) -> None:
         self.outbox.append((message, to))

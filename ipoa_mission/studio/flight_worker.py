@@ -290,7 +290,7 @@ class Watch:
         """Yield each order's effect, or why it is `unknown`; hold and land are checked from the actual position."""
         current = self.vehicle.state.current
         if self.vehicle.order.is_held:
-            item = "" if current is None else f" with item {current.seq + 1 - self.vehicle.autopilot.counts_home}"
+            item = "" if current is None else f" with item {current.seq + 1 - self.vehicle.autopilot.seq_offset}"
             left_s = None if unknown else round(max(self.forecast.estimate.total_s - forecast_s, 0.0), 1)
             yield OrderThen(what="go_on", clear=None, words=unknown or f"as planned{item}", seconds=left_s)
         rows: dict[Contingency, tuple[ContingencyRow, float | None]] = {}

@@ -66,7 +66,7 @@ def test_the_users_time_ends_the_waiting_for_a_lost_link(monkeypatch: pytest.Mon
 def conformance(in_air: bool, mode: int, under_way: bool = False) -> Any:
     modes = SimpleNamespace(mission=1, returns=frozenset({2}))
     state = SimpleNamespace(
-        in_air=in_air, custom_mode=mode, current=None, autopilot=SimpleNamespace(modes=modes, counts_home=0)
+        in_air=in_air, custom_mode=mode, current=None, autopilot=SimpleNamespace(modes=modes, seq_offset=0)
     )
     order = SimpleNamespace(is_under_way=under_way, is_paused=False, is_refused=False, words="", now=lambda: 0.0)
     made: Any = Conformance(state, order)  # type: ignore[arg-type]

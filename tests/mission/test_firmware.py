@@ -174,7 +174,7 @@ def test_the_first_spoiled_field_is_named(autopilot: Autopilot, field: str) -> N
     got[seq] = SPOILED[field](sent[seq])
     difference = compare(sent, got, autopilot)
     assert difference is not None
-    assert (difference.seq, difference.field) == (seq + 1 - autopilot.counts_home, field)
+    assert (difference.seq, difference.field) == (seq + 1 - autopilot.seq_offset, field)
 
 
 def test_a_changed_speed_is_a_difference_on_px4_and_on_ardupilot() -> None:

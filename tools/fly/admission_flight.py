@@ -133,7 +133,7 @@ class Watch:
         away, since = beside(self._way, place), message.time_s - self._armed_s
         self.astray = max(self.astray, away)
         current = self._vehicle.state.current
-        item = "" if current is None else f" at item {current.seq + 1 - self._vehicle.autopilot.counts_home}"
+        item = "" if current is None else f" at item {current.seq + 1 - self._vehicle.autopilot.seq_offset}"
         if away > AWAY:
             raise Broken(FLEW_AWAY, f"{away:.0f} m from its path after {since:.0f} s{item}, {place[2]:.0f} m up")
         if since > self._ends_s:
