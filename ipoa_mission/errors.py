@@ -1,7 +1,6 @@
 """Errors that a user can correct, and the register of their codes."""
 
 import json
-import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from importlib import import_module
@@ -56,8 +55,8 @@ class MissionError(Exception):
     exit_code = 1
     code = "mission-error"
 
-    def __init_subclass__(cls) -> None:
-        cls.code = re.sub(r"\B(?=[A-Z])", "-", cls.__name__).lower()
+    def __init_subclass__(cls, code: str = "") -> None:
+        cls.code = code or cls.code
 
     def __init__(
         self,
@@ -102,64 +101,64 @@ class MissionError(Exception):
         return about | {"exit_code": self.exit_code} | self.known
 
 
-class BadInput(MissionError):
+class BadInput(MissionError, code="bad-input"):
     """The user's input is wrong (exit code 2)."""
 
     exit_code = 2
 
 
-class DamagedFile(BadInput):
+class DamagedFile(BadInput, code="damaged-file"):
     """A file of the right format is incomplete."""
 
 
-class EndlessFlight(BadInput): ...
+class EndlessFlight(BadInput, code="endless-flight"): ...
 
 
-class InvalidRing(BadInput): ...
+class InvalidRing(BadInput, code="invalid-ring"): ...
 
 
-class NoCoordinateSystem(BadInput): ...
+class NoCoordinateSystem(BadInput, code="no-coordinate-system"): ...
 
 
-class NotCovered(BadInput): ...
+class NotCovered(BadInput, code="not-covered"): ...
 
 
-class NothingThere(BadInput):
+class NothingThere(BadInput, code="nothing-there"):
     """A file has none of the expected content."""
 
 
-class OptionConflict(BadInput):
+class OptionConflict(BadInput, code="option-conflict"):
     """An option needs another one, or excludes it."""
 
 
-class TooFar(BadInput): ...
+class TooFar(BadInput, code="too-far"): ...
 
 
-class TooLarge(BadInput): ...
+class TooLarge(BadInput, code="too-large"): ...
 
 
-class UnknownName(BadInput): ...
+class UnknownName(BadInput, code="unknown-name"): ...
 
 
-class Unreadable(BadInput): ...
+class Unreadable(BadInput, code="unreadable"): ...
 
 
-class Unwritable(BadInput): ...
+class Unwritable(BadInput, code="unwritable"): ...
 
 
-class WrongFormat(BadInput): ...
+class WrongFormat(BadInput, code="wrong-format"): ...
 
 
-class WrongSuffix(BadInput): ...
+class WrongSuffix(BadInput, code="wrong-suffix"): ...
 
 
-class LogUseless(MissionError): ...
+class LogUseless(MissionError, code="log-useless"): ...
 
 
-class NotModeled(MissionError): ...
+class NotModeled(MissionError, code="not-modeled"): ...
 
 
-class Unsafe(MissionError):
+class Unsafe(MissionError, code="unsafe"):
     """The checks found errors; the message has one line for each."""
 
 

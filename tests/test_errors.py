@@ -1,5 +1,4 @@
 import ast
-import re
 from collections.abc import Iterator
 from itertools import pairwise
 from pathlib import Path
@@ -19,7 +18,9 @@ def raised() -> Iterator[str]:
     classes = [node for node in package if isinstance(node, ast.ClassDef)]
     while more := {node.name for node in classes if {ast.unparse(base) for base in node.bases} & errors} - errors:
         errors |= more
-    yield from (re.sub(r"\B(?=[A-Z])", "-", name).lower() for name in errors)
+    yield MissionError.code
+    coded = {node.name for node in classes if any(keyword.arg == "code" for keyword in node.keywords)}
+    assert coded == errors - {"MissionError"}
     for node in package:
         if isinstance(node, ast.keyword) and node.arg == "code" and isinstance(node.value, ast.Constant):
             yield str(node.value.value)

@@ -93,7 +93,7 @@ def induced_speed(thrust: Vector, along: Vector, across: Vector, twice_density_a
     return np.asarray(v)
 
 
-class NotEnoughBattery(MissionError):
+class NotEnoughBattery(MissionError, code="not-enough-battery"):
     """The flight would end with less than the reserve, or not reach home."""
 
 

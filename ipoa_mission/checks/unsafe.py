@@ -72,7 +72,7 @@ def expect_plannable(scenario: "Scenario") -> None:
 HOME_RADIUS = 1.5  # below the error of satellite positioning [m]
 
 
-class NotAtStart(MissionError):
+class NotAtStart(MissionError, code="not-at-start"):
     """The flight may not begin where the vehicle is."""
 
 

@@ -35,7 +35,7 @@ class ChangeKind(Enum):
     FLOWN = auto()  # a flight that ended, by name
 
 
-class Interrupted(MissionError):
+class Interrupted(MissionError, code="interrupted"):
     """The message reports the state left behind."""
 
     exit_code = 130

@@ -143,7 +143,7 @@ def idle_fence(vehicle: HasParameters, mission: Mission) -> str | None:
     return f"the fence does nothing on this vehicle: its {switch} is 0{more}"
 
 
-class FarFromHome(MissionError):
+class FarFromHome(MissionError, code="far-from-home"):
     """Heights above home would refer to other ground: beyond `reach` [m]."""
 
     reach = 100.0
@@ -157,7 +157,7 @@ def expect_level(here: Geodetic, there: Geodetic | None) -> None:
         raise FarFromHome(words, hint="heights count from the vehicle's home: plan from its position, or use --anyway")
 
 
-class FastLanding(MissionError):
+class FastLanding(MissionError, code="fast-landing"):
     """The vehicle's own parameters make a fast touchdown."""
 
 
@@ -178,7 +178,7 @@ def expect_slow_landing(forecast: Forecast, aboard: Forecast) -> None:
             )
 
 
-class LowBattery(MissionError):
+class LowBattery(MissionError, code="low-battery"):
     """Too little battery for the flight and its reserve."""
 
 
@@ -205,7 +205,7 @@ def expect_charge(vehicle: Vehicle, forecast: Forecast, first: int = 0) -> tuple
     return ()
 
 
-class OutsideOwnFence(MissionError):
+class OutsideOwnFence(MissionError, code="outside-own-fence"):
     """The vehicle's own fence would abort the flight."""
 
 

@@ -66,7 +66,7 @@ def parse_address(url: str) -> Address:
     return Address(Transport(kind), match["host"].strip("[]") or LOOPBACK, port)
 
 
-class LinkDown(MissionError):
+class LinkDown(MissionError, code="link-down"):
     """The link cannot be opened, or broke."""
 
 

@@ -24,7 +24,7 @@ NOTICE_S = 0.1  # until Ctrl-C is noticed
 CAUSE_S = 5.0  # of silence, until its cause is reported
 
 
-class SpeaksMavlink1(MissionError):
+class SpeaksMavlink1(MissionError, code="speaks-mavlink1"):
     def __init__(self, system: int) -> None:
         super().__init__(
             f"vehicle {system} speaks MAVLink 1 only, and does not answer to MAVLink 2",
@@ -32,7 +32,7 @@ class SpeaksMavlink1(MissionError):
         )
 
 
-class SignsOtherwise(MissionError):
+class SignsOtherwise(MissionError, code="signs-otherwise"):
     """The vehicle's signing and ours differ: it ignores us."""
 
     def __init__(self, system: int, doubt: Doubt | None) -> None:
@@ -86,7 +86,7 @@ class MessageLink(Protocol):
         return
 
 
-class Contested(MissionError):
+class Contested(MissionError, code="contested"):
     """Two vehicles use one system id: both may obey an order to one."""
 
     def __init__(self, system: int) -> None:

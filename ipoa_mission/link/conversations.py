@@ -25,7 +25,7 @@ REFUSAL_TIMEOUT_S = 3.0
 REASON_TIMEOUT_S = 0.3
 
 
-class MissionRefused(MissionError):
+class MissionRefused(MissionError, code="mission-refused"):
     def __init__(self, result: int, kind: int, seq: int | None = None, words: str = "", first: int = 1) -> None:
         self.result = result
         self.seq = seq
@@ -280,7 +280,7 @@ def listen_for_words(texts: VehicleTexts) -> Dialogue[None]:
 READ_ATTEMPTS = 5
 
 
-class KeepsChanging(MissionError):
+class KeepsChanging(MissionError, code="keeps-changing"):
     def __init__(self, kind: int) -> None:
         super().__init__(
             f"the vehicle reports another {list_name(kind)} each time that its list is read",

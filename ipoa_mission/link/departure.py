@@ -34,7 +34,7 @@ class DepartureLimits:
 LIMITS = DepartureLimits()
 
 
-class NotYet(CommandRefused):
+class NotYet(CommandRefused, code="not-yet"):
     """Not armed, for reasons that pass with time."""
 
 

@@ -24,7 +24,7 @@ Answer = TypeVar("Answer")
 T = TypeVar("T")
 
 
-class Unfinished(MissionError):
+class Unfinished(MissionError, code="unfinished"):
     """`list_on_vehicle`: None if unknown."""
 
     def __init__(
@@ -41,19 +41,19 @@ class Unfinished(MissionError):
             self.known["list_on_vehicle"] = list_on_vehicle
 
 
-class NoAnswer(Unfinished):
+class NoAnswer(Unfinished, code="no-answer"):
     """The other side stayed silent."""
 
 
-class Silence(MissionError):
+class Silence(MissionError, code="silence"):
     """A vehicle that sends unasked is silent."""
 
 
-class Cancelled(Unfinished):
+class Cancelled(Unfinished, code="cancelled"):
     """Ctrl-C; the message names the list left, if any."""
 
 
-class TimeUp(Unfinished):
+class TimeUp(Unfinished, code="time-up"):
     """The user's time limit is over."""
 
 

@@ -107,7 +107,7 @@ def unpack_mission(data: bytes) -> tuple[Item, ...]:
     return tuple(wire.item_of(data[at : at + size]) for at in range(LIST_HEADER.size, len(data), size))
 
 
-class FileRefused(MissionError):
+class FileRefused(MissionError, code="file-refused"):
     pass
 
 

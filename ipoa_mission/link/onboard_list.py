@@ -73,7 +73,7 @@ class OnboardList:
         return "" if is_unknown or total == sent else f"it has {count_words(total)}, and ours has {sent}"
 
 
-class ReplacedSince(MissionError):
+class ReplacedSince(MissionError, code="replaced-since"):
     def __init__(self, onboard: OnboardList) -> None:
         super().__init__(f"the {list_name(onboard.job.kind)} on the vehicle is no longer ours: {onboard.changed}")
 

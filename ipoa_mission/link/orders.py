@@ -29,7 +29,7 @@ PARAMETER_BATCH = 8  # of two names at most
 ABSENCE_CHANCE = 2e-4  # of an existing parameter, by an estimated loss
 
 
-class CommandRefused(MissionError):
+class CommandRefused(MissionError, code="command-refused"):
     def __init__(self, action: str, result: int, words: str = "") -> None:
         self.result = result
         self.words = words

@@ -26,12 +26,12 @@ GIVE_UP_S = 300.0
 RETRY_S = 1.0
 
 
-class NotTheSameVehicle(MissionError):
+class NotTheSameVehicle(MissionError, code="not-the-same-vehicle"):
     def __init__(self, system: int, lost_s: float, why: str) -> None:
         super().__init__(f"after {lost_s:.0f} s vehicle {system} is heard again, but {why}: nothing is sent to it")
 
 
-class IdentityChanged(MissionError):
+class IdentityChanged(MissionError, code="identity-changed"):
     """It is another vehicle, or has changed; with the evidence."""
 
 

@@ -24,12 +24,12 @@ VERDICT_S = 1.5
 REVISION_S = 0.4
 
 
-class ReadBackDiffers(MissionError):
+class ReadBackDiffers(MissionError, code="read-back-differs"):
     def __init__(self, kind: int, difference: Difference) -> None:
         super().__init__(f"the {list_name(kind)} on the vehicle is not what was sent: {difference}")
 
 
-class Replaced(MissionError):
+class Replaced(MissionError, code="replaced"):
     def __init__(self, kind: int, difference: Difference) -> None:
         self.difference = difference
         super().__init__(
@@ -38,7 +38,7 @@ class Replaced(MissionError):
         )
 
 
-class Unflyable(MissionError):
+class Unflyable(MissionError, code="unflyable"):
     """The vehicle refuses to fly the stored mission; `why` in its words."""
 
     def __init__(self, why: str) -> None:
@@ -46,7 +46,7 @@ class Unflyable(MissionError):
         super().__init__(f"the vehicle stored the mission but refuses to fly it: {why or 'no reason was heard'}")
 
 
-class Unplaced(Unflyable):
+class Unplaced(Unflyable, code="unplaced"):
     def __init__(self) -> None:
         super().__init__("it has no position yet, without which it accepts none")
         self.hint = "wait until it has a position (GPS), and upload again"

@@ -16,11 +16,11 @@ SETTLED_S = 1.0  # a mode this long has replaced the mission's
 IN_AIR_HEIGHT = 0.5  # [m] above home, if nothing better is known
 
 
-class NotReady(MissionError):
+class NotReady(MissionError, code="not-ready"):
     """The vehicle's state does not permit an order; with the reason."""
 
 
-class NotFlown(MissionError):
+class NotFlown(MissionError, code="not-flown"):
     """Not a supported multicopter: nothing is changed on it."""
 
     def __init__(self, kind: VehicleKind, name: str = "the vehicle") -> None:
@@ -31,7 +31,7 @@ class NotFlown(MissionError):
         )
 
 
-class OtherKind(NotFlown):
+class OtherKind(NotFlown, code="other-kind"):
     """The vehicle behind these ids has changed: nothing is sent to it."""
 
     def __init__(self, before: VehicleKind, kind: VehicleKind) -> None:

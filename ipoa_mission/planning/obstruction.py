@@ -148,11 +148,11 @@ ROUNDING = 1e-6  # [m]
 LEAST_FLIGHT = 0.1  # [m]
 
 
-class NoPath(MissionError):
+class NoPath(MissionError, code="no-path"):
     """No path keeps the limits, or none was found."""
 
 
-class NotFound(NoPath):
+class NotFound(NoPath, code="not-found"):
     """Another seed may find a path."""
 
 

@@ -23,7 +23,7 @@ OVERSHOOT = 0.01  # of a moved leg [m]
 SLOPE_STEP = 1e-3  # [m]
 
 
-class NoRoute(MissionError):
+class NoRoute(MissionError, code="no-route"):
     """No choice of waypoints keeps the required clearance."""
 
 

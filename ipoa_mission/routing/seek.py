@@ -29,7 +29,7 @@ from ipoa_mission.scenario import Scenario
 from ipoa_mission.world.obstacles import Obstacle
 
 
-class TooNarrow(MissionError):
+class TooNarrow(MissionError, code="too-narrow"):
     """Geometry alone shows that too few flights would keep the limits."""
 
 
@@ -237,7 +237,7 @@ def _move_until_safe(plan: Plan, margins: _Margins, scenario: Scenario) -> tuple
     return best, best.quick_prediction.seconds / first.quick_prediction.seconds
 
 
-class WayHomeBlocked(MissionError):
+class WayHomeBlocked(MissionError, code="way-home-blocked"):
     """The straight way home is not clear at any altitude."""
 
 

@@ -151,7 +151,7 @@ def _lines(path: Path) -> Iterator[dict[str, Any]]:
         yield line
 
 
-class Stale(MissionError):
+class Stale(MissionError, code="stale"):
     """Another window or program has made a change since."""
 
 
