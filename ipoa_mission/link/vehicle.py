@@ -95,7 +95,7 @@ class Vehicle(VehicleSession):
         self._numbers = itertools.count(2 * round(1e3 * connection.now()), 2)  # differ from the last session's
 
     def upload(self, mission: Mission, progress: Progress = silent, checked: bool = True) -> None:
-        """Upload a mission, after its fence and rally points, and verify each list.
+        """Upload a mission, with its fence and rally points, and verify each list.
 
         Args:
             mission: for this vehicle's autopilot.
@@ -119,10 +119,10 @@ class Vehicle(VehicleSession):
                 aboard, unsaid = check_aboard(mission, self.autopilot, self.firmware_version())
                 refuse_errors((*unsaid, *check_mission(aboard)))
             lists = {MissionType.MISSION: stored_mission.to_wire(mission)}
+            if mission.fence:
+                lists[MissionType.FENCE] = stored_mission.fence_to_wire(mission.fence)
             if mission.rally:
-                lists = {MissionType.RALLY: stored_mission.rally_to_wire(mission.rally), **lists}
-            if mission.fence:  # PX4 judges a mission by the fence that it holds
-                lists = {MissionType.FENCE: stored_mission.fence_to_wire(mission.fence), **lists}
+                lists[MissionType.RALLY] = stored_mission.rally_to_wire(mission.rally)
             for kind, items in lists.items():
                 try:
                     self.upload_items(items, kind, progress if kind == MissionType.MISSION else silent)

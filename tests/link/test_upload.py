@@ -223,7 +223,6 @@ def test_a_download_that_takes_too_long_says_how_much_had_come() -> None:
 @pytest.mark.parametrize("refused", [MissionType.FENCE, MissionType.RALLY, MissionType.MISSION])
 @pytest.mark.parametrize("family", registered())
 def test_a_refused_list_is_named_with_the_state_of_all(family: Autopilot, refused: MissionType) -> None:
-    """The mission is the last: it never flies without its new fence, by which PX4 judges it."""
     mock = BuiltInAutopilot(family, HOME)
     vehicle = meet(Connection(Loopback(Station(mock)), Codec(245, 190)), options=ConnectionOptions(fast=False))
     items = (takeoff(HOME, 10.0), waypoint(Geodetic(47.4002, 8.5), 12.0))
@@ -239,10 +238,10 @@ def test_a_refused_list_is_named_with_the_state_of_all(family: Autopilot, refuse
     fence = (FenceCircle((47.4, 8.5), 300.0),)
     with refuses("mission-refused", "", "NO_SPACE") as failed:
         vehicle.upload(Mission(HOME, items, family, fence=fence, rally=(HOME,)))
-    sent = [MissionType.FENCE, MissionType.RALLY, MissionType.MISSION]
+    sent = [MissionType.MISSION, MissionType.FENCE, MissionType.RALLY]
     at = sent.index(refused)
     assert [bool(mock.transfers.listed(kind)) for kind in sent] == [n < at for n in range(3)]
     states = list(failed.value.known["lists_on_vehicle"].values())
     assert states == [*["new"] * at, "unknown", *["old"] * (2 - at)]
-    assert ("it keeps the" in str(failed.value)) is (refused != MissionType.MISSION)
-    assert ("it holds the new fence" in str(failed.value)) is (refused != MissionType.FENCE)
+    assert ("it keeps the" in str(failed.value)) is (refused != MissionType.RALLY)
+    assert ("it holds the new mission" in str(failed.value)) is (refused != MissionType.MISSION)
