@@ -4,19 +4,25 @@ import math
 from collections.abc import Iterator, Mapping
 from typing import Any, Literal
 
+import numpy as np
+import shapely
+
 from ipoa_mission import MissionError, Scenario
+from ipoa_mission.geometry import Points
 from ipoa_mission.studio.answers import Remedy, Trouble
 from ipoa_mission.studio.requests import Add, Change, Put, Take
 from ipoa_mission.studio.survey_view import in_words, numbers_in_full, ring_name
 from ipoa_mission.studio.view import fences_drawn, without_folders
 from ipoa_mission.studio.vocabulary import as_on_map
+from ipoa_mission.survey.sight import sight_of
 from ipoa_mission.survey.survey_area import parts_of
 from ipoa_mission.survey.survey_section import survey_of
+from ipoa_mission.survey.survey_task import SPARE, expect_survey, keep_out, survey_bound
 
 
 def plan_trouble(error: MissionError, scenario: Scenario, of: Literal["plan", "sketch"] = "plan") -> Trouble:
     if survey_of(scenario) is None:
-        of_kind = tuple(_return_remedies(error, scenario))
+        of_kind = (*_higher(error, scenario), *_return_remedies(error, scenario))
     else:
         of_kind = tuple(_survey_remedies(error, scenario))
     return Trouble(
@@ -79,6 +85,33 @@ def _map_heights(error: MissionError, scenario: Scenario) -> Iterator[Remedy]:
         yield Remedy(label=words[0].upper() + words[1:], changes=tuple(changes))
 
 
+def _higher(error: MissionError, scenario: Scenario) -> Iterator[Remedy]:
+    points = {"start": scenario.start_point, "goal": scenario.goal_point}
+    points |= {f"via[{n}]": point for n, point in enumerate(scenario.via_points)}
+    if error.code != "place-blocked" or error.place not in points:
+        return
+    name = error.place.partition("[")[0]
+    number = list(points).index(error.place) - 2
+    point = np.asarray(points[error.place], float)
+    airspace = scenario.airspace
+    required = scenario.limits.obstacle_distance
+    tops = [float(airspace.ground(point[None, :])[0])]
+    for body in airspace.obstacles:
+        middle = np.append(point[:2], body.bounds[:, 2].mean())
+        if float(body.distance(middle[None, :])[0]) < required:
+            tops.append(float(body.bounds[1, 2]))
+    margin = 0.5  # [m]
+    height = round(max(tops) + required + margin, 1)
+    if not point[2] < height < airspace.bounds.upper[2]:
+        return
+    path = (name, number) if name == "via" else (name,)
+    section = scenario.via[number] if name == "via" else getattr(scenario, name)
+    heights = [key for key in ("height_above_ground", "altitude_amsl") if getattr(section, key, None) is not None]
+    takes = tuple(Take(path=(*path, key)) for key in heights)
+    label = f"{name}{f' {number + 1}' if name == 'via' else ''} to {height:g} m above home"
+    yield Remedy(label=label[0].upper() + label[1:], changes=(*takes, Put(path=(*path, "up"), value=height)))
+
+
 def _return_remedies(error: MissionError, scenario: Scenario) -> Iterator[Remedy]:
     changes = {change.field: change.value for change in error.remedies}
     if ("route", "ending") not in changes:
@@ -95,14 +128,12 @@ def _return_remedies(error: MissionError, scenario: Scenario) -> Iterator[Remedy
 def _survey_remedies(error: MissionError, scenario: Scenario) -> Iterator[Remedy]:
     if error.known.get("limit") == "bounds":
         yield from _wider_bounds(scenario)
+    elif error.code in ("area-covered", "survey-too-near"):
+        yield from _over(error.known.get("near"), scenario)
     for change in error.remedies:
         match change.field, change.value:
             case ("survey", "height_above_ground"), height:
-                survey = survey_of(scenario)
-                has_resolution = survey is not None and survey.gsd_cm is not None
-                takes = (Take(path=("survey", "gsd_cm")),) if has_resolution else ()
-                put = Put(path=change.field, value=float(height))
-                yield Remedy(label=f"{height:g} m above ground", changes=(*takes, put))
+                yield _at_height(height, "", scenario)
             case ("survey", str(key)), None:
                 words = {"flights": "As few flights as can be", "line_spacing": "By the side overlap"}
                 label = words.get(key, f"The usual {key.replace('_', ' ')}")
@@ -126,6 +157,35 @@ def _wider_bounds(scenario: Scenario) -> Iterator[Remedy]:
             changes.append(Put(path=("bounds", key), value=wide))
     if changes:
         yield Remedy(label="Bounds that hold the survey", changes=tuple(changes))
+
+
+def _at_height(height: float, words: str, scenario: Scenario) -> Remedy:
+    survey = survey_of(scenario)
+    takes: tuple[Change, ...] = (Take(path=("survey", "gsd_cm")),) if survey and survey.gsd_cm is not None else ()
+    put = Put(path=("survey", "height_above_ground"), value=float(height))
+    return Remedy(label=f"{height:g} m above ground{words}", changes=(*takes, put))
+
+
+def _over(name: object, scenario: Scenario) -> Iterator[Remedy]:
+    section, area = expect_survey(scenario)
+    sight = sight_of(section, area, scenario)
+    zone = keep_out(scenario, sight, {})
+    covered = shapely.Polygon() if zone is None else zone.intersection(area.shape)
+    obstacles = scenario.airspace.obstacles
+    bodies = [body for body in obstacles if (body.name == name if name else body.horizontal_shape.intersects(covered))]
+    if not bodies:
+        return
+    height = math.ceil(max(_height_over(body.bounds, scenario) for body in bodies))
+    ceiling = scenario.planning.max_height_above_ground
+    if height > sight.least and (ceiling is None or height * (1 + sight.band / sight.least) < ceiling):
+        yield _at_height(height, f", over {name or 'all of it'}", scenario)
+
+
+def _height_over(box: Points, scenario: Scenario) -> float:
+    (west, south, _), (east, north, top) = box.tolist()
+    ground = scenario.airspace.ground(np.array([[west, south], [west, north], [east, south], [east, north]]))
+    clearance = float(scenario.limits.obstacle_distance) + survey_bound(scenario).down
+    return float(top) - float(ground.min()) + clearance + 2 * SPARE
 
 
 def _without_rings(error: MissionError, table: Mapping[str, Any]) -> Iterator[Remedy]:

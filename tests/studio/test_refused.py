@@ -22,13 +22,16 @@ def test_numbered_things_are_called_as_on_the_map() -> None:
     assert as_on_map("item 3: leaves fence[0] near via[1]") == "item 3: leaves fence 1 near via 2"
 
 
-def test_a_place_that_is_too_low_is_called_as_on_the_map() -> None:
+def test_a_place_that_is_too_low_is_offered_a_height_at_which_it_can_be() -> None:
     text = MEADOW.read_text() + "\n[[via]]\neast = 30.0\nnorth = 0.0\nheight_above_ground = 2.0\n"
     with refuses("place-blocked", "via[0]") as caught:
         sketch_path(parse_scenario(text, MEADOW))
     trouble = plan_trouble(caught.value, parse_scenario(text, MEADOW))
     assert trouble.message.startswith("via 1: nothing can fly there")
-    assert not trouble.remedies
+    (remedy,) = trouble.remedies
+    assert remedy.label.startswith("Via 1 to ")
+    mended = parse_scenario(changed(text, remedy.changes), MEADOW)
+    assert sketch_path(mended).proof.is_proved
 
 
 def test_a_change_that_was_tried_is_offered() -> None:

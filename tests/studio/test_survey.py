@@ -39,6 +39,14 @@ def asked(key: str, value: Any) -> Put:
 
 
 PHOTOS = asked("camera", "DJI Mavic 3E")
+LARGE_BARN = [Put(path=("obstacles", 0, side), value=200.0) for side in ("width", "depth")]
+
+
+#: The way home leads between barn and silo.
+NARROW: list[Change] = [
+    asked("polygon", [[-10, -30], [70, -30], [70, 30], [-10, 30]]),
+    *(asked("line_spacing", 8.0), asked("height_above_ground", 20.0)),
+]
 
 
 def drawn(*changes: Change) -> str:
@@ -172,6 +180,7 @@ def remedy(trouble: Any, label: str) -> Remedy:
     ("wrong", "label"),
     [
         ([asked("height_above_ground", 1.0)], "m above ground"),
+        ([asked("height_above_ground", 24.0), *LARGE_BARN], "over"),
         ([PHOTOS, asked("line_spacing", 90.0)], "apart"),
         ([PHOTOS, asked("front_overlap", 0.999)], "usual"),
     ],
@@ -190,6 +199,7 @@ def test_a_survey_that_is_refused_at_once_is_laid_with_its_remedy(wrong: list[Ch
         ([asked("flights", 99)], "flights"),
         ([asked("flights", 99)], "As few"),
         ([Put(path=("bounds",), value={"up": [-5.0, 30.0]})], "Bounds"),
+        pytest.param(NARROW, "over ", marks=pytest.mark.long),
     ],
 )
 def test_a_survey_that_is_refused_is_planned_with_its_remedy(
