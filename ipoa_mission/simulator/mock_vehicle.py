@@ -306,7 +306,7 @@ class Schedule:
             return False
         usual = self._usual.get(name, math.inf)
         seconds = math.inf if interval_us < 0 else min(max(interval_us / 1e6, FASTEST_S), SLOWEST_S)
-        if name == "HEARTBEAT":  # never stopped: other listeners need it
+        if name == "HEARTBEAT" and interval_us < 0:  # other listeners need it
             return True
         self._set(name, usual if interval_us == 0 else seconds, now)
         return True
