@@ -93,6 +93,10 @@ def test_places_outside_the_mission_mode_are_not_compared() -> None:
     ordered._is_ordered = True
     assert looked(ordered) == []
     assert looked(conformance(in_air=True, mode=1)) == [None]
+    resumed = conformance(in_air=True, mode=1)
+    resumed._is_ordered = True
+    assert looked(resumed) == [None]
+    assert not resumed._is_ordered
 
 
 def test_a_return_at_the_end_of_a_mission_is_its_last_item() -> None:

@@ -64,6 +64,8 @@ def test_the_ground_counts_as_an_obstacle_measured_vertically() -> None:
     assert near.distance == pytest.approx(2.0)
     assert str(near) == "2.000 m to ball at east 100.00, north 100.00, up 62.00 m"
     np.testing.assert_allclose(space.clearance(np.array([[0.0, 0.0, 14.0], [100.0, 100.0, 65.0]])), [4.0, 5.0])
+    highest = space.height_reached(np.array([[0.0, 0.0, 14.0], [20.0, 0.0, 13.0]]))
+    assert (highest.what, highest.distance, highest.place) == ("the ground", 4.0, (0.0, 0.0, 14.0))
 
 
 def test_an_airspace_without_obstacles_has_only_its_ground() -> None:
