@@ -108,7 +108,7 @@ def test_one_second_is_told_of_as_its_row_is(sitl: Contingencies, contingency: C
     for row in sitl.rows(contingency, timed=False):
         second = sitl.at(contingency, (row.from_s + row.to_s) / 2, timed=False)
         assert (second.grade, second.goal) == (row.grade, row.goal)
-        assert second.least_m >= row.least_m - 0.01 or not row.clear  # times nearer than `NEAREST_S` are not looked at
+        assert second.least_m >= row.least_m - 0.05 or not row.clear  # times nearer than `NEAREST_S` are not looked at
 
 
 def test_an_unclear_stretch_is_widened_by_how_late_the_flight_may_be(campus: Contingencies) -> None:
@@ -270,11 +270,11 @@ def test_duration_of_a_row_is_that_of_its_longest_path() -> None:
 def test_a_duration_of_two_ways_home_holds_both() -> None:
     # PX4 1.18 does not climb within 10 m of a rally point: some flights with noise are nearer, others are not
     predicted = predict_contingency(forecast_of("oldtown"), Contingency.RTL, 76.76)
-    assert predicted.duration_s == pytest.approx((25.2, 105.5), abs=3.0)
-    assert predicted.touches_s == pytest.approx((20.8, 95.6), abs=3.0)
-    assert predicted.likely_s == pytest.approx(95.3, abs=1.0)
+    assert predicted.duration_s == pytest.approx((25.7, 101.4), abs=3.0)
+    assert predicted.touches_s == pytest.approx((22.8, 95.0), abs=3.0)
+    assert predicted.likely_s == pytest.approx(32.3, abs=1.0)
     assert predicted.remarks == (
-        "ordered at 76.8 s, of 90 flights with noise it takes 24 to 41 s in 32, 87 to 104 s in 58",
+        "ordered at 76.8 s, of 90 flights with noise it takes 26 to 39 s in 71, 86 to 101 s in 19",
     )
 
 
