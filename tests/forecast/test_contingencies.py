@@ -108,7 +108,7 @@ def test_one_second_is_told_of_as_its_row_is(sitl: Contingencies, contingency: C
     for row in sitl.rows(contingency, timed=False):
         second = sitl.at(contingency, (row.from_s + row.to_s) / 2, timed=False)
         assert (second.grade, second.goal) == (row.grade, row.goal)
-        assert second.least_m >= row.least_m - 0.05 or not row.clear  # times nearer than `NEAREST_S` are not looked at
+        assert second.least_m >= row.least_m - 0.01 or not row.clear  # times nearer than `NEAREST_S` are not looked at
 
 
 def test_an_unclear_stretch_is_widened_by_how_late_the_flight_may_be(campus: Contingencies) -> None:

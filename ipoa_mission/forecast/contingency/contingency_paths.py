@@ -25,7 +25,7 @@ from ipoa_mission.forecast.contingency.enlarged_airspace import EnlargedAirspace
 from ipoa_mission.forecast.contingency.return_routes import WHERE, ReturnRoutes
 from ipoa_mission.forecast.deviation.clearance_guarantee import PredictedFlight
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.geometry import Points, Vector
+from ipoa_mission.geometry import Points, Vector, as_place
 from ipoa_mission.planning.proof import Check, prove_ground
 from ipoa_mission.world.airspace import NOTHING_NEAR, ROUNDING, Clearance
 
@@ -160,11 +160,11 @@ class ContingencyPaths:
 
     def exact_clearance(self, contingency: Contingency, samples: ContingencySamples, n: int) -> Clearance:
         if contingency is Contingency.SMART_RTL:
-            leg = int(np.argmin(samples.near[n, 0]))
-            number = int(samples.which[n, 0, leg])
-            east, north, up = samples.paths[n, 0, leg].tolist()
+            braking = self.enlarged.obstacle_clearance(samples.paths[n, 0, :2]).minus(float(samples.spread[n]))
+            number = int(samples.which[n, 0, 1])
             name = self.enlarged.whole.obstacles[number].name if number >= 0 else "nothing"
-            return Clearance(float(samples.near[n, 0, leg]), (east, north, up), name, leg)
+            flown = Clearance(float(samples.near[n, 0, 1]), as_place(samples.paths[n, 0, 1]), name, 1)
+            return min(braking, flown, key=lambda clearance: clearance.distance)
         least = NOTHING_NEAR
         for path in samples.paths[n][samples.possible[n]]:
             nearer = self.enlarged.obstacle_clearance(path, within=least.distance)
