@@ -121,8 +121,8 @@ def test_a_hill_in_the_way_home_counts_as_well(autopilot: Autopilot) -> None:
 def test_px4_may_turn_home_anywhere_between_the_order_and_its_stop(autopilot: Autopilot) -> None:
     scenario = scene(autopilot, HALL)
     paths = ContingencyPaths(flight_in(scenario))
-    places, stands = (np.array([[100.0, y, 20.0], [100.0, y - 0.1, 20.0]]) for y in (-20.0, -60.0))
-    paths._stops[Contingency.RTL] = StoppingPoints(np.arange(2.0), places, stands, np.array([4, 4]))
+    places, stopping_points = (np.array([[100.0, y, 20.0], [100.0, y - 0.1, 20.0]]) for y in (-20.0, -60.0))
+    paths._stops[Contingency.RTL] = StoppingPoints(np.arange(2.0), places, stopping_points, np.array([4, 4]))
     returns = paths.at(Contingency.RTL, np.arange(2.0)).near[:, :, ReturnLeg.RETURNS].min()
     assert (returns < scenario.limits.obstacle_distance) == (autopilot is Autopilot.PX4)
 
@@ -131,8 +131,8 @@ def test_px4_may_turn_home_anywhere_between_the_order_and_its_stop(autopilot: Au
 def test_px4_chooses_its_return_altitude_at_the_place_of_the_order(ordered: float, stops: float, top: float) -> None:
     # rtl.cpp: within NAV_ACC_RAD it does not climb to RTL_RETURN_ALT
     paths = ContingencyPaths(flight_in(scene(Autopilot.PX4, HALL)))
-    places, stands = (np.array([[east, 0.0, 20.0], [east, 0.1, 20.0]]) for east in (ordered, stops))
-    paths._stops[Contingency.RTL] = StoppingPoints(np.arange(2.0), places, stands, np.array([4, 4]))
+    places, stopping_points = (np.array([[east, 0.0, 20.0], [east, 0.1, 20.0]]) for east in (ordered, stops))
+    paths._stops[Contingency.RTL] = StoppingPoints(np.arange(2.0), places, stopping_points, np.array([4, 4]))
     (path, *_) = paths.at(Contingency.RTL, np.arange(1.0)).paths[0]
     assert path[3, 2] == pytest.approx(top, abs=0.01)
 
