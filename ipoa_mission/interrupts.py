@@ -47,7 +47,6 @@ def discard_lost_output() -> None:
 
 
 def terminations() -> list[int]:
-    """Return SIGTERM and, except on Windows, SIGHUP."""
     return [getattr(signal, name) for name in ("SIGTERM", "SIGHUP") if hasattr(signal, name)]
 
 

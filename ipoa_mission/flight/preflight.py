@@ -132,15 +132,15 @@ def without_station(vehicle: HasParameters, version: Version | None = None) -> s
     return loss.words(vehicle.autopilot.failsafes(values, version), values, STATION_SYSTEM)
 
 
-def idle_fence(vehicle: HasParameters, mission: Mission) -> str | None:
+def idle_fence(vehicle: HasParameters, mission: Mission) -> tuple[str, ...]:
     if not mission.fence:
-        return None
+        return ()
     switch = vehicle.autopilot.parameter_table.by_meaning["fence switch"].name
     if vehicle.parameters([switch]).get(switch, 1.0) != 0.0:
-        return None
+        return ()
     bits = vehicle.autopilot.protocol_profile.limits_are_bits
     more = f"; {bits} chooses the enabled limits: 4 is this fence alone" if bits else ""
-    return f"the fence does nothing on this vehicle: its {switch} is 0{more}"
+    return (f"the fence does nothing on this vehicle: its {switch} is 0{more}",)
 
 
 class FarFromHome(MissionError, code="far-from-home"):

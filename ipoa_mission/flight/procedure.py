@@ -96,18 +96,18 @@ def upload_mission(
     with stages(Stage.CHECK):
         remarks = preflight.expect_fit(vehicle, mission, anyway, ignore)
         left = left_lists(vehicle, mission)
-    parameters, notes = _upload(vehicle, mission, anyway, stages)
-    return (*remarks, *left.values(), *notes, *parameters.remarks())
+    _store(vehicle, mission, anyway, stages)
+    with stages(Stage.RECHECK):
+        try:
+            notes = (*preflight.idle_fence(vehicle, mission), *preflight.parameters_aboard(vehicle, mission).remarks())
+        except NoAnswer as unread:
+            notes = (f"the vehicle's parameters were not compared with the mission's: {unread}",)
+    return (*remarks, *left.values(), *notes)
 
 
-def _upload(
-    vehicle: Vehicle, mission: Mission, anyway: bool, stages: Stages
-) -> tuple[preflight.ParametersAboard, tuple[str, ...]]:
+def _store(vehicle: Vehicle, mission: Mission, anyway: bool, stages: Stages) -> None:
     with stages(Stage.UPLOAD) as show:
         vehicle.upload(replace(mission, autopilot=vehicle.autopilot) if anyway else mission, show, checked=False)
-    with stages(Stage.RECHECK):
-        idle = preflight.idle_fence(vehicle, mission)
-        return preflight.parameters_aboard(vehicle, mission), () if idle is None else (idle,)
 
 
 def left_lists(vehicle: Vehicle, mission: Mission) -> dict[MissionType, str]:
@@ -192,7 +192,10 @@ def load_mission(vehicle: Vehicle, forecast: Forecast, options: ProcedureOptions
         with options.stages(Stage.CHECK):  # a parameter may be lost
             expected = preflight.parameters_aboard(vehicle, mission)
             aboard, remarks = _examine(vehicle, forecast, expected, options)
-    parameters, notes = _upload(vehicle, mission, options.anyway, options.stages)
+    _store(vehicle, mission, options.anyway, options.stages)
+    with options.stages(Stage.RECHECK):
+        notes = preflight.idle_fence(vehicle, mission)
+        parameters = preflight.parameters_aboard(vehicle, mission)
     if parameters != expected:
         with options.stages(Stage.RECHECK):
             aboard, remarks = _examine(vehicle, forecast, parameters, options)
@@ -207,9 +210,8 @@ def _with_values(vehicle: Vehicle, forecast: Forecast, parameters: preflight.Par
     if forecast.mission_as_read.autopilot is not vehicle.autopilot:
         return forecast
     aboard = forecast.on(vehicle.firmware_version())
-    if not parameters.values:
-        return aboard
-    return aboard.with_mission(aboard.mission_as_read.with_parameters(parameters.values))
+    values = parameters.values
+    return aboard.with_mission(aboard.mission_as_read.with_parameters(values)) if values else aboard
 
 
 def _examine(

@@ -94,5 +94,5 @@ def test_a_fence_that_does_nothing_is_told_of(switch: float | None, idle: bool) 
         "the fence does nothing on this vehicle: its FENCE_ENABLE is 0; "
         "FENCE_TYPE chooses the enabled limits: 4 is this fence alone"
     )
-    assert idle_fence(vehicle, fenced) == (words if idle else None)
-    assert idle_fence(vehicle, Mission(HOME, fenced.items)) is None
+    assert idle_fence(vehicle, fenced) == ((words,) if idle else ())
+    assert idle_fence(vehicle, Mission(HOME, fenced.items)) == ()

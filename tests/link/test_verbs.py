@@ -32,7 +32,16 @@ from ipoa_mission.link.connect import connect, meet
 from ipoa_mission.link.connection import Connection
 from ipoa_mission.link.conversations import KeepsChanging, MissionRefused
 from ipoa_mission.link.dialogue import Dialogue, NoAnswer, Pause, SendOnce, Step, TimeUp
-from ipoa_mission.link.messages import AutopilotVersion, Message, MissionType, ParamSet, ParamValue, Request, Result
+from ipoa_mission.link.messages import (
+    AutopilotVersion,
+    Message,
+    MissionType,
+    ParamRequestRead,
+    ParamSet,
+    ParamValue,
+    Request,
+    Result,
+)
 from ipoa_mission.link.orders import CommandRefused
 from ipoa_mission.link.signing import MAX_SIGNERS, persistent_signer
 from ipoa_mission.link.tlog import TlogWriter
@@ -233,6 +242,21 @@ def test_parameter_that_changes_during_the_upload_is_checked_too(
     loaded = load_mission(vehicle, Forecast(mission), ProcedureOptions(stages=stages, set_params=True))
     assert loaded.mission.parameters["RTL_RETURN_ALT"] == 13.0
     assert entered[-3:] == [Stage.UPLOAD, Stage.RECHECK, Stage.RECHECK]  # Ctrl-C says that the mission is aboard
+
+
+def test_vehicle_that_reports_no_parameters_gets_uploads_only(missions: Path) -> None:
+    mission = replace(read_mission(missions / "sitl.plan"), parameters={})
+    mock = Mock(Autopilot.PX4, mission.home)
+    receive = mock.receive
+    mock.receive = lambda message, *rest: None if isinstance(message, ParamRequestRead) else receive(message, *rest)  # type: ignore[method-assign]
+    vehicle = meet(Connection(Loopback(Station(mock)), Codec(245, 190)))
+    remarks = upload_mission(vehicle, mission)
+    assert any("parameters were not compared" in words for words in remarks)
+    assert len(vehicle.download().items) == len(mission.items)
+    vehicle.clear()
+    with pytest.raises(NoAnswer):
+        load_mission(vehicle, Forecast(mission), ProcedureOptions())
+    assert vehicle.download().items == ()
 
 
 @pytest.mark.parametrize("check", ["expect_slow_landing", "expect_fit", "other_rally", "aboard"])
