@@ -98,7 +98,7 @@ class Window:
             rewrite(self.page, MEADOW.read_text())
         yield self.page
         write_atomically(scenario, MEADOW.read_text())  # the studio never sees half of it
-        assert self.complaints == []
+        assert not self.complaints, self.complaints
 
 
 def is_elsewhere(asked: str, url: str) -> bool:
