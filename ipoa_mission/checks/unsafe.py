@@ -1,6 +1,5 @@
 """Refuse a mission with errors, a scenario with unread content, or an unclear start."""
 
-import math
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
@@ -106,7 +105,7 @@ def check_start(mission: Mission, scenario: "Scenario | None", first: int, there
     """Return remarks on a vehicle `there` that begins with item `first`.
 
     Raises:
-        NotAtStart: the way from there is not clear, or unknown and far from home; or another start place is nearer.
+        NotAtStart: the way from there is not clear, or unknown and far from home.
     """
     distance = apart(there, mission.home)
     if distance <= HOME_RADIUS and first == 0:
@@ -120,12 +119,6 @@ def check_start(mission: Mission, scenario: "Scenario | None", first: int, there
     from ipoa_mission.checks.world_check import check_airspace, check_clearance
 
     place = scenario.frame.local(Geodetic(there.latitude_deg, there.longitude_deg, mission.home.altitude))
-    starts = ((name, start) for name, section in scenario.added.items() for start in section.start_places)
-    for name, start in starts:
-        if math.hypot(*start) > HOME_RADIUS and math.dist(place[:2], start) < np.hypot(*place[:2]):
-            at = f"{mission.home.latitude_deg:.6f}, {mission.home.longitude_deg:.6f}"
-            words = f"{where}, and nearer to another of the {name}'s start places"
-            raise NotAtStart(words, hint=f"bring it to {at}, or fly the flight that begins there")
     planned = scenario.frame.moved(np.zeros(3), mission.frame)
     height, below = scenario.airspace.ground(np.array([place, planned])).tolist()
     if distance <= HOME_RADIUS:  # a roof

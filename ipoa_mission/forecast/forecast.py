@@ -65,8 +65,6 @@ class Forecast:
         self._made: dict[Any, Any] = {}
         self.wind = wind or (CALM if scenario is None else scenario.wind.air())
         if scenario is not None:
-            for section in scenario.added.values():
-                scenario = section.seen_from(scenario, mission.home)
             scenario = scenario.in_wind(wind).flown_by(mission.autopilot)
             vehicle = scenario.vehicle
             version = mission.firmware_version or vehicle.version

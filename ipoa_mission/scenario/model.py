@@ -173,10 +173,6 @@ class Scenario(Section):
     def with_airspace(self, airspace: Airspace) -> "Scenario":
         return self.model_copy().with_cached({"_surroundings": replace(self._surroundings, airspace=airspace)})
 
-    def in_world_of(self, other: "Scenario") -> "Scenario":
-        """Return a copy with the frame and maps of another scenario."""
-        return self.model_copy().with_cached(other.cached_values(CACHED))
-
     def with_wind_read(self) -> "Scenario":
         if self.wind.file is None:
             return self
@@ -345,14 +341,6 @@ class AddedSection(Section):
     @abstractmethod
     def reach(self, scenario: Scenario) -> Reach:
         """Return its corners, and its greatest height above ground [m]."""
-
-    @abstractmethod
-    def seen_from(self, scenario: Scenario, home: Geodetic) -> Scenario:
-        """Return the scenario with the home of a mission, if a flight may begin there."""
-
-    @property
-    @abstractmethod
-    def start_places(self) -> tuple[tuple[float, float], ...]: ...
 
 
 @cache

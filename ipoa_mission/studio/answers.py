@@ -301,11 +301,10 @@ class SurveyLayout(PageMessage):
     """Lines, connections and coverage: `share` of the visible area that is seen, and its `gaps`.
 
     `height`: least and most above the highest ground seen. `footprint`: of a photo across and along, or the sensor's
-    width. `trigger`: largest distance of photos. `front` and `side`: smallest overlaps. `starts`: alternatives to home.
+    width. `trigger`: largest distance of photos. `front` and `side`: smallest overlaps.
     `short`: photos with too little overlap, in words. `degrees`: of the longest line.
     """
 
-    starts: tuple[LngLat, ...]
     lines: tuple[SurveyLine, ...]
     ways: tuple[tuple[LngLat, ...], ...]
     seen: Polygons

@@ -134,7 +134,7 @@ def _move(tables: Any, local: Move, geodetic: Move | None) -> None:
     for (one, other), move in ((("east", "north"), local), (("latitude_deg", "longitude_deg"), geodetic)):
         if move is not None and one in tables and other in tables:
             tables[one], tables[other] = move(tables[one], tables[other])
-    keys = ("footprint", "polygon", "line", "entry", "exit", "starts")
+    keys = ("footprint", "polygon", "line", "entry", "exit")
     moves: dict[str, Move | None] = dict.fromkeys(keys, local)
     moves |= {"footprint_geodetic": geodetic, "polygon_geodetic": geodetic}
     moves["holes"] = geodetic if "footprint_geodetic" in tables else local

@@ -147,7 +147,6 @@ def _layout(
     gaps = [part for part in shapely.get_parts(coverage.gaps) if part.area > 0.01]  # [m^2], else of rounding
     front, side = (None, None) if overlaps is None else (overlaps.front, overlaps.side)
     return answers.SurveyLayout(
-        starts=on_map(frame, np.array(laid.section.start_places).reshape(-1, 2)),
         lines=tuple(_lines(scenario, sight, tours)),
         ways=tuple(on_map(frame, way) for tour in tours for way in tour.transits if len(way) > 1),
         seen=_polygons(scenario, coverage.seen),

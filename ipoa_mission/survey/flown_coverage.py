@@ -11,13 +11,12 @@ import shapely
 
 from ipoa_mission import Command, Forecast
 from ipoa_mission.forecast.timing.track import THINNING_TOLERANCE, Track
-from ipoa_mission.geodesy import Geodetic, LocalFrame
+from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.geometry import Matrix, Points, Vector
 from ipoa_mission.ground import Ground
 from ipoa_mission.survey.sight import Sight, lift_path
 from ipoa_mission.survey.survey_area import ARC, Area
 from ipoa_mission.survey.survey_lines import union_along
-from ipoa_mission.survey.survey_section import move_between
 from ipoa_mission.survey.tour import Swath, Tour
 
 
@@ -43,22 +42,19 @@ def as_flown(flights: Iterable[tuple[Track, Matrix]], area: Any, visible: Any, w
     return AsFlown(1.0 - unseen / visible.area, outside)
 
 
-def predict_lines(forecast: Forecast, tour: Tour, frame: LocalFrame) -> tuple[Track, Matrix]:
+def predict_lines(forecast: Forecast, tour: Tour) -> tuple[Track, Matrix]:
     """Return the track, and when lines begin and end (n, 2) [s]."""
     tolerance = 0.05  # between an item and its line's end [m]
     prediction = forecast.guarantee.flight.prediction
-    move = move_between(forecast.mission.frame, frame)
     items = [visit.item for visit in forecast.itinerary.visits]
     latitude, longitude = np.array([[item.latitude_deg, item.longitude_deg] for item in items]).T
-    places = frame.to_local(latitude, longitude, forecast.mission.home.altitude)[:, :2]
+    places = forecast.mission.frame.to_local(latitude, longitude, forecast.mission.home.altitude)[:, :2]
     visits = list[int]()
     n = 0
     for end in (end for swath in tour.swaths for end in (swath.begin, swath.end)):
         n += int(np.argmax(np.linalg.norm(places[n:] - end, axis=1) < tolerance))
         visits.append(n)
-    track = prediction.track
-    plan = np.column_stack([move(track.points[:, :2]), track.points[:, 2]])
-    return Track(track.times, plan, track.speeds), prediction.done[visits].reshape(-1, 2)
+    return prediction.track, prediction.done[visits].reshape(-1, 2)
 
 
 def _path(track: Track, begin: float, end: float) -> Any:
@@ -163,7 +159,7 @@ def smallest_overlaps(lines: Sequence[PhotoLine], sight: Sight, ground: Ground, 
     return Overlaps(*(min(overlaps, key=lambda each: each.share, default=None) for overlaps in (fronts, sides)))
 
 
-def lines_of_forecast(forecast: Forecast, lag: float, frame: LocalFrame) -> Iterator[PhotoLine]:
+def lines_of_forecast(forecast: Forecast, lag: float) -> Iterator[PhotoLine]:
     """Return the lines with photos; `lag`: a photo's mean delay [m], at most twice as much."""
     home = forecast.mission.home
     every = 0.0
@@ -173,7 +169,7 @@ def lines_of_forecast(forecast: Forecast, lag: float, frame: LocalFrame) -> Iter
             every = item.params[0]
         elif item.command == Command.NAV_WAYPOINT:
             place = Geodetic(item.latitude_deg, item.longitude_deg, home.altitude + item.height(home))
-            end = np.asarray(frame.local(place))
+            end = np.asarray(forecast.mission.frame.local(place))
             if begin is not None and every > 0.0 and (end[:2] != begin[:2]).any():
                 yield _line(begin, end, every + 2 * lag)
             begin = end

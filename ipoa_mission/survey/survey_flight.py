@@ -12,7 +12,7 @@ import shapely
 from pydantic import ValidationError
 from threadpoolctl import threadpool_limits
 
-from ipoa_mission import Forecast, Geodetic, Scenario, Wind
+from ipoa_mission import Forecast, Scenario, Wind
 from ipoa_mission.checks.unsafe import expect_plannable
 from ipoa_mission.errors import BadInput, NothingThere
 from ipoa_mission.files import make_folder
@@ -28,7 +28,7 @@ from ipoa_mission.scenario.explain import explained
 from ipoa_mission.scenario.scenario_file import read_table, scenario_of
 from ipoa_mission.survey.resume import runs_in_order
 from ipoa_mission.survey.survey_plan import SurveyFlight, SurveyPlan, coverage_lines, plan_flights, rest_of
-from ipoa_mission.survey.survey_section import USUAL_HEIGHT, USUAL_SPACING, SurveySection, nearest_start, survey_of
+from ipoa_mission.survey.survey_section import USUAL_HEIGHT, USUAL_SPACING, SurveySection, survey_of
 from ipoa_mission.unread import unread_as_json
 
 #: The system id chooses one vehicle of a log.
@@ -237,8 +237,7 @@ def _replan(first: SurveyPlan, scenario: Scenario, flown: Sequence[Flown], seed:
 def _paths(flights: Iterable[Sequence[tuple[float, float, float]]], scenario: Scenario) -> Iterator[Points]:
     for positions in filter(None, flights):
         latitude, longitude, height = np.array(positions).T
-        home = nearest_start(scenario, Geodetic(*positions[0][:2])).frame.home
-        yield scenario.frame.to_local(latitude, longitude, home.altitude + height)
+        yield scenario.frame.to_local(latitude, longitude, scenario.frame.home.altitude + height)
 
 
 def scenario_over(area: Path, file: Path | None, keys: Mapping[str, Any]) -> Scenario:
@@ -302,7 +301,7 @@ def _warnings_of(flight: SurveyFlight) -> Iterator[str]:
 
 def _more_flights(plan: SurveyPlan) -> tuple[str, ...]:
     unsure = any(finding.code == "battery-unsure" for flight in plan.flights for finding in flight.findings)
-    if not unsure or plan.section.starts is not None:
+    if not unsure:
         return ()
     return (f"flights = {len(plan.flights) + 1} under [survey] leaves more in each battery",)
 
@@ -325,8 +324,4 @@ def _remarks(plan: SurveyPlan, requested: Scenario) -> Iterator[str]:
     if plan.overlaps is not None:
         yield from plan.overlaps.falls_short(*plan.sight.overlaps)
     yield from _messages_of_flights(plan, _repairs)
-    used = {flight.start for flight in plan.flights}
-    for n in range(len(plan.section.starts or ())):
-        if n not in used:
-            yield f"survey.starts[{n}]: no flight begins there: the other start places are nearer, or quicker"
     yield from plan.scenario.remarks

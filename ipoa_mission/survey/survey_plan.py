@@ -16,7 +16,7 @@ from ipoa_mission.forecast.deviation.clearance_guarantee import ClearanceGuarant
 from ipoa_mission.forecast.timing.track import THINNING_TOLERANCE
 from ipoa_mission.geometry import Points, place_words
 from ipoa_mission.progress import Progress, silent
-from ipoa_mission.survey.flight_maker import FlightMaker, lay_tours, split_into_flights, with_planned_returns
+from ipoa_mission.survey.flight_maker import FlightMaker, split_into_flights, with_planned_returns
 from ipoa_mission.survey.flown_coverage import (
     AsFlown,
     Coverage,
@@ -28,8 +28,8 @@ from ipoa_mission.survey.flown_coverage import (
     smallest_overlaps,
 )
 from ipoa_mission.survey.resume import rest_of_tour
-from ipoa_mission.survey.survey_task import SurveyTask, obstacles_flown_round, task_of
-from ipoa_mission.survey.tour import Sortie, Tour
+from ipoa_mission.survey.survey_task import SurveyTask, lay_lines, obstacles_flown_round, task_of
+from ipoa_mission.survey.tour import Tour
 from ipoa_mission.world.obstacles import Obstacle
 
 ROUNDS = 8  # with more clearance, at each speed
@@ -38,12 +38,9 @@ SPEEDS = (1.0, 0.7, 0.5)  # times the cruise speed
 
 @dataclass(frozen=True, eq=False)
 class SurveyFlight:
-    """Tour in meters from the scenario's home, forecast from the flight's: place number `start`, if any."""
-
     tour: Tour
     forecast: Forecast
     findings: tuple[Finding, ...]
-    start: int | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,8 +65,7 @@ class SurveyPlan(SurveyTask):
     def overlaps(self) -> Overlaps | None:
         if self.sight.trigger is None:
             return None
-        frame = self.scenario.frame
-        lines = [line for flight in self.flights for line in lines_of_forecast(flight.forecast, self.sight.lag, frame)]
+        lines = [line for flight in self.flights for line in lines_of_forecast(flight.forecast, self.sight.lag)]
         return smallest_overlaps(lines, self.sight, self.scenario.airspace.ground, self.free)
 
     @cached_property
@@ -78,11 +74,8 @@ class SurveyPlan(SurveyTask):
         if self.is_rest:
             return None
         visible = self.area.visible(self.keep_out, self.sight.spacing)
-        flights = (predict_lines(flight.forecast, flight.tour, self.scenario.frame) for flight in self.flights)
+        flights = (predict_lines(flight.forecast, flight.tour) for flight in self.flights)
         return as_flown(flights, self.area.shape, visible, self.sight.across)
-
-    def begin_of(self, flight: SurveyFlight) -> tuple[float, float]:
-        return (0.0, 0.0) if self.section.starts is None or flight.start is None else self.section.starts[flight.start]
 
 
 class _TooNear(Exception):
@@ -110,7 +103,8 @@ def _with_room(scenario: Scenario, seed: int) -> SurveyPlan:
     for _ in range(ROUNDS):
         task = task_of(scenario, growth)
         make = FlightMaker(task, growth, seed)
-        tour, parts = split_into_flights(lay_tours(task), make)
+        tour = lay_lines(task)
+        parts = split_into_flights(tour, make)
         forecasts = [make(part) for part in parts]
         near = _too_near(forecasts)
         if not near:
@@ -160,7 +154,7 @@ def rest_of(plan: SurveyPlan, flown: Sequence[Points], seed: int = 0) -> SurveyP
         raise BadInput("no line is left to fly", code="nothing-left", place="survey")
     section = plan.section.model_copy(update={"flights": None})
     make = FlightMaker(SurveyTask(scenario, section, plan.area, plan.sight, plan.keep_out), plan.growth, seed)
-    tour, parts = split_into_flights([tour], make)
+    parts = split_into_flights(tour, make)
     forecasts = [make(part) for part in parts]
     near = _too_near(forecasts)
     if near:
@@ -168,7 +162,7 @@ def rest_of(plan: SurveyPlan, flown: Sequence[Points], seed: int = 0) -> SurveyP
     return replace(plan, tour=tour, flights=_check_flights(parts, forecasts), is_rest=True)
 
 
-def _check_flights(parts: Sequence[Sortie], forecasts: Sequence[Forecast]) -> tuple[SurveyFlight, ...]:
+def _check_flights(parts: Sequence[Tour], forecasts: Sequence[Forecast]) -> tuple[SurveyFlight, ...]:
     flights = list[SurveyFlight]()
     for part, forecast in zip(parts, map(with_planned_returns, forecasts), strict=True):
         findings = refuse_errors(check(forecast))
@@ -176,7 +170,7 @@ def _check_flights(parts: Sequence[Sortie], forecasts: Sequence[Forecast]) -> tu
         budget = budget_of(forecast)
         if budget is not None and budget.shortage is not None:
             raise budget.shortage
-        flights.append(SurveyFlight(part.tour, forecast, findings, part.start))
+        flights.append(SurveyFlight(part, forecast, findings))
     return tuple(flights)
 
 
@@ -216,11 +210,4 @@ def flight_table(plan: SurveyPlan, names: Sequence[str]) -> tuple[list[str], lis
         wh = "" if energy is None else f"{energy.energy_wh:.1f}"
         least = "" if kept is None else f"{floor_cm(kept.guaranteed):.2f} to {kept.to}"
         rows.append((f"{name}.plan", *map(str, counts), takes, wh, least))
-    if plan.section.starts is not None:
-        columns.append("from")
-        rows = [(*row, begin_in_words(plan, flight)) for row, flight in zip(rows, plan.flights, strict=True)]
     return columns, rows
-
-
-def begin_in_words(plan: SurveyPlan, flight: SurveyFlight) -> str:
-    return "east {:.0f}, north {:.0f} m".format(*plan.begin_of(flight))

@@ -37,8 +37,6 @@ def survey_as_json(plan: SurveyPlan, names: tuple[str, ...]) -> dict[str, Any]:
         "flights": [
             {
                 "file": f"{name}.plan",
-                "start": dict(zip(("east", "north"), map(rounded, plan.begin_of(flight)), strict=True))
-                | {key: getattr(flight.forecast.mission.home, key) for key in ("latitude_deg", "longitude_deg")},
                 "lines": len(flight.tour.swaths),
                 "photos": sight.photos_of(flight.tour),
                 "time_s": rounded(flight.forecast.estimate.total_s),

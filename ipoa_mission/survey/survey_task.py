@@ -153,8 +153,7 @@ def _expect_high_enough(sight: Sight, scenario: Scenario) -> None:
         )
 
 
-def lay_lines(task: SurveyTask, start: Vector | None = None) -> Tour:
-    """Return the quickest tour, from a `start` place (2,) if given."""
+def lay_lines(task: SurveyTask) -> Tour:
     scenario = task.scenario
     section = task.section
     if task.free.is_empty:
@@ -163,15 +162,13 @@ def lay_lines(task: SurveyTask, start: Vector | None = None) -> Tour:
         hint = "fly higher (survey.height_above_ground), or with a smaller safety_distance"
         raise NoPath(words, hint=hint, code="area-covered", place="survey")
     _expect_manageable(task)
-    begin = np.array(section.entry or scenario.start_point[:2]) if start is None else start
-    end = np.array(section.exit or scenario.goal_point[:2]) if start is None else start
+    begin = np.array(section.entry or scenario.start_point[:2])
+    end = np.array(section.exit or scenario.goal_point[:2])
     middles = section.middles(scenario.frame)
     if len(middles) == 1 and section.width is not None and section.direction_deg == "best":
         corridor = _corridor_tour(task, middles[0], section.width, begin)
         if corridor is not None:
             return corridor
-    if section.starts is not None and start is None:
-        return quickest_tour(task.cover, section.direction_deg)
     return quickest_tour(task.cover, section.direction_deg, begin, end)
 
 

@@ -171,13 +171,6 @@ def _fly(survey: "Survey", asked: FlyOptions, fly_job: FlyJob) -> None:
 
 
 def _is_ready(survey: "Survey", n: int) -> bool:
-    from ipoa_mission.survey.survey_plan import begin_in_words
-
     landed = survey.names[n - 1]
-    following = survey.names[n]
-    home = survey.flights[n].mission.home
-    is_elsewhere = home != survey.flights[n - 1].mission.home
-    place = f"{begin_in_words(survey.plan, survey.plan.flights[n])} ({home.latitude_deg:.6f}, {home.longitude_deg:.6f})"
-    position = f"the vehicle is at {place}, " if is_elsewhere else ""
     ready = "a charged battery is in, and nobody is near the propellers?"
-    return confirm(f"{landed} has landed. Fly {following}: {position}{ready}")
+    return confirm(f"{landed} has landed. Fly {survey.names[n]}: {ready}")

@@ -13,7 +13,7 @@ from ipoa_mission.forecast.contingency.contingencies import Contingencies
 from ipoa_mission.scenario import Scenario, parse_scenario
 from ipoa_mission.survey.survey_section import survey_of, surveyed_area
 from ipoa_mission.survey.survey_task import expect_survey
-from tests.studio.conftest import HOST, MEADOW, TOKEN, Studio
+from tests.studio.conftest import HOST, MEADOW, Studio
 
 from ipoa_mission.studio.answers import Remedy, Trouble  # isort: skip
 from ipoa_mission.studio.edits import changed
@@ -307,23 +307,6 @@ def test_the_flights_are_flown_one_after_the_other(studio: Studio) -> None:
         remark = f"{CAMPUS_LOG.name}: no flight in it follows the lines of this survey"
         assert talk.wait_for_trouble("edit")["message"] == remark
         assert talk.wait("survey")["flown"] == []
-
-
-def test_start_places_are_shown_and_their_log_is_kept(studio: Studio) -> None:
-    places = [[0.0, 0.0], [60.0, -40.0]]
-    with studio.window() as talk:
-        text = drawn(asked("starts", places))
-        talk.say(kind="rewrite", seen=talk.wait("document")["revision"], text=text)
-        survey = talk.wait("survey")
-        wide, high = talk.has("world")["degree_m"]
-        shown = [[(lng - 8.5) * wide, (lat - 47.3) * high] for lng, lat in survey["layout"]["starts"]]
-        assert np.allclose(shown, places, atol=0.05)
-        begins = [part["plan"]["course"]["line"]["points"][0] for part in survey["flights"]]
-        assert np.allclose(begins, survey["layout"]["starts"], atol=1e-6)
-    use = studio.client.post(f"/{TOKEN}/drop/flight.tlog", content=CAMPUS_LOG.read_bytes(), headers=OWN).json()
-    assert (use["kind"], use["file"]) == ("log", "flight.tlog")
-    moved = changed(text, [Shift(path=("home",), taken=(8.5, 47.3), put_down=(8.5, 47.3001))])
-    assert survey_of(parse_scenario(moved, MEADOW)).starts[1] == pytest.approx((60.0, -40.0 - 11.117), abs=0.02)  # type: ignore[union-attr,index]
 
 
 def test_the_next_flight_on_a_link_waits_for_a_battery_of_the_same_vehicle() -> None:

@@ -165,7 +165,7 @@ def test_a_slope_steeper_than_the_height_allows_for_is_told() -> None:
     """Lines laid for level ground, over a ridge."""
     level = plan_survey(scenario=scenario(PHOTOS))
     sight, ridge = level.plan.sight, scenario(PHOTOS, terrain=HILL).airspace.ground
-    lines = [line for flight in level.flights for line in lines_of_forecast(flight, sight.lag, flight.frame)]
+    lines = [line for flight in level.flights for line in lines_of_forecast(flight, sight.lag)]
     smallest = smallest_overlaps(lines, sight, ridge, level.plan.free)
     assert smallest.front is not None
     assert smallest.side is not None

@@ -5,8 +5,8 @@ import type { SurveyLayout } from "./messages";
 import * as shapes from "./shapes";
 import { coarseSurveyOf, layoutOf, photoAt, proved, surveyed, type LngLat, type Studio } from "./store";
 
-export const SURVEY_SOURCES = ["area", "seen", "gaps", "kept-out", "survey-lines", "survey-ways", "photos", "footprint", "survey-ribbon", "looked-at", "starts"] as const;
-export const SURVEY_FLAT = ["area-fill", "area-lines", "seen", "gaps", "gap-lines", "kept-out", "survey-lines", "survey-coarse", "survey-ways", "photos", "footprint", "looked-at", "starts"];
+export const SURVEY_SOURCES = ["area", "seen", "gaps", "kept-out", "survey-lines", "survey-ways", "photos", "footprint", "survey-ribbon", "looked-at"] as const;
+export const SURVEY_FLAT = ["area-fill", "area-lines", "seen", "gaps", "gap-lines", "kept-out", "survey-lines", "survey-coarse", "survey-ways", "photos", "footprint", "looked-at"];
 export const SURVEY_SPACE = ["survey-ribbon"];
 const HUES = ["legs", "good", "flown", "focus"]; // of flights that are not chosen
 const WIDE = 1.4, HIGH = 1; // of a line in space [m]
@@ -44,7 +44,6 @@ export function lineLayers(): LayerSpecification[] {
 export function photoLayers(): LayerSpecification[] {
   return [
     { id: "photos", type: "circle", source: "photos", minzoom: 14, paint: { "circle-color": color("card"), "circle-stroke-color": color("ink"), "circle-stroke-width": ["interpolate", ["linear"], ["zoom"], 14, 0.4, 18, 1.2], "circle-radius": ["interpolate", ["linear"], ["zoom"], 14, 0.8, 18, 3] } },
-    { id: "starts", type: "circle", source: "starts", paint: { "circle-color": color("card"), "circle-stroke-color": color("planned"), "circle-stroke-width": 3, "circle-radius": 7 } },
     { id: "looked-at", type: "circle", source: "looked-at", paint: { "circle-color": color("bad"), "circle-opacity": 0, "circle-stroke-color": color("bad"), "circle-stroke-width": 4, "circle-radius": 18 } },
   ] as LayerSpecification[];
 }
@@ -68,7 +67,6 @@ export function drawSurvey(now: Studio, fill: Fill): void {
     return shapes.ribbon(broken(course, isCoarse), shapes.lowest(now.world!), WIDE, HIGH, isCoarse ? "coarse" : "proved").map(one => ({ ...one, properties: { ...one.properties, color: hue } }));
   }) : []);
   fill("footprint", footprint(now, layout));
-  fill("starts", (layout?.starts ?? []).map(place => point(place as LngLat)));
   fill("looked-at", layout && now.lookedAt ? [point(now.lookedAt)] : []);
 }
 

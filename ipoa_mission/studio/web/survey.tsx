@@ -120,7 +120,7 @@ export function SurveyFlights({ now }: { now: Studio }) {
               <tr key={file} class={n === now.part ? "chosen" : ""}>
                 <th scope="row"><button type="button" aria-pressed={!isStale && n === now.part} disabled={isStale} onClick={() => choosePart(n)}>
                   <i class="swatch" style={{ background: n === now.part ? "var(--planned)" : hueOf(n) }} />{file}</button>
-                  <small>{lines} lines{hasPhotos && `, ${photos} photos`}{survey.layout.starts.length > 0 && `, from ${beginning(survey, n).split(",")[0]}`}{now.flownParts.includes(plan.name) && ", ✓ flown"}{plan.warnings.length > 0 && <b class="amber">, ! {plan.warnings.length} to read</b>}</small></th>
+                  <small>{lines} lines{hasPhotos && `, ${photos} photos`}{now.flownParts.includes(plan.name) && ", ✓ flown"}{plan.warnings.length > 0 && <b class="amber">, ! {plan.warnings.length} to read</b>}</small></th>
                 <td>{seconds(plan.total_s)}</td>
                 {hasEnergy && <td>{plan.energy_wh === null ? "–" : `${plan.energy_wh.toFixed(1)} Wh`}{plan.battery_left !== null && <small>{share(plan.battery_left)} left</small>}</td>}
                 <td>{plan.kept === null ? "–" : <>{meters(plan.kept, 2)}<small>{plan.nearest}</small></>}</td>
@@ -129,7 +129,7 @@ export function SurveyFlights({ now }: { now: Studio }) {
           </tbody>
         </table>
       </div>
-      {survey.flights.length > 1 && <p class="note">The chosen one is in map, profile and space. Each ends where it began; there the battery is changed{survey.layout.starts.length > 1 && ", or the vehicle is brought to where the next one begins"}.</p>}
+      {survey.flights.length > 1 && <p class="note">The chosen one is in map, profile and space. Each ends where it began; there the battery is changed.</p>}
       {survey.flown.length > 0 && <p class="note">Left by {survey.flown.join(", ")}: what was flown by then is not planned again. <button type="button" onClick={() => planRest(now, null)}>Plan all of it again</button></p>}
       <Broken now={now} />
     </section>
@@ -148,14 +148,6 @@ function Broken({ now }: { now: Studio }) {
   return <label class="field wide"><span>Was it broken off? Its log says where</span><input type="file" accept=".tlog,.bin,.ulg" onChange={event => { void take(event.currentTarget.files); event.currentTarget.value = ""; }} /></label>;
 }
 
-/** Where a flight begins, of a survey with several places; "" where all begin at home. */
-function beginning(survey: PlannedSurvey, part: number): string {
-  const begin = survey.flights[part]?.plan.course.line.points[0], starts = survey.layout.starts as LngLat[];
-  if (!begin || !starts.length) return "";
-  const away = starts.map(place => Math.hypot(place[0] - begin[0]!, place[1] - begin[1]!)), nearest = away.indexOf(Math.min(...away));
-  return `start place ${nearest + 1}, ${starts[nearest]![1].toFixed(6)}, ${starts[nearest]![0].toFixed(6)}`;
-}
-
 /** Which flight is to be uploaded, and on a link that the battery is charged, which counts after one was flown. */
 export function NextFlight({ now, onLink, charged, say }: { now: Studio; onLink: boolean; charged: boolean; say: (charged: boolean) => void }) {
   const survey = surveyed(now), count = survey?.flights.length ?? 0, chosen = survey?.flights[now.part]?.plan.name ?? "";
@@ -165,7 +157,6 @@ export function NextFlight({ now, onLink, charged, say }: { now: Studio; onLink:
     <div role="group" aria-label="Which flight">
       {count > 1 && <p class="note">{chosen} is flight {now.part + 1} of {count}{now.flownParts.includes(chosen) ? ", and was flown" : ""}.
         {next >= 0 && next !== now.part && <> <button type="button" onClick={() => choosePart(next)}>Take {survey.flights[next]!.plan.name}</button></>}</p>}
-      {beginning(survey, now.part) && <p class="note">The vehicle must stand at {beginning(survey, now.part)}.</p>}
       {onLink && <label><input type="checkbox" checked={charged} onChange={event => say(event.currentTarget.checked)} /> {now.flownParts.length > 0 && `${now.flownParts.at(-1)} has landed: `}a charged battery is in, and nobody is near the propellers</label>}
     </div>
   );
