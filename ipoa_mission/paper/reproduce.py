@@ -2,7 +2,7 @@
 
 import signal
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from concurrent.futures import CancelledError, Executor, ProcessPoolExecutor
+from concurrent.futures import Executor, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass
@@ -10,7 +10,7 @@ from difflib import get_close_matches
 from importlib.resources import files
 from pathlib import Path
 
-from ipoa_mission.errors import BadInput, MissionError, UnknownName, imported
+from ipoa_mission.errors import MissionError, UnknownName
 from ipoa_mission.files import write_atomically
 from ipoa_mission.paper import beyond, figures, function_tables, map_tables
 from ipoa_mission.paper.markdown_table import Table, filled
@@ -22,41 +22,17 @@ from ipoa_mission.progress import Progress, silent
 
 
 @contextmanager
-def open_executor(jobs: int, address: str | None, patience_s: float = 10.0) -> Iterator[Executor]:
-    """Open `jobs` local processes, or the workers of the Dask scheduler at `address`."""
-    if address is None:
-        try:
-            ignore_ctrl_c = (signal.SIGINT, signal.SIG_IGN)  # it ends the parent
-            with ProcessPoolExecutor(jobs, initializer=signal.signal, initargs=ignore_ctrl_c) as pool:
-                yield pool
-        except BrokenProcessPool as error:
-            raise MissionError(
-                "a process that ran trials was killed",
-                hint="perhaps by lack of memory; the same command continues",
-                code="cluster-lost",
-            ) from error
-        return
-    needed = "an executor on a cluster needs Dask distributed, which is not installed"
-    distributed = imported("distributed", needed, "cluster")
-    no_address = BadInput(f"expected a scheduler such as tcp://10.0.0.1:8786, not {address!r}", place="executor")
-    if "://" not in address:
-        raise no_address
+def open_processes(count: int) -> Iterator[Executor]:
+    ignore_ctrl_c = (signal.SIGINT, signal.SIG_IGN)  # it ends the parent
     try:
-        client = distributed.Client(address, timeout=patience_s, set_as_default=False)
-    except ValueError as error:
-        raise no_address from error
-    except OSError as error:
-        raise MissionError(
-            f"no Dask scheduler answers at {address}",
-            hint="start one with: dask scheduler, and its workers",
-            code="cluster-lost",
-        ) from error
-    try:
-        with client, client.get_executor(pure=False, retries=10) as pool:
+        with ProcessPoolExecutor(count, initializer=signal.signal, initargs=ignore_ctrl_c) as pool:
             yield pool
-    except (CancelledError, distributed.KilledWorker) as error:
-        words = f"the cluster at {address} was lost while it ran trials"
-        raise MissionError(words, hint="the same command continues where it stopped", code="cluster-lost") from error
+    except BrokenProcessPool as error:
+        raise MissionError(
+            "a process that ran trials was killed",
+            hint="perhaps by lack of memory; the same command continues",
+            code="process-killed",
+        ) from error
 
 
 @dataclass(frozen=True)
@@ -104,7 +80,7 @@ def reproduce(
     """Measure and write one of `ITEMS`, or "all" with a page.
 
     `out` gets tables as Markdown, figures as SVG, and `rows`, which are not measured again. `runs`: of each;
-    None as in the paper. `pool`: of `open_executor`; it is not opened if nothing needs a run.
+    None as in the paper. `pool`: of `open_processes`; it is not opened if nothing needs a run.
     """
     if what != "all" and what not in ITEMS:
         close = get_close_matches(what, [*ITEMS, "all"], n=1)

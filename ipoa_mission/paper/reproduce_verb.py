@@ -19,9 +19,6 @@ class RunOptions:
         "reproduction"
     )
     jobs: Annotated[int, typer.Option("--jobs", metavar="N", min=1, help="Processes.")] = 2
-    executor: Annotated[
-        str | None, typer.Option("--executor", metavar="URL", help="A Dask scheduler, as tcp://HOST:PORT.")
-    ] = None
 
 
 @interruptible
@@ -35,13 +32,13 @@ def reproduce(
 
     Example: `ipoa-mission reproduce table-3 --runs 3`
     """
-    from ipoa_mission.paper.reproduce import open_executor
+    from ipoa_mission.paper.reproduce import open_processes
     from ipoa_mission.paper.reproduce import reproduce as measure
 
     make_folder(how.out)
     kept = f"finished runs are in {how.out}; the same command continues from there"
     with changes.reporting(kept), progress_bar("measuring") as show:
-        files = measure(what, how.runs, how.out, open_executor(how.jobs, how.executor), show)
+        files = measure(what, how.runs, how.out, open_processes(how.jobs), show)
     if as_json:
         print_json({"written": [str(file) for file in files]})
     else:

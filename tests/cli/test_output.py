@@ -263,7 +263,6 @@ def test_a_usual_mistake_ends_with_2_and_says_what_was_expected(
         ("mavsdk", "upload {mission} --link udpin:127.0.0.1:0 --backend mavsdk", "mavsdk"),
         ("serial", "clear --link serial:/dev/ttyUSB0:57600", "serial"),
         ("minionpy", "reproduce table-3 --runs 1 --jobs 1", "paper"),
-        ("distributed", "reproduce table-3 --runs 1 --executor tcp://127.0.0.1:1", "cluster"),
     ],
 )
 def test_an_extra_that_is_not_installed_is_named(

@@ -1,10 +1,12 @@
 import math
+import multiprocessing
 from concurrent.futures import Executor, Future, ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
 import pytest
 
+from ipoa_mission.paper.reproduce import open_processes
 from ipoa_mission.paper.rows import Trial, TrialRow, open_to_append, read_rows, settings_text
 from ipoa_mission.paper.runs import CHECKPOINTS, measure, run_trial
 from tests.refused import refuses
@@ -119,6 +121,25 @@ def test_progress_is_told_from_what_was_there_to_the_end(tmp_path: Path) -> None
     measure(TRIALS[:1], tmp_path / "rows.csv", Here())
     measure(TRIALS, tmp_path / "rows.csv", Here(), lambda share, words: progress.append(words))
     assert progress == ["1 of 4", "2 of 4", "3 of 4", "4 of 4"]
+
+
+def test_processes_give_the_same_rows(tmp_path: Path) -> None:
+    trials = [*TRIALS, Trial("map", "map-6-1", 24, "ipoa", SMALL, 0, 0)]  # the last by linear algebra
+    with open_processes(2) as processes:
+        assert results(measure(trials, tmp_path / "a.csv", processes)) == results(
+            measure(trials, tmp_path / "b.csv", Here())
+        )
+
+
+def test_a_killed_process_is_an_error_and_finished_runs_are_kept(tmp_path: Path) -> None:
+    def kill(share: float, words: str) -> None:
+        for process in multiprocessing.active_children() if share > 0 else ():
+            process.kill()
+
+    with refuses("process-killed"), open_processes(1) as processes:
+        measure(TRIALS, tmp_path / "rows.csv", processes, kill)
+    again = measure(TRIALS, tmp_path / "rows.csv", Here(breaks_after=len(TRIALS) - 1))
+    assert [row.trial for row in again] == TRIALS
 
 
 def test_threads_give_the_same_rows(tmp_path: Path) -> None:

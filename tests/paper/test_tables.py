@@ -9,7 +9,7 @@ from ipoa_mission.paper import figures, function_tables, map_tables
 from ipoa_mission.paper.markdown_table import Table, number
 from ipoa_mission.paper.problems import FUNCTIONS
 from ipoa_mission.paper.published import PRINTED
-from ipoa_mission.paper.reproduce import ITEMS, Artifact, open_executor, page, reproduce
+from ipoa_mission.paper.reproduce import ITEMS, Artifact, open_processes, page, reproduce
 from ipoa_mission.paper.rows import Trial, TrialRow, settings_text
 from ipoa_mission.paper.runs import CHECKPOINTS
 from ipoa_mission.paper.series import SERIES, Series
@@ -138,7 +138,7 @@ def test_figures_are_the_same_bytes_every_time_and_show_every_point(made: Callab
 
 
 def test_reproduce_writes_a_table_as_markdown(tmp_path: Path) -> None:
-    (written,) = reproduce("contradictions", None, tmp_path / "out", open_executor(1, None))
+    (written,) = reproduce("contradictions", None, tmp_path / "out", open_processes(1))
     assert written.name == "contradictions.md"
     assert written.read_text(encoding="utf-8").startswith("**Contradictions in print")
 
@@ -156,7 +156,7 @@ def test_reproduce_measures_what_is_missing_and_tells_how_far_it_is(
 
     monkeypatch.setitem(ITEMS, "tiny", Artifact([tiny], make))
     for runs in (None, 3, None):
-        reproduce("tiny", runs, tmp_path / "out", open_executor(1, None), lambda share, words: progress.append(words))
+        reproduce("tiny", runs, tmp_path / "out", open_processes(1), lambda share, words: progress.append(words))
     later = ("4 of 6", "5 of 6", "6 of 6", "4 of 4")
     assert progress == [f"tiny: {done} of 4" for done in range(5)] + [f"tiny: {done}" for done in later]
     assert len((tmp_path / "out" / "rows" / "tiny.csv").read_text().splitlines()) == 1 + 6
@@ -164,4 +164,4 @@ def test_reproduce_measures_what_is_missing_and_tells_how_far_it_is(
 
 def test_tables_that_cannot_be_reproduced_are_bad_input(tmp_path: Path) -> None:
     with refuses("unknown-name", "what", "'table3'"):
-        reproduce("table3", None, tmp_path, open_executor(1, None))
+        reproduce("table3", None, tmp_path, open_processes(1))
