@@ -16,8 +16,7 @@ from ipoa_mission.planning.spline import Spline
 
 #: distinct with color blindness (Okabe and Ito)
 COLORS = {
-    **{"ipoa": "#D55E00", "dbo": "#0072B2", "poa": "#009E73", "ssa": "#E69F00", "mpoa": "#CC79A7", "hho": "#56B4E9"},
-    "adaptive-pelican": "#000000",
+    **{"ipoa": "#D55E00", "dbo": "#0072B2", "poa": "#009E73", "ssa": "#E69F00", "mpoa": "#CC79A7", "hho": "#56B4E9"}
 }
 
 

@@ -12,12 +12,11 @@ from pathlib import Path
 
 from ipoa_mission.errors import MissionError, UnknownName
 from ipoa_mission.files import write_atomically
-from ipoa_mission.paper import beyond, figures, function_tables, map_tables
+from ipoa_mission.paper import figures, tables
 from ipoa_mission.paper.markdown_table import Table, filled
 from ipoa_mission.paper.problems import campus_scenario, map_scenario
 from ipoa_mission.paper.rows import Rows, TrialRow, runs_of
-from ipoa_mission.paper.runs import measure
-from ipoa_mission.paper.series import SERIES, Series
+from ipoa_mission.paper.runs import SERIES, Series, measure
 from ipoa_mission.progress import Progress, silent
 
 
@@ -50,27 +49,22 @@ def _paths(*cases: str) -> Callable[[Sequence[TrialRow]], str]:
 
 
 ITEMS: dict[str, Artifact] = {
-    "table-3": _of(function_tables.table_3, "cec2022-d20"),
-    "table-4": _of(function_tables.table_4, "cec2022-d20"),
+    "table-3": _of(tables.table_3, "cec2022-d20"),
+    "table-4": _of(tables.table_4, "cec2022-d20"),
     "figure-3": _of(figures.figure_3),
     "figure-5": _of(figures.figure_5),
     "figure-7": _of(figures.figure_7, "cec2022-d20"),
     "figure-8": _of(figures.figure_8, "cec2022-d10"),
-    "dimension": _of(function_tables.dimension_of_the_print, "cec2022-d20", "cec2022-d10"),
-    "contradictions": _of(function_tables.contradictions),
-    "table-8": _of(map_tables.table_8, "campus"),
+    "dimension": _of(tables.dimension_of_the_print, "cec2022-d20", "cec2022-d10"),
+    "contradictions": _of(tables.contradictions),
+    "table-8": _of(tables.table_8, "campus"),
     "figure-11": _of(lambda rows: figures.paths_on_maps(rows, {"campus": campus_scenario()}), "campus"),
-    "improvements": _of(map_tables.table_improvements),
-    "beyond": _of(beyond.table_beyond, "cec2022-d20", "cec2022-d20-beyond"),
-    "table-5": _of(map_tables.table_5, "maps"),
-    "table-6": _of(map_tables.table_6, "maps"),
-    "table-7": _of(map_tables.table_7, "maps"),
+    "improvements": _of(tables.table_improvements),
+    "table-5": _of(tables.table_5, "maps"),
+    "table-6": _of(tables.table_6, "maps"),
+    "table-7": _of(tables.table_7, "maps"),
     "figure-9": _of(_paths(*(f"map-8-{k}" for k in range(1, 6))), "maps"),
     "figure-10": _of(_paths("map-6-1", "map-10-1"), "maps"),
-    "maps-beyond": _of(beyond.table_maps_beyond, "maps", "maps-beyond"),
-    "maps-ablation": _of(beyond.table_maps_ablation, "maps-ablation"),
-    "equal": _of(beyond.table_equal, "cec2022-d20-equal"),
-    "ablation": _of(beyond.table_ablation, "cec2022-d20-ablation"),
 }
 
 

@@ -24,7 +24,7 @@ class RunOptions:
 @interruptible
 def reproduce(
     changes: ChangesMade,
-    what: Annotated[str, typer.Argument(metavar="WHAT", help="table-3, figure-7, ablation, ..., or all.")],
+    what: Annotated[str, typer.Argument(metavar="WHAT", help="table-3, figure-7, dimension, ..., or all.")],
     how: RunOptions,
     as_json: JsonOption = False,
 ) -> None:

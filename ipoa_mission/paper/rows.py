@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from ipoa_mission.errors import MissionError, WrongFormat
 from ipoa_mission.files import read_text
 from ipoa_mission.paper.problems import Measures
+from ipoa_mission.paper.published import ALGORITHMS
 
 
 @dataclass(frozen=True)
@@ -54,26 +55,22 @@ def runs_of(rows: Sequence[TrialRow]) -> int:
     return 1 + max(row.trial.run for row in rows)
 
 
-def results(
-    rows: Sequence[TrialRow], case: str, algorithm: str, measure: str | None = None, settings: str = "{}"
-) -> NDArray[np.float64]:
+def results(rows: Sequence[TrialRow], case: str, algorithm: str, measure: str | None = None) -> NDArray[np.float64]:
     """Return the cost of every run on a case, or a measure, (runs,). On CEC2022 the optimum is subtracted."""
     values = [
         (row.trial.run, row.cost if measure is None else row.measures[measure])
         for row in rows
-        if (row.trial.case, row.trial.algorithm, row.trial.settings) == (case, algorithm, settings)
+        if (row.trial.case, row.trial.algorithm) == (case, algorithm)
     ]
     return np.array([value for _, value in sorted(values)], dtype=np.float64)
 
 
-def mean_results(
-    rows: Sequence[TrialRow], cases: Sequence[str], algorithms: Sequence[str], measure: str | None = None
-) -> NDArray[np.float64]:
-    return np.array([[results(rows, case, name, measure).mean() for name in algorithms] for case in cases])
+def mean_results(rows: Sequence[TrialRow], cases: Sequence[str], measure: str | None = None) -> NDArray[np.float64]:
+    return np.array([[results(rows, case, name, measure).mean() for name in ALGORITHMS] for case in cases])
 
 
-def mean_evaluations(rows: Sequence[TrialRow], algorithms: Sequence[str]) -> str:
-    means = {name: np.mean([row.evaluations for row in rows if row.trial.algorithm == name]) for name in algorithms}
+def mean_evaluations(rows: Sequence[TrialRow]) -> str:
+    means = {name: np.mean([row.evaluations for row in rows if row.trial.algorithm == name]) for name in ALGORITHMS}
     return ", ".join(f"{name.upper()} {mean:,.0f}" for name, mean in means.items())
 
 

@@ -2,67 +2,58 @@
 
 import json
 import time
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable, Sequence
 from concurrent.futures import Executor, as_completed
+from dataclasses import dataclass, replace
 from datetime import date
-from functools import partial
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from threadpoolctl import threadpool_info, threadpool_limits
 
-from ipoa_mission.errors import imported
 from ipoa_mission.optimize.registry import build_optimizer
-from ipoa_mission.optimize.search import Box, Candidates, Costs, CountedCost, Optimum, minimize
-from ipoa_mission.paper.problems import Problem, campus_problem, cec2022, map_scenario, path_problem
-from ipoa_mission.paper.rows import Trial, TrialRow, line_of, open_to_append, read_rows
+from ipoa_mission.optimize.search import Optimum, minimize
+from ipoa_mission.paper.problems import (
+    FUNCTIONS,
+    INNER,
+    MAPS,
+    WEIGHTS,
+    Problem,
+    campus_problem,
+    cec2022,
+    map_scenario,
+    path_problem,
+)
+from ipoa_mission.paper.published import ALGORITHMS
+from ipoa_mission.paper.rows import Trial, TrialRow, line_of, open_to_append, read_rows, settings_text
 from ipoa_mission.progress import Progress, count, silent
 
-Rival = Callable[[Callable[[Candidates], Costs], Box, int, np.random.Generator], Optimum]
+
+@dataclass(frozen=True)
+class Series:
+    name: str
+    runs: int
+    firsts: Sequence[Trial]
+
+    def trials(self, runs: int | None) -> list[Trial]:
+        """`runs` None: the paper's number."""
+        return [replace(t, run=run) for run in range(self.runs if runs is None else runs) for t in self.firsts]
 
 
-def _by_minionpy(
-    name: str, cost: Callable[[Candidates], Costs], box: Box, budget: int, rng: np.random.Generator
-) -> Optimum:
-    algorithms = imported("minionpy.algorithms", f"{name} needs minionpy, which is not installed", "paper")
-    counted = CountedCost(cost, box, budget)
-
-    def call(candidates: Any) -> list[float]:
-        costs = counted(np.asarray(candidates, dtype=np.float64))
-        return list(np.where(np.isfinite(costs), costs, 1e300))
-
-    bounds = list(zip(box.lower.tolist(), box.upper.tolist(), strict=True))
-    getattr(algorithms, name)(call, bounds, maxevals=budget, seed=int(rng.integers(2**31)), options={}).optimize()
-    return counted.optimum()
+def _trials(problem: str, cases: Sequence[str], dimension: int) -> list[Trial]:
+    return [Trial(problem, case, dimension, name, settings_text(), 0, 0) for case in cases for name in ALGORITHMS]
 
 
-def _by_scipy(cost: Callable[[Candidates], Costs], box: Box, budget: int, rng: np.random.Generator) -> Optimum:
-    """Minimize with scipy's defaults, a population of 5 D, and no polish."""
-    from scipy.optimize import differential_evolution
-
-    counted = CountedCost(cost, box, budget)
-    population = 5 * box.dimension
-    differential_evolution(
-        lambda x: counted(x.T),
-        list(zip(box.lower, box.upper, strict=True)),
-        popsize=5,
-        maxiter=budget // population + 1,
-        tol=0,
-        atol=0,
-        polish=False,
-        updating="deferred",
-        vectorized=True,
-        rng=rng,
+_WEIGHTED = [f"map-8-1/{experiment}" for experiment in WEIGHTS]
+SERIES = {
+    series.name: series
+    for series in (
+        Series("cec2022-d20", 30, _trials("cec2022", FUNCTIONS, 20)),
+        Series("cec2022-d10", 30, _trials("cec2022", FUNCTIONS, 10)),
+        Series("maps", 10, _trials("map", (*_WEIGHTED, *MAPS), 3 * INNER)),
+        Series("campus", 20, _trials("campus", ("campus",), 3 * INNER)),
     )
-    return counted.optimum()
-
-
-RIVALS: dict[str, Rival] = {
-    "rcmaes": partial(_by_minionpy, "RCMAES"),  # CMA-ES with restarts
-    "lshade": partial(_by_minionpy, "LSHADE"),
-    "de": _by_scipy,
 }
 
 #: shares of a run's evaluations
@@ -84,11 +75,8 @@ def _run(trial: Trial) -> TrialRow:
     problem = _problem_of(trial)
     rng = np.random.default_rng([*trial.problem.encode(), *trial.case.encode(), trial.dimension, trial.run])
     started = time.process_time()
-    if trial.algorithm in RIVALS:
-        optimum = RIVALS[trial.algorithm](problem.cost, problem.box, trial.budget, rng)
-    else:
-        optimizer = build_optimizer(trial.algorithm, json.loads(trial.settings))
-        optimum = minimize(problem.cost, problem.box, optimizer, rng, budget=trial.budget or None)
+    optimizer = build_optimizer(trial.algorithm, json.loads(trial.settings))
+    optimum = minimize(problem.cost, problem.box, optimizer, rng, budget=trial.budget or None)
     seconds = time.process_time() - started
     return TrialRow(
         trial,

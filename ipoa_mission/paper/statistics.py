@@ -59,15 +59,15 @@ def places(values: Sequence[float]) -> list[int]:
     return [int(r) for r in scipy.stats.rankdata(values, method="min")]
 
 
-def ranking(names: Sequence[str], costs: NDArray[np.float64], control: str = "ipoa") -> str:
-    """Describe Friedman's test on `costs` (blocks, names), against `control`."""
+def ranking(names: Sequence[str], costs: NDArray[np.float64]) -> str:
+    """Describe Friedman's test on `costs` (blocks, names), against IPOA."""
     ranks = scipy.stats.rankdata(costs, axis=1).mean(axis=0)
-    own = names.index(control)
+    own = names.index("ipoa")
     in_order = sorted(zip(ranks, names, post_hoc(ranks, len(costs), own), strict=True))
     signs = {name: "=" if p >= 0.05 else "+" if ranks[own] < rank else "-" for rank, name, p in in_order}
     return (
         ", ".join(f"{name} {rank:.2f}" for rank, name, _ in in_order)
-        + f" (Friedman p = {scipy.stats.friedmanchisquare(*costs.T).pvalue:.1e}; after it {control} against "
-        + ", ".join(f"{name} {p:.2g} ({signs[name]})" for _, name, p in in_order if name != control)
+        + f" (Friedman p = {scipy.stats.friedmanchisquare(*costs.T).pvalue:.1e}; after it ipoa against "
+        + ", ".join(f"{name} {p:.2g} ({signs[name]})" for _, name, p in in_order if name != "ipoa")
         + ", Holm)"
     )

@@ -149,14 +149,6 @@ def test_threads_give_the_same_rows(tmp_path: Path) -> None:
         )
 
 
-@pytest.mark.parametrize("name", ["rcmaes", "lshade", "de"])
-def test_a_rival_is_counted_and_held_to_its_budget(name: str) -> None:
-    row = run_trial(Trial("cec2022", "f1", 10, name, "{}", 3000, 0))
-    assert 2500 <= row.evaluations <= 3000
-    assert row.cost == row.history[-1]
-    assert results([row]) == results([run_trial(row.trial)])
-
-
 @pytest.mark.parametrize(
     ("text", "message"), [("a,b\n", ("wrong-format",)), ("problem,case\n1,2\n", ("wrong-format",))]
 )

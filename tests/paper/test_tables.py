@@ -5,14 +5,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ipoa_mission.paper import figures, function_tables, map_tables
+from ipoa_mission.paper import figures, tables
 from ipoa_mission.paper.markdown_table import Table, number
 from ipoa_mission.paper.problems import FUNCTIONS
 from ipoa_mission.paper.published import PRINTED
 from ipoa_mission.paper.reproduce import ITEMS, Artifact, open_processes, page, reproduce
 from ipoa_mission.paper.rows import Trial, TrialRow, settings_text
-from ipoa_mission.paper.runs import CHECKPOINTS
-from ipoa_mission.paper.series import SERIES, Series
+from ipoa_mission.paper.runs import CHECKPOINTS, Series
 from tests.refused import refuses
 
 RUNS = 3
@@ -69,7 +68,7 @@ def made(rows: dict[str, Sequence[TrialRow]]) -> Callable[[str], Table | str]:
 
 
 def test_table_3_has_thirty_six_lines_and_ranks_by_what_was_measured(rows: dict[str, Sequence[TrialRow]]) -> None:
-    table = function_tables.table_3(rows["cec2022-d20"])
+    table = tables.table_3(rows["cec2022-d20"])
     assert len(table.rows) == 36
     mean_f1 = next(row for row in table.rows if row[:2] == ["f1", "mean"])
     for place, (cell, printed) in enumerate(zip(mean_f1[2:], PRINTED["table_3"]["f1"]["mean"], strict=True), start=1):
@@ -79,28 +78,20 @@ def test_table_3_has_thirty_six_lines_and_ranks_by_what_was_measured(rows: dict[
 
 
 def test_table_4_says_better_where_it_is_and_corrects(rows: dict[str, Sequence[TrialRow]]) -> None:
-    table = function_tables.table_4(rows["cec2022-d20"])
+    table = tables.table_4(rows["cec2022-d20"])
     assert len(table.rows) == len(FUNCTIONS)
     assert "of 60; 60 show no difference" in table.notes[0]  # three runs cannot survive a correction over sixty
 
 
 def test_the_contradictions_are_those_that_arithmetic_finds() -> None:
-    table = function_tables.contradictions()
+    table = tables.contradictions()
     assert ["f5", "SSA"] in [list(row[:2]) for row in table.rows]
     proved = [row for row in table.rows if "<" in row[-1]]
     assert [row[:2] for row in proved] == [["f5", "SSA"]]
 
 
-def test_mean_log_error_is_one_unit_for_a_factor_of_ten() -> None:
-    def costing(factor: float) -> list[TrialRow]:
-        return [_row(t, factor) for t in SERIES["cec2022-d20"].trials(1)]
-
-    assert function_tables.mean_log_error(costing(100.0), "ipoa") == pytest.approx(2)
-    assert function_tables.mean_log_error(costing(1e-30), "ipoa") == pytest.approx(-8)
-
-
 def test_map_tables_say_how_much_shorter(rows: dict[str, Sequence[TrialRow]]) -> None:
-    assert "DBO -50 % (printed -7 %)" in map_tables.table_6(rows["maps"]).notes[0]
+    assert "DBO -50 % (printed -7 %)" in tables.table_6(rows["maps"]).notes[0]
 
 
 @pytest.mark.parametrize(
