@@ -11,38 +11,22 @@ import numpy as np
 from numpy.typing import NDArray
 from pyproj import Geod, Transformer
 
-from ipoa_mission.geometry import Plane, Points, Vector
+from ipoa_mission.geometry import Points, Vector
 
 EARTH_RADIUS = 6_371_000.0  # spherical, as vehicles count heights [m]
 
 
-@dataclass(frozen=True)
-class SphericalPlane:
-    """Azimuthal equidistant about a place [deg], or one per point (n,)."""
-
-    latitude_deg: Vector | float
-    longitude_deg: Vector | float
-
-    def to_plane(self, latitude_deg: Vector, longitude_deg: Vector) -> Plane:
-        """Return east and north [m]."""
-        latitude = np.radians(latitude_deg)
-        middle = np.radians(self.latitude_deg)
-        turn = np.radians(np.asarray(longitude_deg) - self.longitude_deg)
-        east = np.cos(latitude) * np.sin(turn)
-        north = np.cos(middle) * np.sin(latitude) - np.sin(middle) * np.cos(latitude) * np.cos(turn)
-        high = np.sin(middle) * np.sin(latitude) + np.cos(middle) * np.cos(latitude) * np.cos(turn)
-        away = np.arctan2(np.hypot(east, north), high)
-        return np.asarray(np.column_stack([east, north]) * (EARTH_RADIUS / np.sinc(away / np.pi))[:, None])
-
-    def to_geodetic(self, east: Vector, north: Vector) -> tuple[Vector, Vector]:
-        """Return latitude and longitude, each (n,) [deg]."""
-        middle = np.radians(self.latitude_deg)
-        away = np.hypot(north, east) / EARTH_RADIUS
-        share = np.sinc(away / np.pi) / EARTH_RADIUS  # of sine to distance
-        height = np.cos(away) * np.sin(middle) + north * share * np.cos(middle)
-        across = np.cos(middle) * np.cos(away) - north * share * np.sin(middle)
-        longitude = self.longitude_deg + np.degrees(np.arctan2(east * share, across))
-        return np.degrees(np.arcsin(height)), (longitude + 180.0) % 360.0 - 180.0
+def from_spherical_plane(
+    latitude_deg: Vector | float, longitude_deg: Vector | float, east: Vector, north: Vector
+) -> tuple[Vector, Vector]:
+    """Return latitude and longitude, each (n,) [deg], azimuthal equidistant about a place, or one per point (n,)."""
+    middle = np.radians(latitude_deg)
+    away = np.hypot(north, east) / EARTH_RADIUS
+    share = np.sinc(away / np.pi) / EARTH_RADIUS  # of sine to distance
+    height = np.cos(away) * np.sin(middle) + north * share * np.cos(middle)
+    across = np.cos(middle) * np.cos(away) - north * share * np.sin(middle)
+    longitude = longitude_deg + np.degrees(np.arctan2(east * share, across))
+    return np.degrees(np.arcsin(height)), (longitude + 180.0) % 360.0 - 180.0
 
 
 _ELLIPSOID = Geod(ellps="WGS84")

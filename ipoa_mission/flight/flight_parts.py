@@ -123,7 +123,7 @@ class _Parts:
             kept = [*items[: self.start], *speeds, *path, items[at], *_in_force(before), *items[at + 1 : until]]
         if end < self.last or not any(item.command in LANDINGS for item in kept):
             kept += [*_ended(kept), return_to_launch()]
-        return Forecast(replace(self.mission, items=tuple(kept), scanned=()), self.whole.scenario)
+        return Forecast(replace(self.mission, items=tuple(kept)), self.whole.scenario)
 
     def _paths_back(self, begin: int) -> Iterator[tuple[Item, ...]]:
         """Yield paths to the resumed waypoint: straight, then as high as an RTL."""

@@ -43,7 +43,7 @@ def without_item(mission: Mission, seq: int) -> Mission:
 
 
 def _renumbered(mission: Mission, first: int, by: int) -> Mission:
-    """Return the mission with jumps and scans to items from `first` on moved."""
+    """Return the mission with jumps to items from `first` on moved."""
 
     def moved(number: int) -> int:
         return number + by if number >= first else number
@@ -54,8 +54,7 @@ def _renumbered(mission: Mission, first: int, by: int) -> Mission:
         else item
         for item in mission.items
     ]
-    scanned = tuple((moved(index + 1) - 1, height) for index, height in mission.scanned)
-    return replace(mission, items=tuple(items), scanned=scanned)
+    return replace(mission, items=tuple(items))
 
 
 def with_plain_items(mission: Mission, seq: int) -> Mission:

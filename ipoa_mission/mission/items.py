@@ -177,7 +177,6 @@ class Mission:
         landing_ground: landing place and height of its ground above home; ignored for other landings.
         firmware_version: of tables and model; the newest measured by default.
         unmeasured_version: version that may fly it, with a warning.
-        scanned: first item index and scanned height [m] of each structure scan.
         complex_items: surveys and scans, until their items change.
 
     Example:
@@ -202,7 +201,6 @@ class Mission:
     landing_ground: Geodetic | None = field(default=None, compare=False, repr=False)
     firmware_version: Version | None = field(default=None, compare=False, repr=False)
     unmeasured_version: bool = field(default=False, compare=False, repr=False)
-    scanned: tuple[tuple[int, float], ...] = field(default=(), compare=False, repr=False)
     complex_items: tuple[ComplexItem, ...] = field(default=(), compare=False, repr=False)
 
     @property

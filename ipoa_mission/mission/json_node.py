@@ -65,9 +65,6 @@ class Node:
             raise self.wrong(expected)
         return float(self.value)
 
-    def length(self) -> float:
-        return self.number("meters, 100000 at most", 100_000.0)
-
     def degrees(self, limit: int = 180) -> float:
         """`check` reports a latitude beyond 90."""
         return self.number(f"degrees from -{limit} to {limit}", limit)

@@ -14,7 +14,7 @@ from ipoa_mission.autopilot.commands import FLOWN_TO, PLAIN_FRAME, Command, Fram
 from ipoa_mission.errors import BadInput
 from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.geodesy import Geodetic
-from ipoa_mission.mission.complex_items import as_document, complex_items_in, entries, lay_out
+from ipoa_mission.mission.complex_items import as_document, complex_items_in, entries
 from ipoa_mission.mission.items import FenceCircle, FencePolygon, Item, Mission, MissionFile
 from ipoa_mission.mission.json_node import Node, finite, parse_document, tidy
 from ipoa_mission.mission.landing_ground import landing_ground_entry
@@ -71,7 +71,6 @@ def parse_plan(path: Path, text: str, autopilot: Autopilot | None = None) -> Mis
         rally=_rally(plan.get("rallyPoints")),
         vehicle_type=vehicle_type,
         landing_ground=None if ground is None else _landing_ground(ground),
-        scanned=tuple((index, entry.scanned) for index, entry in enumerate(listed) if entry.scanned > 0.0),
         complex_items=complex_items_in([entry.part_of for entry in listed], items),
     )
     return MissionFile(read, (*plan.findings, *_check_numbers(listed), *findings_of_keys(plan)), text, ".plan")
@@ -193,12 +192,9 @@ def _home(node: Node) -> Geodetic:
 
 @dataclass(frozen=True)
 class ListedItem:
-    """`scanned`: height of a scan that it begins [m]."""
-
     item: Item
     node: Node
     jump_id: int | None
-    scanned: float = 0.0
     part_of: Node | None = None
 
 
@@ -232,10 +228,15 @@ def _listed(node: Node) -> list[ListedItem]:
     if kind.value != "ComplexItem":
         raise kind.wrong('"SimpleItem" or "ComplexItem"')
     items = (node.get("TransectStyleComplexItem") or node).get("Items")
-    if items is not None:  # no jump may lead into it
-        return [replace(read_item(child), jump_id=None, part_of=node) for child in items.array()]
-    laid_out, height = lay_out(node)
-    return [ListedItem(item, node, None, 0.0 if n else height, node) for n, item in enumerate(laid_out)]
+    if items is None:
+        raise BadInput(
+            f'expected the waypoints of the complex item "{node["complexItemType"].text()}", but it holds none',
+            place=node.where,
+            hint="open the plan in QGroundControl and save it; if it still holds none (StructureScan), upload it from "
+            "there, and `ipoa-mission download` reads the waypoints",
+        )
+    # no jump may lead into it
+    return [replace(read_item(child), jump_id=None, part_of=node) for child in items.array()]
 
 
 def read_item(node: Node) -> ListedItem:

@@ -76,7 +76,7 @@ class _TrialFlight:
         places = [Geodetic(*map(float, place)) for place in zip(latitude, longitude, altitude, strict=True)]
         waypoints = (waypoint(place, self.height) for place in places)
         items = (takeoff(places[0], self.height), change_speed(self.speed), *waypoints)
-        flown = replace(self.mission, items=items, landing_ground=None, scanned=())
+        flown = replace(self.mission, items=items, landing_ground=None)
         try:
             prediction = Forecast(flown, wind=self.wind).predicted(noise_free=True)
         except MissionError as error:

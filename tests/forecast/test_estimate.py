@@ -9,7 +9,7 @@ from ipoa_mission.autopilot.commands import Command, Frame
 from ipoa_mission.autopilot.parameters import Parameters
 from ipoa_mission.errors import BadInput
 from ipoa_mission.forecast.forecast import estimate as predict
-from ipoa_mission.forecast.timing.estimate import Estimate, qgroundcontrol_time
+from ipoa_mission.forecast.timing.estimate import Estimate
 from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.mission.items import (
     Item,
@@ -121,9 +121,3 @@ def test_quite_another_number_is_quoted_for_qgroundcontrol() -> None:
     distance = 86.4  # 0.001 degrees of longitude at 39.1 north, radius 6371 km
     expected = 20.0 / 3.0 + distance / 10.0 + distance / 10.0 + 20.0 / 1.0
     assert estimate(mission).qgroundcontrol_s == pytest.approx(expected, abs=0.2)
-
-
-def test_a_structure_scans_height_counts_as_way_with_qgroundcontrol() -> None:
-    mission = replace(out_and_back(Autopilot.PX4), cruise_speed=10.0)
-    scan = replace(mission, scanned=((1, 28.0),))
-    assert qgroundcontrol_time(scan) - qgroundcontrol_time(mission) == pytest.approx(28.0 / 10.0)

@@ -4,10 +4,11 @@ from pathlib import Path
 from typing import Any
 
 from ipoa_mission.autopilot.commands import Command
+from ipoa_mission.errors import BadInput
 from ipoa_mission.mission.items import Item, Mission, waypoint
 from ipoa_mission.mission.plan_file import parse_plan, plan_text
+from tests.refused import refuses
 
-SCANS = json.loads((Path(__file__).parent / "files" / "qgroundcontrol_scans.json").read_text())
 HOME = [47.3977, 8.5456, 488]
 AHEAD = {"autoContinue": True, "command": 22, "doJumpId": 1, "frame": 3, "params": [0, 0, 0, None, 0, 0, 50]}
 BEHIND = {"autoContinue": True, "command": 20, "doJumpId": 2, "frame": 2, "params": [0] * 7, "type": "SimpleItem"}
@@ -65,14 +66,17 @@ def test_changed_items_are_no_survey_any_more() -> None:
     assert [item["type"] for item in written(jumping)] == ["SimpleItem"] * 5
 
 
-def test_scans_without_waypoints_stay_without(samples: Path) -> None:
-    plans = sorted((samples / "qgc-scans").glob("*.plan"))
-    assert len(plans) > 3
-    for path in plans:
-        text = path.read_text()
-        own = json.loads(text)["mission"]["items"]
-        again = written(read(text))
-        assert [item for item in again if item["type"] == "ComplexItem"] == [
-            item for item in own if item["type"] == "ComplexItem"
-        ], path
-        assert repr(read(plan_text(read(text))).items) == repr(read(text).items)
+SCAN = {"type": "ComplexItem", "complexItemType": "StructureScan", "version": 3, "StructureHeight": 70}
+
+
+def test_a_scan_without_waypoints_is_refused_by_name() -> None:
+    with refuses("bad-input", "scan.plan: mission.items[1]", '"StructureScan", but it holds none', kind=BadInput):
+        read(document(AHEAD | {"type": "SimpleItem"}, SCAN))
+
+
+def test_unknown_complex_items_are_read_and_written_with_their_waypoints() -> None:
+    stored = {"type": "SimpleItem", "command": 16, "frame": 3, "params": [0, 0, 0, None, 47.398, 8.546, 30]}
+    scan = SCAN | {"Items": [stored | {"autoContinue": True, "doJumpId": 2}]}
+    mission = read(document(AHEAD | {"type": "SimpleItem"}, scan, BEHIND))
+    assert [item.altitude for item in mission.items] == [50.0, 30.0, 0.0]
+    assert written(mission)[1] == scan

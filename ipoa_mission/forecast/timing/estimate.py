@@ -236,7 +236,7 @@ def qgroundcontrol_time(mission: Mission) -> float:
     """Return the mission time [s] that QGroundControl shows: distance over speed.
 
     Legs are great circles; DO_CHANGE_SPEED counts from the next item. RTL adds the height over the descent speed (4.4
-    has these swapped), a structure scan its height as distance.
+    has these swapped).
     """
     hover_speed, ascent_speed, descent_speed = 5.0, 3.0, 1.0  # its settings without a vehicle [m/s]
     delays = {Command.NAV_WAYPOINT, Command.NAV_DELAY, Command.CONDITION_DELAY}
@@ -245,9 +245,7 @@ def qgroundcontrol_time(mission: Mission) -> float:
     height = 0.0
     total = 0.0
     taken_off = False
-    scanned = dict(mission.scanned)
-    for index, item in enumerate(mission.items):
-        total += scanned.get(index, 0.0) / speed
+    for item in mission.items:
         if item.command == Command.NAV_RETURN_TO_LAUNCH:
             way_home = _great_circle(here, (mission.home.latitude_deg, mission.home.longitude_deg))
             return total + way_home / speed + abs(height) / descent_speed

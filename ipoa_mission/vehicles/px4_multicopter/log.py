@@ -12,7 +12,7 @@ import numpy as np
 from ipoa_mission.autopilot.parameters import REAL32
 from ipoa_mission.errors import BadInput, WrongFormat, imported
 from ipoa_mission.files import read_bytes
-from ipoa_mission.geodesy import SphericalPlane
+from ipoa_mission.geodesy import from_spherical_plane
 from ipoa_mission.geometry import Matrix, Vector
 from ipoa_mission.link.messages import INFO, Current, HomePosition, Message, MissionState, ParamValue, Reached, Text
 from ipoa_mission.logs.logged import Battery, Fixes, Log, LogFormat, Measured, presence, version_name
@@ -218,7 +218,7 @@ def _local(place: Any) -> tuple[Vector, Vector, Vector, Vector]:
     columns = ("timestamp", "x", "y", "z", "ref_lat", "ref_lon", "ref_alt")
     rows = np.column_stack([_column(place, name) for name in columns])[referenced]
     rows = rows[np.isfinite(rows).all(axis=1)]
-    latitude, longitude = SphericalPlane(rows[:, 4], rows[:, 5]).to_geodetic(rows[:, 2], rows[:, 1])
+    latitude, longitude = from_spherical_plane(rows[:, 4], rows[:, 5], rows[:, 2], rows[:, 1])
     return rows[:, 0] / 1e6, latitude, longitude, rows[:, 6] - rows[:, 3]
 
 
