@@ -92,3 +92,11 @@ def test_other_missions_and_parameters_take_as_long_by_both_models(autopilot: Au
     assert estimated[2] == pytest.approx(first, rel=nearly[0])
     assert estimated[last] - estimated[2] == pytest.approx(route, rel=nearly[1])
     assert estimated[end] - estimated[last] == pytest.approx(landing, rel=nearly[2])
+
+
+def test_px4_flies_at_its_own_speed_after_a_change_to_none() -> None:
+    """A speed of DO_CHANGE_SPEED that is not above 0 resets it (Navigator::reset_cruising_speed)."""
+    slow = (change_speed(2.0), change_speed(-1.0))
+    changed, _ = by_built_in(Autopilot.PX4, (*OFF, *slow, to(0, 100), land(place(0, 100))), {}, 1)
+    unchanged, _ = by_built_in(Autopilot.PX4, (*OFF, to(0, 100), land(place(0, 100))), {}, 1)
+    assert changed[5] == pytest.approx(unchanged[3], abs=1.0)

@@ -11,8 +11,10 @@ from ipoa_mission.autopilot.parameters import Parameters
 from ipoa_mission.autopilot.returning import MissionLanding, ReturnBy, ReturnOrder, ReturnRoute
 from ipoa_mission.autopilot.version import Version
 from ipoa_mission.geometry import Enu
+from ipoa_mission.ground import Ground
 from ipoa_mission.vehicles.px4_multicopter.dynamics.navigator import return_orders
 from ipoa_mission.vehicles.px4_multicopter.limits import px4_limits
+from ipoa_mission.world.terrain import Flat
 
 AP, PX4 = Autopilot.ARDUPILOT, Autopilot.PX4
 OLD, NEW, MAIN = Version(1, 17), Version(1, 18), Version(1, 19)
@@ -92,7 +94,8 @@ def test_px4_waits_before_its_landing_at_its_descend_altitude(
     parameters: Parameters, ground: float, wait: float
 ) -> None:
     limits = px4_limits({**parameters, "RTL_LAND_DELAY": 9.0})
-    *_, down_to, waiting, landing = return_orders(Enu(100.0, 0.0, ground + 20.0), limits, Enu(0.0, 0.0, ground), ground)
+    here = Enu(100.0, 0.0, ground + 20.0)
+    *_, down_to, waiting, landing = return_orders(here, (0.0, 0.0, ground), Ground(Flat(ground)), limits)
     assert (waiting.hold_s, landing.goal) == (9.0, Enu(0.0, 0.0, ground))
     assert down_to.goal == waiting.goal == Enu(0.0, 0.0, wait)
 

@@ -26,15 +26,14 @@ class Px4Controller:
         airframe = navigator.airframe_of(conditions.vehicle)
         self._limits = limits._replace(spool_up=max(limits.spool_up + airframe.lift_delay, 0.0))
         self._now = situation
-        self._ground = conditions.ground
         self._parameters = parameters
         self._constants = navigator.simulation_constants(self._limits, airframe, SIH_SENSORS, conditions.wind, STEP_S)
         seeds = (float(chance.randrange(1, 2_000_000_000)), float(chance.randrange(1, 2_000_000_000)))
         self._state = at_rest(Enu(*situation.place), situation.time_s, situation.yaw, no_errors(*seeds), True)
+        here = self._state.body.place
+        self._navigator = navigator.Navigator(situation.program, conditions.ground, self._limits, here)
         self._orders: list[Order] = []
         self._announced = False
-        self._here = self._state.body.place  # last commanded
-        self._cruise = self._limits.cruise
 
     def enter(self) -> None:
         match self._now.mode:
@@ -43,9 +42,8 @@ class Px4Controller:
             case FlightMode.RETURN:
                 self._return()
             case FlightMode.LAND:
-                stop = self._stopping_place(self._over_home())
-                limits = self._limits
-                self._fly(navigator.landing_orders(stop, self._down(stop), limits, limits.cruise, limits.disarm_delay))
+                ground = self._navigator.ground
+                self._fly(navigator.land_mode_orders(self._over_home(), self._speed, ground, self._limits))
             case FlightMode.HOLD:
                 self._brake()
 
@@ -88,7 +86,7 @@ class Px4Controller:
         elif self._now.mode is FlightMode.MISSION:
             self._begin_after(self._now.current)
         else:
-            self._here = ended.goal
+            self._navigator.here = ended.goal
 
     def _last_done(self) -> None:
         now, items = self._now, self._now.program.items
@@ -104,7 +102,7 @@ class Px4Controller:
     def _rest(self) -> None:
         state = self._state
         if not state.body.on_ground or state.contact.on_ground:
-            place = self._down(state.body.place)
+            place = self._navigator.below(state.body.place)
             self._state = at_rest(place, self._now.time_s, state.yaw.angle, state.errors, True)
 
     def _show(self) -> None:
@@ -118,7 +116,8 @@ class Px4Controller:
 
     def _begin_after(self, index: int) -> None:
         now = self._now
-        item = now.come_to(index, self._change_speed)
+        self._navigator.program = now.program
+        item = now.come_to(index, self._navigator.change_speed)
         if item is None:
             now.mode = FlightMode.HOLD
             self._brake()
@@ -130,50 +129,39 @@ class Px4Controller:
         else:
             self._fly(self._orders_of(now.current, item))
 
-    def _change_speed(self, item: Item) -> None:
-        if item.params[1] > 0.0 and item.params[0] in (0.0, 1.0):
-            self._cruise = item.params[1]
-
     def _orders_of(self, index: int, item: Item) -> list[Order]:
-        start, limits, cruise = self._here, self._limits, self._cruise
-        goal = Enu(*self._now.program.place(index, start))
+        landed = self._now.landed
         if item.command == Command.NAV_DELAY:
-            return navigator.stay(start, limits, max(item.params[0], STEP_S))
+            return navigator.stay(self._navigator.here, self._limits, max(item.params[0], STEP_S))
         if item.command == Command.NAV_LAND:
-            self._here = self._down(goal)
-            return [] if self._now.landed else navigator.landing_orders(start, self._here, limits, cruise, 0.0)
-        self._here = goal
-        climb = []
-        if self._now.landed:
-            start = self._over_home()._replace(up=goal.up)
-            climb = [navigator.take_off(start, limits)]
-        onward = self._now.program.onward(index)
-        beyond = None if onward is None else Enu(*self._now.program.place(onward, goal))
-        order = navigator.waypoint(item, navigator.leg(limits, start, goal, beyond=beyond, cruise=cruise), limits)
+            return [] if landed else self._navigator.land_at(index)
+        if landed:
+            self._navigator.here = self._over_home()
+        orders = self._navigator.fly_to(index, takes_off=landed)
         if item.command == Command.NAV_LOITER_UNLIM:
-            order = order._replace(hold_s=math.inf, beyond=goal)
-        return [*climb, order]
+            orders[-1] = orders[-1]._replace(hold_s=math.inf, beyond=orders[-1].goal)
+        return orders
 
     def _return(self) -> None:
-        self._cruise = self._limits.cruise
+        self._navigator.cruise = self._limits.cruise
         here = self._over_home()
-        goal = Enu(*self._now.goal_of_return(here, self._parameters))
-        self._fly(navigator.return_orders(here, self._limits, self._down(goal), goal.up))
+        goal = self._now.goal_of_return(here, self._parameters)
+        self._fly(navigator.return_orders(here, goal, self._navigator.ground, self._limits))
 
-    def _down(self, place: Enu) -> Enu:
-        return place._replace(up=self._ground.at(place.east, place.north))
+    @property
+    def _speed(self) -> EastNorth:
+        return EastNorth(*self._state.body.speed[:2])
 
     def _over_home(self) -> Enu:
+        """Return the place as the vehicle knows it."""
         place = self._state.body.place
         return place._replace(up=place.up - self._state.errors.home_height_error)
 
-    def _stopping_place(self, here: Enu) -> Enu:
-        return navigator.stopping_place(here, EastNorth(*self._state.body.speed[:2]), self._limits)
-
     def _brake(self) -> None:
         here = self._state.body.place
-        self._here = self._stopping_place(here)
-        order = navigator.leg(self._limits, here, self._here, cruise=self._cruise)
+        stop = navigator.stopping_place(here, self._speed, self._limits)
+        self._navigator.here = stop
+        order = navigator.leg(self._limits, here, stop, cruise=self._navigator.cruise)
         self._fly([order._replace(hold_s=math.inf, follows_home=False)])
 
     def _fly(self, orders: list[Order]) -> None:

@@ -9,8 +9,10 @@ from ipoa_mission.autopilot.learned import LearnedVehicle
 from ipoa_mission.autopilot.returning import Contingency
 from ipoa_mission.errors import EndlessFlight
 from ipoa_mission.forecast.itinerary.itinerary import UNTIMED, Itinerary
-from ipoa_mission.geometry import GRAVITY, Enu, Vector
+from ipoa_mission.geometry import GRAVITY, Enu, Place, Vector
+from ipoa_mission.ground import Ground
 from ipoa_mission.mission.items import Item
+from ipoa_mission.mission.program import Program
 from ipoa_mission.vehicles.px4_multicopter.dynamics.state import (
     GO,
     LAND,
@@ -100,46 +102,102 @@ def stopping_place(place: Enu, speed: EastNorth, limits: Px4Limits) -> Enu:
     return place._replace(east=place.east + speed.east * time, north=place.north + speed.north * time)
 
 
-def return_orders(here: Enu, limits: Px4Limits, goal_ground: Enu, goal_height: float = 0.0) -> list[Order]:
-    """Return the orders of RTL: climb by `Px4Return`, fly at MPC_XY_CRUISE, wait, land.
+def return_orders(here: Enu, goal: Place, ground: Ground, limits: Px4Limits) -> list[Order]:
+    """Return the orders of RTL to home or a rally point: climb by `Px4Return`, fly at MPC_XY_CRUISE, wait, land.
 
-    The goal is home or a rally point; heights count from `goal_height`. While it climbs it flies back to `here`, until
-    within NAV_LOITER_RAD.
+    Heights count from the goal's. While it climbs it flies back to `here`, until within NAV_LOITER_RAD.
     """
-    far = math.hypot(here.east - goal_ground.east, here.north - goal_ground.north)
+    east, north, goal_height = goal
+    on_ground = Enu(east, north, ground.at(east, north))
+    far = math.hypot(here.east - east, here.north - north)
     height = goal_height + limits.returning.height(here.up - goal_height, far)
     top = here._replace(up=height) if height > here.up + limits.height_radius else here
     climb = [leg(limits, top, top)._replace(radius=ANY_RADIUS)] if top != here else []
-    *legs, down = landing_orders(top, goal_ground, limits, limits.cruise, limits.disarm_delay)
+    *legs, down = landing_orders(top, on_ground, limits, limits.cruise, limits.disarm_delay)
     # PX4's return has no previous waypoint: from wherever it turns home it flies straight, and keeps to no line.
     legs = [order._replace(start=order.goal) for order in legs]
     over = down.goal._replace(up=top.up)
-    low = over._replace(up=max(min(top.up, goal_height + limits.land_delay_height), goal_ground.up))
+    low = over._replace(up=max(min(top.up, goal_height + limits.land_delay_height), on_ground.up))
     waits = [leg(limits, over, low), *stay(low, limits, limits.land_delay)] if limits.land_delay else []
     return [*climb, *legs, *waits, down]
 
 
+def land_mode_orders(here: Enu, speed: EastNorth, ground: Ground, limits: Px4Limits) -> list[Order]:
+    """Return the orders of the mode LAND: brake, then land at the stopping place."""
+    stop = stopping_place(here, speed, limits)
+    on_ground = stop._replace(up=ground.at(stop.east, stop.north))
+    return landing_orders(stop, on_ground, limits, limits.cruise, limits.disarm_delay)
+
+
 def contingency_orders(contingency: Contingency, row: Vector, itinerary: Itinerary, limits: Px4Limits) -> list[Order]:
     here = Enu(*map(float, row[1:4]))
-    speed = EastNorth(float(row[4]), float(row[5]))
-    ground = itinerary.ground
     if contingency is Contingency.RTL:
-        goal = Enu(*itinerary.goal_of_return(here))
-        return return_orders(here, limits, goal._replace(up=ground.at(goal.east, goal.north)), goal.up)
-    stop = stopping_place(here, speed, limits)
-    down = stop._replace(up=ground.at(stop.east, stop.north))
-    return landing_orders(stop, down, limits, limits.cruise, limits.disarm_delay)
+        return return_orders(here, itinerary.goal_of_return(here), itinerary.ground, limits)
+    return land_mode_orders(here, EastNorth(float(row[4]), float(row[5])), itinerary.ground, limits)
 
 
-def orders_along(start: Enu, places: Sequence[Enu], limits: Px4Limits, ground: Enu) -> list[Order]:
-    legs = list[Order]()
-    leg_start = start
-    for n, place in enumerate(places):
-        beyond = places[n + 1] if n + 1 < len(places) else None
-        if math.dist(leg_start, place) > limits.radius:
-            legs.append(leg(limits, leg_start, place, beyond=beyond))
-            leg_start = place
-    return [*legs, leg(limits, ground, ground)._replace(kind=LAND, hold_s=limits.disarm_delay)]
+class Navigator:
+    """Turn the items of a program into orders; `here`: the place commanded last, `cruise`: by DO_CHANGE_SPEED [m/s]."""
+
+    def __init__(self, program: Program, ground: Ground, limits: Px4Limits, here: Enu) -> None:
+        self.program = program
+        self.ground = ground
+        self.limits = limits
+        self.here = here
+        self.cruise = limits.cruise
+
+    def change_speed(self, item: Item) -> None:
+        """Take a horizontal speed; one that is not above 0 restores MPC_XY_CRUISE."""
+        kind, speed = item.params[:2]
+        if kind < 2:
+            self.cruise = speed if speed > 0 else self.limits.cruise
+
+    def fly_to(self, n: int, takes_off: bool) -> list[Order]:
+        """Return the orders to the place of item n, and on to the next."""
+        item = self.program.items[n]
+        is_takeoff = item.command == Command.NAV_TAKEOFF
+        start = self.here
+        self.here = self._target(n)
+        if takes_off or is_takeoff:
+            start = start._replace(up=self.here.up)
+        climb = [take_off(start, self.limits)] if takes_off else []
+        onward = self.program.onward(n)
+        beyond = None if onward is None else self._target(onward)
+        order = leg(self.limits, start, self.here, beyond=beyond, cruise=self.cruise)
+        return [*climb, order if is_takeoff else waypoint(item, order, self.limits)]
+
+    def land_at(self, n: int) -> list[Order]:
+        return self._landing(landing_orders(self.here, self.below(self._target(n)), self.limits, self.cruise, 0.0))
+
+    def return_to(self, goal: Place) -> list[Order]:
+        self.cruise = self.limits.cruise
+        return self._landing(return_orders(self.here, goal, self.ground, self.limits))
+
+    def return_along(self, places: Sequence[Place]) -> list[Order]:
+        """Return the orders of a return back along the mission: through `places`, the last over home."""
+        self.cruise = self.limits.cruise
+        back = [Enu(*place) for place in places]
+        legs = list[Order]()
+        start = self.here
+        for place, beyond in zip(back, [*back[1:], None], strict=True):
+            if math.dist(start, place) > self.limits.radius:
+                legs.append(leg(self.limits, start, place, beyond=beyond))
+                start = place
+        ground = self.below(back[-1])
+        down = leg(self.limits, ground, ground)._replace(kind=LAND, hold_s=self.limits.disarm_delay)
+        return self._landing([*legs, down])
+
+    def below(self, place: Enu) -> Enu:
+        """Return the ground under a place."""
+        return place._replace(up=self.ground.at(place.east, place.north))
+
+    def _landing(self, orders: list[Order]) -> list[Order]:
+        self.here = orders[-1].goal
+        return orders
+
+    def _target(self, n: int) -> Enu:
+        """Return the place of item n; open coordinates are those last commanded."""
+        return Enu(*self.program.place(n, self.here))
 
 
 class Planned(NamedTuple):
@@ -156,14 +214,22 @@ def orders_of_itinerary(itinerary: Itinerary, limits: Px4Limits, landing_delay: 
     Raises:
         BadInput: an item never ends.
     """
-    navigator = _Navigator(itinerary, limits)
+    height = itinerary.start_height
+    navigator = Navigator(itinerary.program, itinerary.ground, limits, Enu(0.0, 0.0, height or 0.0))
+    airborne = height is not None
     orders = list[Order]()
     done = list[int]()
-    for n in range(len(itinerary.visits)):
+    remarks = list[str]()
+    for n, visit in enumerate(itinerary.visits):
         begins = orders[-1].goal if orders else navigator.here
-        orders += with_patience(navigator.visit(n), begins, limits, landing_delay)
+        visited = _visit(itinerary, n, navigator, airborne, remarks)
+        orders += with_patience(visited, begins, limits, landing_delay)
         done.append(len(orders))
-    return Planned(tuple(orders), tuple(done), tuple(navigator.remarks))
+        if visit.item.command == Command.NAV_TAKEOFF:
+            airborne = True
+        elif visited and visited[-1].kind == LAND:
+            airborne = False
+    return Planned(tuple(orders), tuple(done), tuple(remarks))
 
 
 def with_patience(orders: Sequence[Order], start: Enu, limits: Px4Limits, landing_delay: float) -> Iterator[Order]:
@@ -178,68 +244,32 @@ def with_patience(orders: Sequence[Order], start: Enu, limits: Px4Limits, landin
         start = order.goal
 
 
-class _Navigator:
-    def __init__(self, itinerary: Itinerary, limits: Px4Limits) -> None:
-        self.itinerary = itinerary
-        self.limits = limits
-        self.cruise = limits.cruise
-        height = itinerary.start_height
-        self.here = Enu(0.0, 0.0, height or 0.0)
-        self.airborne = height is not None
-        self.remarks: list[str] = []
-
-    def visit(self, n: int) -> list[Order]:
-        visit = self.itinerary.visits[n]
-        command = visit.item.command
-        params = visit.item.params
-        if command in HELD_OR_REACHED:
-            start = self.here
-            self.here = self.target(n)
+def _visit(itinerary: Itinerary, n: int, navigator: Navigator, airborne: bool, remarks: list[str]) -> list[Order]:
+    item = itinerary.visits[n].item
+    place = f"item {itinerary.visits[n].seq}"
+    match item.command:
+        case Command.NAV_TAKEOFF:
+            return navigator.fly_to(n, takes_off=not airborne)
+        case command if command in HELD_OR_REACHED:
             if command == Command.NAV_SPLINE_WAYPOINT:
-                self.remarks.append(f"item {visit.seq}: PX4 knows no splines, flown straight")
-            order = leg(self.limits, start, self.here, beyond=self.onward(n), cruise=self.cruise)
-            return [waypoint(visit.item, order, self.limits)]
-        if command == Command.NAV_TAKEOFF:
-            top = self.here._replace(up=self.target(n).up)
-            climb = [] if self.airborne else [take_off(top, self.limits)]
-            self.airborne = True
-            self.here = self.target(n)
-            return [*climb, leg(self.limits, top, self.here, beyond=self.onward(n), cruise=self.cruise)]
-        if command == Command.NAV_LOITER_UNLIM:
-            raise EndlessFlight("loiters without end, so the flight has no time", place=f"item {visit.seq}")
-        if command == Command.NAV_DELAY:
-            return stay(self.here, self.limits, params[0])
-        if command == Command.NAV_RETURN_TO_LAUNCH:
-            if self.limits.land_delay < 0.0:
-                raise EndlessFlight("with an RTL_LAND_DELAY below 0 RTL never lands", place=f"item {visit.seq}")
-            self.cruise = self.limits.cruise
-            places = self.itinerary.places_of_return(n, self.here)
-            if places is not None:
-                self.remarks.append(f"item {visit.seq}: it returns back along the mission, timed to a sixth only")
-                back = [Enu(*place) for place in places]
-                return self.down(orders_along(self.here, back, self.limits, self.ground(back[-1])))
-            goal = Enu(*self.itinerary.goal_of_return(self.here))
-            return self.down(return_orders(self.here, self.limits, self.ground(goal), goal.up))
-        if command == Command.NAV_LAND:
-            return self.down(landing_orders(self.here, self.ground(self.target(n)), self.limits, self.cruise, 0.0))
-        if command == Command.DO_CHANGE_SPEED and params[0] < 2:
-            self.cruise = params[1] if params[1] > 0 else self.limits.cruise
-        elif command <= LAST_NAV or command in UNTIMED:
-            self.remarks.append(f"item {visit.seq}: command {command} is not modeled and counts as no time")
-        return []
-
-    def down(self, orders: list[Order]) -> list[Order]:
-        self.here = orders[-1].goal
-        self.airborne = False
-        return orders
-
-    def ground(self, place: Enu) -> Enu:
-        return place._replace(up=self.itinerary.ground.at(place.east, place.north))
-
-    def target(self, n: int) -> Enu:
-        """Return the place of visit n; open coordinates are those last commanded."""
-        return Enu(*self.itinerary.program.place(n, self.here))
-
-    def onward(self, n: int) -> Enu | None:
-        onward = self.itinerary.program.onward(n)
-        return None if onward is None else self.target(onward)
+                remarks.append(f"{place}: PX4 knows no splines, flown straight")
+            return navigator.fly_to(n, takes_off=False)
+        case Command.NAV_LOITER_UNLIM:
+            raise EndlessFlight("loiters without end, so the flight has no time", place=place)
+        case Command.NAV_DELAY:
+            return stay(navigator.here, navigator.limits, item.params[0])
+        case Command.NAV_LAND:
+            return navigator.land_at(n)
+        case Command.DO_CHANGE_SPEED:
+            navigator.change_speed(item)
+        case Command.NAV_RETURN_TO_LAUNCH:
+            if navigator.limits.land_delay < 0.0:
+                raise EndlessFlight("with an RTL_LAND_DELAY below 0 RTL never lands", place=place)
+            back = itinerary.places_of_return(n, navigator.here)
+            if back is None:
+                return navigator.return_to(itinerary.goal_of_return(navigator.here))
+            remarks.append(f"{place}: it returns back along the mission, timed to a sixth only")
+            return navigator.return_along(back)
+        case command if command <= LAST_NAV or command in UNTIMED:
+            remarks.append(f"{place}: command {command} is not modeled and counts as no time")
+    return []
