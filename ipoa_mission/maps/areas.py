@@ -1,6 +1,7 @@
 """Find no-fly zones and flight areas in a map."""
 
 import math
+import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, Literal, NamedTuple, TypeAlias
@@ -14,10 +15,11 @@ from ipoa_mission.maps.feature import Feature, Mistakes
 from ipoa_mission.maps.geoid import undulation
 from ipoa_mission.maps.geozones import RADIUS_UNIT, VerticalLimit, ZoneLimits, limits_of, may_be_active, periods_of
 from ipoa_mission.maps.kinds import Reason
+from ipoa_mission.maps.lengths import length_of
 from ipoa_mission.maps.map_window import MapWindow
 from ipoa_mission.maps.passed import FAR_FROM_HOME, MapNotes, PassedOver
 from ipoa_mission.maps.planar import close_as_polygon, polygons_of, simple_parts, to_plane
-from ipoa_mission.maps.tag_heights import radius_of
+from ipoa_mission.maps.tag_heights import width_of
 from ipoa_mission.unread import Unread, gathered
 
 Restriction: TypeAlias = Literal["PROHIBITED", "REQ_AUTHORISATION", "REQ_AUTHORIZATION", "CONDITIONAL", "USPACE"]
@@ -45,12 +47,13 @@ def find_zones(
     features: Sequence[Feature],
     frame: LocalFrame,
     path: Path,
-    restrictions: Sequence[str] = RESTRICTIONS,
+    restrictions: Sequence[str] | None = RESTRICTIONS,
     time: float | None = None,
 ) -> Zones:
     """Return the zones; a closed line counts as a polygon.
 
-    A zone that names a restriction needs one of `restrictions`, and must be active in the hour after `time` [s].
+    A zone that names a restriction needs one of `restrictions`, and must be active in the hour after `time` [s]. With
+    None they are areas to stay inside.
     """
     window = MapWindow.of(frame)
     shapes, near = to_plane([feature.shape for feature in features], frame, window)
@@ -58,7 +61,7 @@ def find_zones(
     mistakes = Mistakes()
     notes = MapNotes(frame, path)
     zones = list[MapArea]()
-    chosen = {_respell(restriction) for restriction in restrictions}
+    chosen = set(map(_respell, (*RESTRICTIONS, "NO_RESTRICTION") if restrictions is None else restrictions))
     is_excluded = False
     for feature, shape, is_near in zip(features, shapes, near, strict=True):
         why = _why_excluded(feature.tags, chosen, time) if is_near else None
@@ -70,13 +73,15 @@ def find_zones(
         limits = limits_of(feature.tags)
         if is_near:
             _note_not_understood(feature, limits, notes)
+            if restrictions is None:
+                _note_limits_of_area(feature, limits, notes)
             limits = ZoneLimits(
                 _above_sea("lower", limits.lower, feature, notes), _above_sea("upper", limits.upper, feature, notes)
             )
-        parts = [_outline(part, feature.tags) for part in simple_parts(shape)]
+        parts = [_outline(part, feature.tags, restrictions is None) for part in simple_parts(shape)]
         open_parts = [part for part in parts if part.geom_type != "Polygon"]
         if open_parts or not (parts or is_missing):
-            why = _why_no_zone(open_parts) if is_near else FAR_FROM_HOME
+            why = _why_no_zone(open_parts, feature.tags) if is_near else FAR_FROM_HOME
             notes.pass_over(feature, shapely.GeometryCollection(open_parts), why)
         at_times = "limitedApplicability" in feature.tags
         for outline in parts:
@@ -150,17 +155,34 @@ def join_zones(zones: Sequence[MapArea]) -> tuple[Any, tuple[Any, ...]]:
     return nearest, tuple(others)
 
 
-def _why_no_zone(rest: Sequence[Any]) -> Reason:
+def _why_no_zone(rest: Sequence[Any], tags: Mapping[str, str]) -> Reason:
     if not rest:
         return Reason("without a geometry", False)
     if all(part.geom_type == "Point" for part in rest):
-        return Reason("a point", False)
+        sizes = [
+            key
+            for key, value in tags.items()
+            if re.search("buffer|range|distance", key.lower()) and length_of(value)[0]
+        ]
+        if not sizes:
+            return Reason("a point", False)
+        words = f"a point with a size that was not understood ({sizes[0]} {tags[sizes[0]][:20]!r})"
+        return Reason(words, True, "name the property radius or diameter, in meters")
     remedy = "close the line in the map, so that it is the edge of a zone, or take it out"
     return Reason("a line that encloses no area", True, remedy)
 
 
-def _outline(shape: Any, tags: Mapping[str, str]) -> Any:
-    radius = radius_of(tags) if shape.geom_type == "Point" else None
-    if radius is not None:
-        return shape.buffer(radius / math.cos(math.pi / 64), quad_segs=16)  # circumscribed: 64 corners
+def _outline(shape: Any, tags: Mapping[str, str], is_area_to_stay_in: bool) -> Any:
+    """Return a circle round a point with a width: its 64 corners lie outside, or on the edge of an area to stay in."""
+    width = width_of(tags, lambda *_: None) if shape.geom_type == "Point" else None
+    if width is not None:
+        wider = 1.0 if is_area_to_stay_in else math.cos(math.pi / 64)
+        return shape.buffer(width / 2 / wider, quad_segs=16)
     return close_as_polygon(shape)
+
+
+def _note_limits_of_area(feature: Feature, limits: ZoneLimits, notes: MapNotes) -> None:
+    for side, limit in (("lower", limits.lower), ("upper", limits.upper)):
+        if limit is not None:
+            subject = f"{side} limit of a flight area (give it as `up` under [bounds])"
+            notes.note(feature, subject, f"{limit.height:g} m {limit.reference}")

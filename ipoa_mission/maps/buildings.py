@@ -21,7 +21,7 @@ from ipoa_mission.maps.map_reader import read_features
 from ipoa_mission.maps.map_window import Box, MapWindow
 from ipoa_mission.maps.passed import FAR_FROM_HOME, MOST_NAMED, NOT_READ, MapNotes, PassedOver
 from ipoa_mission.maps.planar import close_as_polygon, polygons_of, simple_parts, to_plane
-from ipoa_mission.maps.tag_heights import foot_of, height_of, is_by_storeys, unread_heights, width_of
+from ipoa_mission.maps.tag_heights import foot_of, height_of, is_by_storeys, unread_heights, unused_numbers, width_of
 from ipoa_mission.maps.wires import Wire, spans, volts_of, wire_of
 from ipoa_mission.unread import Unread
 
@@ -97,6 +97,8 @@ class _Finder:
         self._counts = Counter[str]()  # by remark
         self._odd_tags = list[str]()
         self._obstacles = list[MapObstacle]()
+        self._supports = dict[tuple[float, ...], float]()  # heights of points by their place
+        self._unused_keys = dict[str, None]()  # of numbers of things without a height
 
     def find(self, features: Sequence[Feature], around: MapWindow) -> Buildings:
         shapes, near = to_plane([feature.shape for feature in features], self._notes.frame, around)
@@ -109,20 +111,40 @@ class _Finder:
                 self._notes.pass_over(feature, shape, why)
                 continue
             parts = self._mistakes.attempt(self._stand, feature, shape) or ()
-            self._obstacles += [part._replace(called=name_for_pilot(feature, shape)) for part in parts]
+            self._obstacles += [self._as_drawn(part, feature, name_for_pilot(feature, shape)) for part in parts]
         around.expect_near(self._notes.path)
         self._mistakes.raise_all()
+        obstacles = tuple(self._between_supports(part) if part.hangs else part for part in self._obstacles)
         elsewhere = around.elsewhere
         remarks = [f"{n} {words.replace('(s)', '' if n == 1 else 's')}" for words, n in self._counts.items()]
         if self._odd_tags:
             count = len(self._odd_tags)
             tags = f"{count} tag{'s' if count > 1 else ''} that cannot be read, ignored"
             remarks.append(f"{tags}: {', '.join(self._odd_tags[:MOST_NAMED])}{', ...' if count > MOST_NAMED else ''}")
+        if keys := [*self._unused_keys]:
+            remarks.append(f"numbers of things without a height, not read: {', '.join(keys[:10])}")
         if elsewhere:
             remarks.append(f"{elsewhere} thing{'s' if elsewhere > 1 else ''} far from the flight, not examined")
         passed_over = tuple(self._notes.passed_over)
         unread = tuple(self._notes.unread)
-        return Buildings(tuple(self._obstacles), passed_over, tuple(remarks), len(features), elsewhere, unread)
+        return Buildings(obstacles, passed_over, tuple(remarks), len(features), elsewhere, unread)
+
+    def _as_drawn(self, part: MapObstacle, feature: Feature, called: str) -> MapObstacle:
+        """Raise an obstacle to the altitude at which it is drawn."""
+        above_ground, altitude = feature.drawn
+        above_home = altitude - self._notes.frame.home.altitude
+        if max(above_ground, above_home) > max(part.height, part.least_top):
+            self._counts["shape(s) drawn above the height of the tags, taken up to there"] += 1
+        height = max(part.height, above_ground)
+        return part._replace(called=called, height=height, least_top=max(part.least_top, above_home))
+
+    def _between_supports(self, span: MapObstacle) -> MapObstacle:
+        ends = shapely.get_coordinates(span.shape).round(1).tolist()
+        highest = max(self._supports.get(tuple(end), 0.0) for end in ends)
+        if highest <= span.height:
+            return span
+        self._counts["span(s) between higher supports, taken up to these"] += 1
+        return span._replace(height=highest)
 
     def _misses(self, feature: Feature, extent: kinds.Extent) -> bool:
         if feature.missing is None and extent != "none":
@@ -167,6 +189,7 @@ class _Finder:
             kind, default = thin_height(feature.tags, rules) if thin else area_height(feature.tags, rules)
             if height is None:
                 counts[f"{kind}(s) without a height, given {default:g} m"] += 1
+                self._unused_keys |= dict.fromkeys(unused_numbers(feature.tags, default))
             top = foot + default if height is None else max(height, default if doubts else 0.0)
             if thin:
                 if building and rules.take != "all":
@@ -177,6 +200,8 @@ class _Finder:
                 if width_unknown is not None:
                     counts[width_unknown] += 1
                 obstacles.append(MapObstacle(feature.name, part, reach, foot, top))
+                if part.geom_type == "Point" and height is not None:
+                    self._supports[tuple(shapely.get_coordinates(part).round(1)[0].tolist())] = top
                 continue
             polygons, wrong = polygons_of(part, feature.place)
             if wrong is not None:
@@ -185,7 +210,7 @@ class _Finder:
         if over_home:
             altitude = meters(feature.tags[kinds.TOP_AMSL], f"{feature.place}.properties.{kinds.TOP_AMSL}")
             above = altitude - self._notes.frame.home.altitude
-            return [part._replace(height=above, over_home=True) for part in obstacles]
+            return [part._replace(height=-math.inf, least_top=above) for part in obstacles]
         self._doubt(feature, shape, doubts, max((part.height for part in obstacles), default=0.0))
         return obstacles
 

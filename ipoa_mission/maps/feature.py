@@ -1,4 +1,5 @@
 import gc
+import math
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from typing import Any, NamedTuple, TypeAlias, TypeVar
@@ -13,6 +14,7 @@ Corners: TypeAlias = NDArray[np.float64]  # (n, 2) longitude, latitude [deg]
 Made = TypeVar("Made")
 BATCH = 4096  # features handled together
 EMPTY_SHAPE = shapely.GeometryCollection()
+HIGHEST = 10_000.0  # of drawn altitudes [m]; a time or a measure may be in their place
 DEEPEST = 16  # nested collections; shapely fails at thousands
 
 
@@ -26,13 +28,17 @@ class Missing(NamedTuple):
 
 
 class Feature(NamedTuple):
-    """A geometry [deg, WGS 84], maybe invalid or empty; `blank` are keys without a value."""
+    """A geometry [deg, WGS 84], maybe invalid or empty; `blank` are keys without a value.
+
+    `drawn`: greatest altitude of the drawing above the ground, and above sea level [m].
+    """
 
     place: str
     shape: Any
     tags: Mapping[str, str]
     blank: frozenset[str] = frozenset()
     missing: Missing | None = None
+    drawn: tuple[float, float] = (-math.inf, -math.inf)
 
     @property
     def name(self) -> str:

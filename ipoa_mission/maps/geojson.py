@@ -4,6 +4,7 @@ QGIS may name another `crs`.
 """
 
 import json
+import math
 import re
 from itertools import chain
 from pathlib import Path
@@ -16,7 +17,7 @@ from ipoa_mission.errors import BadInput, NoCoordinateSystem, TooLarge, WrongFor
 from ipoa_mission.files import read_text, why_no_json
 from ipoa_mission.maps.feature import EMPTY_SHAPE, Feature, read_all
 from ipoa_mission.maps.geozones import ed269_features, is_ed269, layers_apart, limit_tags, zone_tags
-from ipoa_mission.maps.json_shapes import SHAPES, ToDegrees, degrees_of, shape_of, unchanged
+from ipoa_mission.maps.json_shapes import SHAPES, ToDegrees, degrees_of, highest_of, shape_of, unchanged
 from ipoa_mission.maps.osm import is_overpass, overpass_features
 from ipoa_mission.maps.properties import blank_keys, find_truncated, tags_of
 
@@ -98,7 +99,9 @@ def _feature(place: str, feature: Any, to_degrees: ToDegrees) -> Feature:
     shape = EMPTY_SHAPE if geometry is None else shape_of(geometry, f"{place}.geometry", to_degrees)
     if isinstance(geometry, dict) and isinstance(geometry.get("layer"), dict):
         tags |= dict(limit_tags(geometry["layer"]))
-    return Feature(place, shape, tags, frozenset(blank_keys(properties)), find_truncated(properties, shape))
+    truncated = find_truncated(properties, shape)
+    drawn = (-math.inf, highest_of(geometry))
+    return Feature(place, shape, tags, frozenset(blank_keys(properties)), truncated, drawn)
 
 
 def _coordinate_system(crs: Any, path: Path) -> ToDegrees:

@@ -97,6 +97,12 @@ def zone_tags(properties: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
         for name in (english or texts)[:1]:
             yield "name", name["text"]
     yield from _time_tags(properties.get("applicability"))
+    for side in ("lower", "upper"):
+        limit = properties.get(f"{side}Limit")
+        if isinstance(limit, dict):  # openAIP: numbers for units and references
+            unit = {0: "M", 1: "FT", 6: "FL"}.get(limit.get("unit"), limit.get("unit"))
+            datum = {0: "GND", 1: "MSL", 2: "STD"}.get(limit.get("referenceDatum"), limit.get("referenceDatum"))
+            yield side, f"{limit.get('value')} {unit} {datum}"
     volume = properties.get("geometry")
     if isinstance(volume, dict):  # Estonia: an ED-269 volume
         yield from limit_tags(volume)

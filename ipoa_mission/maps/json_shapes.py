@@ -9,7 +9,7 @@ import shapely
 from pyproj import CRS, Geod, Transformer
 
 from ipoa_mission.errors import BadInput, InvalidRing, TooLarge
-from ipoa_mission.maps.feature import DEEPEST, Corners, on_earth
+from ipoa_mission.maps.feature import DEEPEST, HIGHEST, Corners, on_earth
 
 SHAPES = ("Point", "MultiPoint", "LineString", "MultiLineString", "Polygon", "MultiPolygon")
 ToDegrees = Callable[[Corners], Corners]
@@ -79,6 +79,21 @@ def _corners(positions: Any, place: str, to_degrees: ToDegrees) -> Corners:
     if corners.ndim != 2 or corners.shape[1] != 2 or not np.isfinite(corners).all():
         raise BadInput("expected positions as [longitude, latitude]", place=place)
     return on_earth(to_degrees(corners), place)
+
+
+def highest_of(geometry: Any) -> float:
+    """Return the greatest third coordinate [m], -inf without one."""
+    if isinstance(geometry, dict):
+        return highest_of(geometry.get("geometries", geometry.get("coordinates")))
+    if not isinstance(geometry, list) or not geometry:
+        return -math.inf
+    first = geometry[0]
+    if isinstance(first, list) and first and not isinstance(first[0], list) and len(first) < 3:
+        return -math.inf  # two numbers in the first position: a flat ring
+    if isinstance(first, list | dict):
+        return max(map(highest_of, geometry))
+    third = geometry[2] if len(geometry) > 2 else None
+    return third if isinstance(third, int | float) and abs(third) < HIGHEST else -math.inf
 
 
 def circle(center: Any, radius: Any, place: str) -> Any:

@@ -4,6 +4,7 @@
 """
 
 import re
+import unicodedata
 from collections.abc import Mapping
 from enum import StrEnum
 from functools import lru_cache
@@ -55,7 +56,10 @@ class _Words:
         "source note notes date accuracy ref error type class code method check survey color quality status",
         "confidence material shape direction angle description name id start end name_en comment fixme",
     )
-    HEIGHT = re.compile(r"height|hoehe|höhe|hauteur|altura|altezza|hoogte|hgt|výška|vyska|wysokosc|agl$|^agl")
+    HEIGHT = re.compile(  # without accents, also misspelled or run together
+        r"height|hoehe|hohe|hauteur|altura|altezza|hoogte|hgt|vyska|wysokosc|hojd|hoejde|høyde|hoyde|korkeus|magassag"
+        r"|yukseklik|visina|korgus|inaltime|alcada|aukstis|augstums|υψος|высота|高さ|heigth|hight|bldght|agl$|^agl"
+    )
     OTHER_HEIGHTS = _set(  # than the top
         "min base bottom foot ground clearance passage sill door entrance gate step kerb curb riser ceiling storey",
         "story level floor terrain restriction limit limits vehicle legal physical signed person seat table handrail",
@@ -66,24 +70,30 @@ class _Words:
     ROTOR = _set("rotor blade blades turbine")
     CROWN = _set("crown canopy spread")
     LEVELS = _set(
-        "levels storeys stories floors etages étages geschosse geschosszahl vollgeschosse stockwerke plantas pisos",
-        "piani bouwlagen numfloors nbetages",
+        "levels lvls storeys stories floors flrs etages geschosse geschosszahl vollgeschosse stockwerke plantas pisos",
+        "piani bouwlagen numfloors nfloors floorcount nbetages aog gastw etager vaningar etasjer kerrosluku",
+        "kondygnacje kondygnacji podlazi emeletek szintek etaje etaj этажность 階数",
     )
     LEVEL = _set("storey story floor etage geschoss stockwerk")
     COUNT = _set("num number nb no count anzahl total of nombre cnt")
-    OTHER_LEVELS = _set("underground basement below under skipped height start parking attic non_existent source min")
+    OTHER_LEVELS = _set(
+        "underground basement below under skipped height start parking attic non_existent source min podziemne",
+        "podziemnych podzemni",
+    )
     WIDTH = re.compile(r"diameter|durchmesser|diametre|width|breite|largeur|ancho")
     OTHER_WIDTHS = _set(
         "trunk stem dbh hole pipe step door entrance lane lanes carriageway sidewalk max maxwidth min kerb road",
         "passage tread bore opening circumference",
     )
-    AMBIGUOUS = _set("h ht alt altitude z zmax ztop hmax dach toit top tip amsl asl msl elev elevation")
+    RADIUS = _set("radius rayon raggio straal halbmesser promien polomer")
+    AMBIGUOUS = _set("h ht alt altitude z zmax ztop hmax dach toit top tip amsl asl msl elev elevation topelev")
     UNITS = _set("unit units uom einheit")
 
 
 def normalize(key: str) -> str:
-    """Return words joined by `_`, in lower case."""
-    words = re.sub(r"(?<=[a-zäöü0-9])(?=[A-ZÄÖÜ])", "_", key).lower()
+    """Return words joined by `_`, in lower case and without accents."""
+    plain = "".join(letter for letter in unicodedata.normalize("NFD", key) if not unicodedata.combining(letter))
+    words = re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", plain).lower()
     return re.sub(r"[\W_]+", "_", words).strip("_")
 
 
@@ -105,7 +115,7 @@ def meaning(key: str) -> Means:
         if "roof" in words:
             return Means.ROOF_LEVELS
         return Means.NOTHING if words & _Words.OTHER_LEVELS else Means.LEVELS
-    if _Words.WIDTH.search(text) or "radius" in words:
+    if _Words.WIDTH.search(text) or words & _Words.RADIUS:
         return _width(words)
     return Means.AMBIGUOUS if words & _Words.AMBIGUOUS and not words & _Words.OTHER_HEIGHTS else Means.NOTHING
 
@@ -123,7 +133,7 @@ def _height(text: str, words: frozenset[str]) -> Means:
 def _width(words: frozenset[str]) -> Means:
     if words & _Words.OTHER_WIDTHS:
         return Means.NOTHING
-    if "radius" in words:
+    if words & _Words.RADIUS:
         return Means.BLADE if words & _Words.ROTOR else Means.RADIUS
     if words & _Words.ROTOR:
         return Means.ROTOR

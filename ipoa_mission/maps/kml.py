@@ -1,4 +1,4 @@
-"""Read KML and KMZ: of altitudes, only the greatest of an extruded shape counts."""
+"""Read KML and KMZ: of altitudes the greatest counts."""
 
 import contextlib
 import io
@@ -18,7 +18,7 @@ import shapely
 
 from ipoa_mission.errors import BadInput, NothingThere, TooLarge, Unreadable, WrongFormat
 from ipoa_mission.files import read_text
-from ipoa_mission.maps.feature import DEEPEST, EMPTY_SHAPE, Corners, Feature, Missing, on_earth, read_all
+from ipoa_mission.maps.feature import DEEPEST, EMPTY_SHAPE, HIGHEST, Corners, Feature, Missing, on_earth, read_all
 
 # Content in another file.
 NOT_READ = {
@@ -104,9 +104,10 @@ def _placemarks(root: ElementTree.Element, path: Path) -> Iterator[ElementTree.E
 
 def _feature(placemark: ElementTree.Element, place: str) -> Feature:
     shapes = list(_shapes(placemark, place))
-    tags = _height(placemark) | dict(_tags(placemark))
+    heights, drawn = _drawn(placemark)
+    tags = heights | dict(_tags(placemark))
     shape = shapes[0] if len(shapes) == 1 else shapely.GeometryCollection(shapes)
-    return Feature(place, shape, tags, missing=_missing(placemark, place))
+    return Feature(place, shape, tags, missing=_missing(placemark, place), drawn=drawn)
 
 
 def _missing(placemark: ElementTree.Element, place: str) -> Missing | None:
@@ -121,22 +122,26 @@ def _missing(placemark: ElementTree.Element, place: str) -> Missing | None:
     return None
 
 
-def _height(placemark: ElementTree.Element) -> dict[str, str]:
+def _drawn(placemark: ElementTree.Element) -> tuple[dict[str, str], tuple[float, float]]:
+    """Return the height of extruded shapes as a tag, and the greatest altitudes of all."""
     modes = {"relativeToGround": "height", "absolute": "height:amsl"}
-    tops = dict[str, float]()
+    extruded = dict[str, float]()
+    highest = dict.fromkeys(modes.values(), -math.inf)
     for drawn in placemark.iter():
         key = modes.get(drawn.findtext("altitudeMode", "").strip())
-        is_shape = drawn.tag in {"Polygon", "LinearRing", "LineString", "Point"}
-        if is_shape and key is not None and drawn.findtext("extrude", "").strip() in ("1", "true"):
-            for element in drawn.iter("coordinates"):
-                tops[key] = max([tops.get(key, 0.0), *_altitudes(_text(element))])
-    return {key: f"{top:.2f}" for key, top in tops.items() if 0 < top < 100_000.0}  # [m]
+        if key is not None and drawn.tag in {"Polygon", "LinearRing", "LineString", "Point", "Track"}:
+            altitudes = [up for part in drawn.iter() if part.tag in ("coordinates", "coord") for up in _altitudes(part)]
+            highest[key] = max([highest[key], *altitudes])
+            if drawn.findtext("extrude", "").strip() in ("1", "true"):
+                extruded[key] = max([extruded.get(key, 0.0), *altitudes])
+    return {key: f"{top:.2f}" for key, top in extruded.items() if top > 0}, (highest["height"], highest["height:amsl"])
 
 
-def _altitudes(text: str) -> Iterator[float]:
-    for word in _words(text):
+def _altitudes(element: ElementTree.Element) -> Iterator[float]:
+    words = _words(_text(element)) if element.tag == "coordinates" else [",".join(_text(element).split())]
+    for word in words:
         with contextlib.suppress(ValueError):
-            yield from (float(number) for number in word.split(",")[2:3] if math.isfinite(float(number)))
+            yield from (float(number) for number in word.split(",")[2:3] if abs(float(number)) < HIGHEST)
 
 
 def _words(text: str) -> list[str]:
@@ -146,8 +151,8 @@ def _words(text: str) -> list[str]:
 
 def _tags(placemark: ElementTree.Element) -> Iterator[tuple[str, str]]:
     for element in placemark.iter():
-        if element.tag in ("name", "Data", "SimpleData"):
-            key = "name" if element.tag == "name" else element.get("name", "")
+        if element.tag in ("name", "description", "Data", "SimpleData"):
+            key = element.get("name", element.tag)
             value = _text(element) or element.findtext("value", "").strip()
             if key and value:
                 yield key, value

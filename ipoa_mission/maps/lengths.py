@@ -29,7 +29,7 @@ _QUANTITY = re.compile(rf"({_NUMBER})\.? ?([a-zм′’″”“`´'\"è]*)")
 _ASIDE = re.compile(
     r"approx(?:imate(?:ly)?)?|about|around|circa|ca?|est(?:imate[d]?)?|roughly|agl|above|over|ground|level|lvl|from|the|"
     r"high|tall|height|total|overall|roof|ridge|top|tip|spire|antenna|mast|tower|building|parapet|with(?:out)?|"
-    r"max(?:imum)?|min(?:imum)?|at least|up|to|and|incl(?:uding)?|of|[~≈<>≤≥=+±()\[\];/&,.?–—-]|\s"
+    r"max(?:imum)?|min(?:imum)?|at least|up|to|and|plus|incl(?:uding)?|of|[~≈<>≤≥=+±()\[\];/&,.?–—-]|\s"
 )
 _STOREY = (
     r"storeys?|story|stories|storie|levels?|floors?|lvls?|fl|étages?|etages?|stockwerke?|geschosse?|pisos?|plantas?"
@@ -68,7 +68,9 @@ def length_of(text: str) -> tuple[float | None, bool]:
         if last == FOOT and not unit and not between.strip():  # 6'2
             factor = INCH
         length = _number(match[1]) * factor
-        if lengths and factor < last and not between.strip(" ,"):  # 7 ft 4 in, 5 m 30 cm
+        joint = between.strip(" ,")
+        # 12 m + 8 m antenna; 7 ft 4 in, 5 m 30 cm
+        if lengths and (joint in ("+", "plus", "with") or (factor < last and joint in ("", "and"))):
             lengths[-1] += length
         else:
             lengths.append(length)

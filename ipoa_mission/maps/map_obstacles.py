@@ -16,7 +16,8 @@ from ipoa_mission.world.polygon import rings_of
 class MapObstacle(NamedTuple):
     """`shape` is east, north [m]; `reach` widens a point or line.
 
-    It reaches from `foot` above the lowest ground under it to `height` above the highest, or above home if `over_home`.
+    It reaches from `foot` above the lowest ground under it to `height` above the highest, or `least_top` above home if
+    that is higher.
     """
 
     name: str
@@ -24,7 +25,7 @@ class MapObstacle(NamedTuple):
     reach: float
     foot: float
     height: float
-    over_home: bool = False
+    least_top: float = -math.inf
     hangs: bool = False  # a span between supports
     called: str = ""  # for messages
 
@@ -41,8 +42,8 @@ def raise_obstacles(obstacles: Sequence[MapObstacle], ground: Ground) -> tuple[O
     highest = np.maximum.reduceat(heights, first).tolist()
     raised = list[Obstacle]()
     for each, low, high in zip(upright, lowest, highest, strict=True):
-        top = each.height if each.over_home else high + each.height
-        raised.append(_upright(each, low + each.foot, max(top, low + 0.1)))  # at least 0.1 m high
+        top = max(high + each.height, each.least_top, low + 0.1)  # at least 0.1 m high
+        raised.append(_upright(each, low + each.foot, top))
     return (*raised, *hanging)
 
 
@@ -78,7 +79,8 @@ def raise_span(obstacle: MapObstacle, ground: Callable[[NDArray[np.float64]], Ve
     heights = ground(np.vstack([along - aside, along, along + aside])).reshape(3, -1)
     low = heights.min(axis=0)
     high = heights.max(axis=0)
-    top = np.maximum(high, high[0] + share * (high[-1] - high[0])) + obstacle.height
+    sagging = np.maximum(high, high[0] + share * (high[-1] - high[0])) + obstacle.height
+    top = np.maximum(sagging, obstacle.least_top)
     # A piece's top rises or falls by at most 5 m, if that leaves pieces of 20 m or more.
     pieces = int(np.clip(math.ceil(float(np.ptp(top)) / 5.0), 1, max(span.length // 20.0, 1)))
     cuts = np.unique(np.round(np.linspace(0, count, min(pieces, count) + 1)).astype(int))

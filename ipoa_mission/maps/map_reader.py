@@ -46,7 +46,7 @@ def read_features(path: Path, around: MapWindow | None = None) -> Features:
     around = around or MapWindow()
     if path.suffix.lower() not in READERS:
         words = f"expected a file that ends in {', '.join(READERS)}, not in {path.suffix or 'nothing'}"
-        raise WrongSuffix(words, place=path)
+        raise WrongSuffix(words, hint="GDAL converts most maps: ogr2ogr map.geojson FILE", place=path)
     if around.window == around.near:
         return _read(path, around)
     stat = path.stat() if path.is_file() else None

@@ -3,6 +3,7 @@
 Some formats open other files, and GDAL ignores the suffix: the first bytes must match it.
 """
 
+import math
 import warnings
 from collections.abc import Sequence
 from decimal import Decimal
@@ -25,7 +26,7 @@ from ipoa_mission.errors import (
     imported,
 )
 from ipoa_mission.files import read_bytes
-from ipoa_mission.maps.feature import BATCH, EMPTY_SHAPE, Corners, Feature, on_earth
+from ipoa_mission.maps.feature import BATCH, EMPTY_SHAPE, HIGHEST, Corners, Feature, on_earth
 from ipoa_mission.maps.json_shapes import ToDegrees, degrees_of
 from ipoa_mission.maps.kinds import restore_key
 from ipoa_mission.maps.map_window import MapWindow
@@ -111,6 +112,7 @@ def _expect_whole(path: Path) -> None:
 def _features(batch: Any, shapes: _Shapes, places: Sequence[str], around: MapWindow) -> list[Feature]:
     wkb = batch.column(shapes.column).to_numpy(zero_copy_only=False)
     drawn = _drawn(wkb, shapes.to_degrees, places)
+    highest = _highest(wkb)
     chosen = np.flatnonzero(around.wants(shapely.bounds(drawn)))
     rows = batch.drop_columns([shapes.column]).take(chosen).to_pylist()
     features = list[Feature]()
@@ -118,8 +120,19 @@ def _features(batch: Any, shapes: _Shapes, places: Sequence[str], around: MapWin
         plain = {restore_key(key, str(value)) if shapes.is_cut else key: _plain(value) for key, value in row.items()}
         blank = frozenset(blank_keys(plain))
         part = find_truncated(plain, drawn[n])
-        features.append(Feature(places[n], drawn[n], dict(tags_of(plain)), blank, part))
+        altitudes = (-math.inf, highest[n])
+        features.append(Feature(places[n], drawn[n], dict(tags_of(plain)), blank, part, altitudes))
     return features
+
+
+def _highest(wkb: NDArray[Any]) -> list[float]:
+    """Return the greatest third coordinate of each shape [m], -inf without one."""
+    shapes = shapely.from_wkb(wkb, on_invalid="ignore")
+    highest = np.full(len(shapes), -np.inf)
+    corners, numbers = shapely.get_coordinates(shapes, include_z=True, return_index=True)
+    is_known = np.abs(corners[:, 2]) < HIGHEST
+    np.maximum.at(highest, numbers[is_known], corners[is_known, 2])
+    return [float(height) for height in highest]
 
 
 def _drawn(wkb: NDArray[Any], to_degrees: ToDegrees, places: Sequence[str]) -> NDArray[Any]:

@@ -1,5 +1,6 @@
 """Read heights from tags. The greatest counts, for safety; a partly understood value is reported."""
 
+import re
 from collections.abc import Callable, Mapping
 
 from ipoa_mission.maps.keys import AMBIGUITY_MARK, Means, keys_of, meaning, normalize
@@ -35,6 +36,7 @@ def foot_of(tags: Mapping[str, str], storey_height: float, odd: Odd) -> float:
     heights = []
     for key in keys:
         value, sure = read(tags[key])
+        sure = sure and len(re.findall(r"\d+(?:[.,]\d+)?", tags[key])) == 1  # of several the greatest is read
         if not tags[key].startswith("-") and (value is None or not sure):
             odd(key, tags[key])
         heights.append(0.0 if value is None or not sure else value * unit)
@@ -51,11 +53,30 @@ def width_of(tags: Mapping[str, str], odd: Odd, is_tree: bool = False) -> float 
 
 
 def unread_heights(tags: Mapping[str, str], height: float, storey_height: float) -> list[str]:
-    return [
+    """Return the keys of numbers and texts that may be a greater height."""
+    ambiguous = [
         key
         for key in keys_of(tags, Means.AMBIGUOUS)
         if (length_of(tags[key])[0] or 0.0) * (storey_height if AMBIGUITY_MARK in normalize(key) else 1.0) > height
     ]
+    texts = [key for key in ("description", "note", "comment") if _height_in(tags.get(key, "")) > height]
+    return [*ambiguous, *texts]
+
+
+def _height_in(text: str) -> float:
+    """Return the greatest length next to a word for height in a text or an HTML table [m], 0 without one."""
+    length = r"(\d+(?:[.,]\d+)?\s?(?:m|ft|feet|')?\b)"
+    name = r"(?:height|höhe|hoehe|hauteur|altura|altezza|hoogte)"
+    plain = re.sub(r"<[^>]*>", " ", text[:20_000]).lower()
+    found = re.findall(rf"{name}\D{{0,20}}?{length}|{length}[a-zè]*\s(?:high|tall|hoch|haut)", plain)
+    return max((length_of(before or after)[0] or 0.0 for before, after in found), default=0.0)
+
+
+def unused_numbers(tags: Mapping[str, str], height: float) -> list[str]:
+    """Return the keys of unknown meaning whose number could be a greater height, below 1 km."""
+    unknown = [key for key in keys_of(tags, Means.NOTHING) if not key.startswith(("addr:", "@")) and "id" not in key]
+    numbers = {key: tags[key] for key in unknown if tags[key].replace(".", "", 1).isdecimal()}
+    return [key for key, number in numbers.items() if height < float(number) < 1000.0]
 
 
 def is_by_storeys(tags: Mapping[str, str]) -> bool:
@@ -76,13 +97,18 @@ def _top(tags: Mapping[str, str], key: str, storey_height: float, odd: Odd) -> f
 def _length(tags: Mapping[str, str], key: str, odd: Odd) -> float | None:
     length = _read(length_of, tags, key, odd)
     if length is not None and tags[key].replace(".", "", 1).isdecimal():
-        length *= next((UNIT_FACTORS[word] for word in normalize(key).split("_") if word in UNITS_IN_KEYS), 1.0)
+        length *= _unit_factor(tags, normalize(key).removesuffix("_value"))
     return length
 
 
-def radius_of(tags: Mapping[str, str]) -> float | None:
-    radii = [_length(tags, key, lambda *_: None) for key in keys_of(tags, Means.RADIUS)]
-    return max((radius for radius in radii if radius), default=None)
+def _unit_factor(tags: Mapping[str, str], plain_key: str) -> float:
+    """Return the unit that the key names, or its own key of units; one of all keys counts if greater than a meter."""
+    factors = [UNIT_FACTORS[word] for word in plain_key.split("_") if word in UNITS_IN_KEYS]
+    for key in keys_of(tags, Means.UNIT):
+        factor = UNIT_FACTORS.get(tags[key].lower(), 0.0)
+        if factor > 1.0 or (factor and normalize(key).startswith(f"{plain_key}_")):
+            factors.append(factor)
+    return factors[0] if factors else 1.0
 
 
 def _tip(tags: Mapping[str, str], odd: Odd, height_known: bool) -> float | None:

@@ -51,7 +51,7 @@ class ZoneMap(MapFile):
 
     def read(self, frame: LocalFrame, time: float | None) -> Zones:
         """Return the zones at a time [s since 1970]."""
-        return find_zones(read_features(self.file, MapWindow.of(frame)), frame, self.file)
+        return find_zones(read_features(self.file, MapWindow.of(frame)), frame, self.file, None)
 
 
 class NoFlyMap(ZoneMap):
