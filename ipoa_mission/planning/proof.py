@@ -133,7 +133,8 @@ def prove_ground(legs: Points, task: PathTask, stray: float = 0.0, spare: float 
     heights: dict[float, Clearance] = {}
     for required, run, first_leg in _runs(legs, limits, stray):
         clearance = airspace.terrain_clearance(run, within=required + vertical + spare)
-        clearance = replace(clearance.minus(vertical), leg=first_leg + clearance.leg)
+        leg = first_leg + clearance.leg
+        clearance = Clearance(clearance.distance - vertical, clearance.place, clearance.what, leg)
         heights[required] = min(heights.get(required, clearance), clearance, key=lambda least: least.distance)
     yield from (Check("ground", clearance, required) for required, clearance in heights.items())
 
@@ -155,6 +156,9 @@ def _steepness(velocity: Points, bend: Points, steps: Vector) -> tuple[Vector, V
 
 def _runs(legs: Points, limits: Limits, stray: float) -> Iterator[tuple[float, Points, int]]:
     """Yield runs of legs cut at low zones: required height, polyline, index of its first leg (at most two off)."""
+    if not limits.low_zones:
+        yield limits.height_above_ground, legs, 0
+        return
     limits = replace(limits, low_zones=tuple(replace(z, radius=max(z.radius - stray, 0.0)) for z in limits.low_zones))
     cuts = [(np.arange(len(legs)), np.zeros(len(legs)))]
     for zone in limits.low_zones:

@@ -247,7 +247,7 @@ class Analytic:
     peaks: tuple[Peak, ...]
     base: float = 0.0
 
-    @property
+    @cached_property
     def steepness(self) -> float:
         """Bound the slope: exp(-w^2) falls by at most sqrt(2/e) per unit of w."""
         landform = np.hypot(abs(self.b), 1 + abs(self.e + self.g)) + abs(self.c * self.d) + self.f**2
