@@ -95,7 +95,7 @@ class Vehicle(VehicleSession):
         self._numbers = itertools.count(2 * round(1e3 * connection.now()), 2)  # differ from the last session's
 
     def upload(self, mission: Mission, progress: Progress = silent, checked: bool = True) -> None:
-        """Upload a mission, with its fence and rally points, and verify each list.
+        """Upload a mission, after its fence and rally points, and verify each list.
 
         Args:
             mission: for this vehicle's autopilot.
@@ -118,11 +118,12 @@ class Vehicle(VehicleSession):
             if checked:
                 aboard, unsaid = check_aboard(mission, self.autopilot, self.firmware_version())
                 refuse_errors((*unsaid, *check_mission(aboard)))
-            lists = {MissionType.MISSION: stored_mission.to_wire(mission)}
-            if mission.fence:
+            lists = {}
+            if mission.fence:  # by which PX4 judges the mission
                 lists[MissionType.FENCE] = stored_mission.fence_to_wire(mission.fence)
             if mission.rally:
                 lists[MissionType.RALLY] = stored_mission.rally_to_wire(mission.rally)
+            lists[MissionType.MISSION] = stored_mission.to_wire(mission)
             for kind, items in lists.items():
                 try:
                     self.upload_items(items, kind, progress if kind == MissionType.MISSION else silent)

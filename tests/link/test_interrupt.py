@@ -117,8 +117,8 @@ def test_cancellation_between_two_lists_names_the_state_of_both() -> None:
     items = (takeoff(HOME, 10.0), waypoint(Geodetic(47.4002, 8.5), 12.0))
     mission = Mission(HOME, items, PX4, fence=(FenceCircle((47.4, 8.5), 300.0),))
     for pressed_at, left in (
-        (MissionType.MISSION, {"mission": "new", "fence": "old"}),
-        (MissionType.FENCE, {"mission": "new", "fence": "new"}),
+        (MissionType.FENCE, {"fence": "new", "mission": "old"}),
+        (MissionType.MISSION, {"fence": "new", "mission": "new"}),
     ):
 
         def store_and_press(kind: int, at: int = pressed_at) -> None:
@@ -129,7 +129,7 @@ def test_cancellation_between_two_lists_names_the_state_of_both() -> None:
         with refuses("cancelled", list_on_vehicle="new") as cancelled:
             vehicle.upload(mission)
         assert cancelled.value.known["lists_on_vehicle"] == left
-        assert ("it keeps the fence that it had" in str(cancelled.value)) is ("old" in left.values())
+        assert ("it keeps the mission that it had" in str(cancelled.value)) is ("old" in left.values())
 
 
 class Pressing(Loopback):

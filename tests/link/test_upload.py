@@ -11,6 +11,7 @@ from ipoa_mission.link.dialogue import Cancelled, NoAnswer, TimeUp
 from ipoa_mission.link.messages import Ack, Count, ItemAt, Message, MissionType, Request, RequestList, Result
 from ipoa_mission.link.upload import Upload, upload
 from ipoa_mission.link.vehicle import ConnectionOptions
+from ipoa_mission.mission import stored_mission
 from ipoa_mission.mission.items import FenceCircle, Item, Mission, takeoff, waypoint
 from ipoa_mission.mission.stored_mission import compare
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot
@@ -238,10 +239,56 @@ def test_a_refused_list_is_named_with_the_state_of_all(family: Autopilot, refuse
     fence = (FenceCircle((47.4, 8.5), 300.0),)
     with refuses("mission-refused", "", "NO_SPACE") as failed:
         vehicle.upload(Mission(HOME, items, family, fence=fence, rally=(HOME,)))
-    sent = [MissionType.MISSION, MissionType.FENCE, MissionType.RALLY]
+    sent = [MissionType.FENCE, MissionType.RALLY, MissionType.MISSION]
     at = sent.index(refused)
     assert [bool(mock.transfers.listed(kind)) for kind in sent] == [n < at for n in range(3)]
     states = list(failed.value.known["lists_on_vehicle"].values())
     assert states == [*["new"] * at, "unknown", *["old"] * (2 - at)]
-    assert ("it keeps the" in str(failed.value)) is (refused != MissionType.RALLY)
-    assert ("it holds the new mission" in str(failed.value)) is (refused != MissionType.MISSION)
+    assert ("it keeps the" in str(failed.value)) is (refused != MissionType.MISSION)
+    assert ("it holds the new fence" in str(failed.value)) is (refused != MissionType.FENCE)
+
+
+class CutOff(BuiltInAutopilot):
+    left = 1000  # messages until the link is cut
+
+    def receive(self, message: Message, source: Target, now: float) -> None:
+        self.left -= 1
+        if self.left >= 0:
+            super().receive(message, source, now)
+
+
+@pytest.mark.parametrize("fast", [False, True])
+@pytest.mark.parametrize("family", registered())
+def test_a_cut_upload_never_leaves_a_new_mission_with_an_old_fence(family: Autopilot, fast: bool) -> None:
+    def mission(up: float, radius: float) -> Mission:
+        place = Geodetic(47.4, 8.5 + up / 1e5)
+        fence = (FenceCircle((47.4, 8.5), radius),)
+        return Mission(HOME, (takeoff(HOME, up), waypoint(place, up)), family, fence=fence, rally=(place,))
+
+    new = mission(20.0, 200.0)
+    lists = {
+        MissionType.FENCE: stored_mission.fence_to_wire(new.fence),
+        MissionType.RALLY: stored_mission.rally_to_wire(new.rally),
+        MissionType.MISSION: stored_mission.to_wire(new),
+    }
+    states = set[tuple[bool, ...]]()
+    cut_at = 0
+    while (True, True, True) not in states:
+        mock = CutOff(family, HOME)
+        vehicle = meet(Connection(Loopback(Station(mock)), Codec(245, 190)), options=ConnectionOptions(fast=fast))
+        vehicle.upload(mission(10.0, 300.0))
+        mock.left = cut_at
+        cut_at += 1
+        known: dict[str, object] = {}
+        try:
+            vehicle.upload(new)
+        except MissionError as error:
+            known = error.known
+        named = known.get("lists_on_vehicle", {})
+        assert isinstance(named, dict)
+        is_new = tuple(compare(lists[kind], mock.transfers.listed(kind), family) is None for kind in lists)
+        assert is_new == tuple(sorted(is_new, reverse=True)), cut_at
+        states_and_truth = zip(named.values(), is_new if named else (), strict=True)
+        assert all(state == "unknown" or (state == "new") is held for state, held in states_and_truth), named
+        states.add(is_new)
+    assert states == {(n > 0, n > 1, n > 2) for n in range(4)}

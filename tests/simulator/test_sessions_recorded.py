@@ -48,10 +48,10 @@ STATION, SPEEDUP = 245, 4.0
 LANDS_WITHIN_S = 5.0  # of the real one
 #: Seconds from arming until each item was done.
 FLOWN = {
-    "fly-ardupilot": (9.518, 9.518, 15.868, 20.82, 39.32),
-    "fly-again-ardupilot": (9.65, 9.65, 17.348, 24.7, 43.2),
-    "fly-px4": (10.4, 10.4, 14.44, 20.32, 36.4),
-    "fly-again-px4": (19.7, 19.7, 24.636, 30.54, 43.28),
+    "fly-ardupilot": (8.948, 8.948, 15.398, 20.398, 38.888),
+    "fly-again-ardupilot": (8.85, 8.85, 16.65, 24.0, 42.5),
+    "fly-px4": (11.168, 11.168, 15.16, 21.452, 34.692),
+    "fly-again-px4": (19.62, 19.62, 24.6, 31.092, 47.48),
 }
 #: Depends on timing: read a list, or set an index, once more or less.
 MAY_GO_UNSAID = (RequestList, Request, Ack, SetCurrent)
@@ -116,7 +116,7 @@ class Playback:
 
     def _asked(self, spoken: Message) -> int | None:
         """Return which message ahead this is: the next, or one after what may go unsaid."""
-        if self._waits is None:
+        if self._waits is None and not isinstance(spoken, FileTransfer):  # its repeat has another number
             return None
         for number, own in enumerate(self._ahead):
             if not own.by_client:
