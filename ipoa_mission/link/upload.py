@@ -185,7 +185,7 @@ def upload(job: Upload, progress: Progress = silent) -> Dialogue[int]:
     except TimeUp as late:
         yield SendOnce(Ack(Result.OPERATION_CANCELLED, job.kind))
         arrived = f"{share_words(max(state.furthest, 0), len(job.items), job.kind)} had arrived"
-        raise TimeUp(f"{late}: in attempt {state.attempt} {arrived}", hint=_remaining_list(job)) from None
+        raise TimeUp(f"{late}: in attempt {state.attempt} {arrived}", hint=_remaining_list(job, state)) from None
     if job.is_judged:
         try:
             verdict = yield from _verdict(state.reports)
@@ -264,6 +264,7 @@ def _store(job: Upload, state: UploadState, progress: Progress) -> Dialogue[None
         state.attempt += 1
         state.before = state.furthest
         state.furthest = -1
+        was_whole = state.may_be_whole
         try:
             state.reports.reset_at_offer()
             run = ItemsSent(job.kind, len(job.items), -1, job.payloads, note)
@@ -272,16 +273,18 @@ def _store(job: Upload, state: UploadState, progress: Progress) -> Dialogue[None
             stored, state.checksum = yield from conversations.read_consistent(job.kind, job.numbers)
         except NoAnswer as silence:
             if state.attempt == ATTEMPTS or max(state.before, state.furthest) < 0:
-                silence.hint = _remaining_list(job)
+                silence.hint = _remaining_list(job, state)
                 raise
         except conversations.MissionRefused as refusal:
             again = refused_before is not None and (
                 (refusal.result, refusal.seq) == (refused_before.result, refused_before.seq)
             )
-            is_final = refusal.result not in temporary and (not job.truncates or again)
+            is_refused = refusal.result not in temporary
+            state.may_be_whole &= was_whole or not is_refused
+            is_final = is_refused and (not job.truncates or again)
             if state.attempt == ATTEMPTS or is_final or (again and refusal.result == Result.ERROR):
                 final = conversations.MissionRefused(refusal.result, job.kind, refusal.seq, refusal.words, job.first)
-                raise final.at(hint=_remaining_list(job)) from None
+                raise final.at(hint=_remaining_list(job, state)) from None
             refused_before = refusal
             yield from wait(1.0)
         else:
@@ -295,10 +298,12 @@ def _store(job: Upload, state: UploadState, progress: Progress) -> Dialogue[None
                 raise ReadBackDiffers(job.kind, difference)
 
 
-def _remaining_list(job: Upload) -> str:
+def _remaining_list(job: Upload, state: UploadState) -> str:
     name = list_name(job.kind)
     if job.truncates:
         return f"the {name} on the vehicle may now be a mixture of new and old: upload again, or clear it"
+    if state.may_be_whole:
+        return f"the vehicle holds a whole {name}, the old or the new one: upload again"
     return f"the vehicle keeps the {name} it had, unless it says otherwise"
 
 

@@ -280,14 +280,17 @@ def test_a_cut_upload_never_leaves_a_new_mission_with_an_old_fence(family: Autop
         mock.left = cut_at
         cut_at += 1
         known: dict[str, object] = {}
+        hint = ""
         try:
             vehicle.upload(new)
         except MissionError as error:
             known = error.known
+            hint = str(error.hint)
         named = known.get("lists_on_vehicle", {})
         assert isinstance(named, dict)
         is_new = tuple(compare(lists[kind], mock.transfers.listed(kind), family) is None for kind in lists)
         assert is_new == tuple(sorted(is_new, reverse=True)), cut_at
+        assert not (is_new[-1] and "keeps" in hint), cut_at
         states_and_truth = zip(named.values(), is_new if named else (), strict=True)
         assert all(state == "unknown" or (state == "new") is held for state, held in states_and_truth), named
         states.add(is_new)
