@@ -5,7 +5,7 @@ A run without noise gives the path, many with noise mean and spread.
 
 import math
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,6 +28,9 @@ from ipoa_mission.vehicles.px4_multicopter.flights import RUNS, Flights, LatestF
 from ipoa_mission.vehicles.px4_multicopter.limits import px4_limits
 from ipoa_mission.wind import Wind
 
+#: All that the times of a noisy flight depend on: its sensors, conditions, orders, and those done after each visit.
+_Inputs: TypeAlias = tuple[state.SensorModel, bytes, bytes, tuple[int, ...]]
+
 
 class Px4Model(FlightModel):
     """PX4 in SIH; flown with noise unless `noise_free`."""
@@ -37,7 +40,7 @@ class Px4Model(FlightModel):
 
     def __init__(self) -> None:
         self._latest = LatestFlights()
-        self._latest_noisy: tuple[_NoisyTimes, ...] = ()
+        self._latest_noisy: dict[_Inputs, tuple[Matrix, list[str]]] = {}
 
     def predicted(self, itinerary: Itinerary, wind: Wind, fast: bool | None, noise_free: bool) -> Prediction:
         flights = Flights(itinerary, wind, state.NOISE_FREE if noise_free else state.SIH_SENSORS)
@@ -49,9 +52,8 @@ class Px4Model(FlightModel):
         samples = exact_run.samples
         times = exact_times[None, :]
         if itinerary.visits and not noise_free:
-            noisy = self._noisy_times(flights, RUNS.most * samples[-1, 0] / RUNS.step_s, fast)
-            times = noisy.times
-            remarks += noisy.remarks
+            times, lost = self._noisy_times(flights, RUNS.most * samples[-1, 0] / RUNS.step_s, fast)
+            remarks += lost
         done = times.mean(axis=0)
         low, high = _interval(itinerary, times)
 
@@ -61,19 +63,20 @@ class Px4Model(FlightModel):
         reasons = tuple(flights.why_slow(n, exact_times, clock, samples) for n in numbers)
         return Prediction(done, low, high, reasons, track, tuple(remarks), _missed(itinerary, times))
 
-    def _noisy_times(self, flights: Flights, steps: float, fast: bool | None) -> "_NoisyTimes":
+    def _noisy_times(self, flights: Flights, steps: float, fast: bool | None) -> tuple[Matrix, list[str]]:
+        """Return times of runs and visits [s], and remarks on lost runs; the latest are kept."""
         planned = flights.mission_orders
         ends = list(planned.done)
         orders = records(planned.orders, Order).tobytes()
-        inputs = _Inputs(flights.noise_free_constants.senses, flights.conditions, orders, planned.done)
-        kept = next((one for one in self._latest_noisy if one.inputs == inputs), None)
-        if kept is None:
+        inputs = (flights.noise_free_constants.senses, flights.conditions, orders, planned.done)
+        if inputs not in self._latest_noisy:
             fly_noisy = flights.simulation(planned.orders, noisy=True, fast=fast, steps=steps)
             remarks = list[str]()
             times = _noisy_times(lambda seed: fly_noisy(flights.at_start(seed)).done[ends], RUNS.known_share, remarks)
-            kept = _NoisyTimes(inputs, times, remarks)
-            self._latest_noisy = (kept, *self._latest_noisy)[: LatestFlights.kept]
-        return kept
+            while len(self._latest_noisy) >= RUNS.kept:
+                del self._latest_noisy[next(iter(self._latest_noisy))]
+            self._latest_noisy[inputs] = times, remarks
+        return self._latest_noisy[inputs]
 
     def predict_contingency(
         self, itinerary: Itinerary, wind: Wind, contingency: Contingency, time: float
@@ -152,19 +155,6 @@ class Px4Model(FlightModel):
         ends = list(flights.mission_orders.done)
         starts = map(flights.at_start, range(1, RUNS.of_median + 1))
         return np.asarray(np.median([fly_on(start).done[ends] for start in starts], axis=0))
-
-
-class _Inputs(NamedTuple):
-    senses: state.SensorModel
-    conditions: bytes
-    orders: bytes
-    done: tuple[int, ...]  # orders done after each visit
-
-
-class _NoisyTimes(NamedTuple):
-    inputs: _Inputs
-    times: Matrix  # of runs and visits [s]
-    remarks: list[str]
 
 
 def _noisy_times(once: Callable[[int], Vector], share: float, remarks: list[str]) -> Matrix:

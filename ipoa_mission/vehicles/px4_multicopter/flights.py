@@ -3,10 +3,10 @@
 import math
 from bisect import bisect_right
 from functools import lru_cache
+from hashlib import sha256
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ipoa_mission.autopilot.commands import Command
 from ipoa_mission.autopilot.returning import Contingency
@@ -33,6 +33,7 @@ class NoisyRuns(NamedTuple):
     step_s: float = 0.04
     sample_steps: int = 3  # between samples
     batch: int = 6  # runs between checks
+    kept: int = 4  # of the latest missions
     known_share: float = 0.003  # relative standard error of the mean
     contingency_share: float = 0.008  # for a contingency
     doubt_s: float = 0.8  # standard deviation of the model, its constant part
@@ -179,40 +180,14 @@ class Flights:
         return min(order.cruise, rate * length / abs(rise)) if rise else order.cruise
 
 
-class _Stop(NamedTuple):
-    """A flight after some orders."""
-
-    orders: int
-    samples: int  # number until then
-    progress: state.FlightProgress
-
-
-class _Flight(NamedTuple):
-    conditions: bytes
-    orders: NDArray[np.void]  # (n,)
-    flown: FlownOnce
-    stops: list[_Stop]
-
-    def shared_with(self, conditions: bytes, orders: NDArray[np.void]) -> int:
-        """Count the common orders before a LAND."""
-        if conditions != self.conditions:
-            return 0
-        count = min(len(orders), len(self.orders))
-        both = (np.frombuffer(rows[:count].tobytes(), np.uint8) for rows in (orders, self.orders))
-        rows, others = (each.reshape(count, -1) for each in both)
-        differ = (rows != others).any(axis=1) | (orders["kind"][:count] == state.LAND)
-        return int(np.argmax(differ)) if differ.any() else count
-
-
 class LatestFlights:
-    """Another noise-free flight continues the one with the most orders in common, to equal bits."""
+    """Fly without noise. Flights with the same first orders share these stretches, to equal bits."""
 
-    kept = 4
-    most_stops = 16
-    least_orders = 4  # between stops
+    orders_at_once = 4
+    most_stretches = 512
 
     def __init__(self) -> None:
-        self._flights: tuple[_Flight, ...] = ()
+        self._stretches: dict[bytes, FlownOnce] = {}  # by a digest of the conditions and of all orders until its end
 
     def fly(self, flights: Flights, fast: bool | None) -> FlownOnce:
         orders = flights.mission_orders.orders
@@ -220,21 +195,18 @@ class LatestFlights:
         flown = flights.at_start(0)
         if jit_if_faster(fly, fast, 0.0) is fly or not orders:
             return fly_on(flown)
-        conditions = flights.conditions
         rows = records(orders, Order)
-        shared = [flight.shared_with(conditions, rows) for flight in self._flights]
-        most = max(shared, default=0)
-        stops = list[_Stop]()
-        if most > 0:
-            other = self._flights[shared.index(most)]
-            stops = [stop for stop in other.stops if stop.orders <= most]
-        if stops:
-            last = stops[-1]
-            before = other.flown
-            flown = FlownOnce(before.done[: last.orders + 1], before.samples[: last.samples], last.progress)
-        step = max(self.least_orders, math.ceil(len(orders) / self.most_stops))
-        while len(flown.done) <= len(orders):
-            flown = fly_on(flown, to=min(len(flown.done) - 1 + step, len(orders)))
-            stops.append(_Stop(len(flown.done) - 1, len(flown.samples), flown.progress))
-        self._flights = (_Flight(conditions, rows, flown, stops), *self._flights)[: self.kept]
-        return flown
+        samples = [flown.samples]
+        digest = flights.conditions
+        for first in range(0, len(orders), self.orders_at_once):
+            end = min(first + self.orders_at_once, len(orders))
+            lands = any(order.kind == state.LAND for order in orders[first:end])
+            sees_ground = lands and flights.noise_free_constants.senses.sees_ground  # without effect before LAND
+            digest = sha256(digest + bytes((sees_ground,)) + rows[first:end].tobytes()).digest()
+            if digest not in self._stretches:
+                self._stretches[digest] = fly_on(flown._replace(samples=flown.samples[:0]), to=end)
+            flown = self._stretches[digest]
+            samples.append(flown.samples)
+        while len(self._stretches) > self.most_stretches:
+            del self._stretches[next(iter(self._stretches))]  # the oldest
+        return flown._replace(samples=np.vstack(samples))
