@@ -86,8 +86,11 @@ RULES: Mapping[str, Rule] = {
     "too-many-jumps": Rule("The mission has more jumps than the firmware counts, or a board with little memory.",
         "Write out the passes, or split the mission.", False),
     "waits-for-someone": Rule(
-        "Other items follow a NAV_LOITER_UNLIM: the vehicle stays there until a pilot resumes the mission.",
-        "Use NAV_LOITER_TIME, or end the mission with the NAV_LOITER_UNLIM.", False),
+        "Other items follow one at which the vehicle stays until a pilot resumes the mission.",
+        "Use NAV_LOITER_TIME, switch autocontinue on, or end the mission there.", False),
+    "behind-landing": Rule("Items follow a landing behind which this firmware flies no further.",
+        "Leave them out, or make two missions. ArduCopter takes off again with bit 2 of MIS_OPTIONS.", False),
+    "fence-off": Rule("An item switches the fence off.", "Leave it out, unless the fence is not needed.", False),
     "waits-until-clock": Rule("NAV_DELAY waits until a time of day, which the estimate leaves out.",
         "Give the delay in seconds, if no time of day is intended.", False),
     "action-at-other-time": Rule(

@@ -146,6 +146,8 @@ class CommandEffects:
     replays_speed: bool = False  # the last change of speed before the item at which a mission begins
     #: They have no effect on the path if this is true of their params.
     unless: Mapping[int, Callable[[Sequence[float]], bool]] = field(default_factory=dict)
+    #: Whether items behind a landing are flown: by its command, whether a take-off follows, and parameters.
+    flies_on: Callable[[int, bool, Mapping[str, float]], bool] = lambda *_: True
 
     def why_unknown(self, command: int, params: Sequence[float]) -> str | None:
         marks = {*JUMPS, Command.JUMP_TAG, Command.DO_LAND_START, Command.DO_RETURN_PATH_START}

@@ -4,6 +4,7 @@ import math
 from collections import defaultdict
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from itertools import pairwise
 
 from ipoa_mission.autopilot.autopilot import NO_AIRCRAFT, Autopilot
 from ipoa_mission.autopilot.commands import FLOWN_TO, HOLDING, LANDINGS, LAST_NAV, MAY_PRECEDE_TAKEOFF, Command, Frame
@@ -40,6 +41,8 @@ def check_firmware(mission: Mission) -> Iterator[Finding]:
     flown = _flown(mission)
     if flown and flown[-1].item.command not in LANDINGS | {Command.NAV_LOITER_UNLIM}:
         yield flown[-1].warning("ends-in-the-air", "the mission ends in the air, and the vehicle stays there")
+    yield from _behind_landing(mission)
+    yield from _fence_off(mission)
     yield from _terrain(mission)
 
 
@@ -148,7 +151,8 @@ def _takeoff(mission: Mission) -> Iterator[Finding]:
     guidance = mission.autopilot.guidance
     parameters = mission.complete_parameters
     if not first.item.is_takeoff:
-        if guidance.needs_takeoff or any(at.item.is_takeoff for at in moving):
+        lands_first = moving[0].item.command == Command.NAV_LAND and moving[0].seq == 1  # refused
+        if guidance.needs_takeoff or lands_first or any(at.item.is_takeoff for at in moving):
             yield first.error("takeoff-not-first", f"expected the take-off first, not {first.item.name}")
         else:
             yield first.warning(
@@ -179,6 +183,26 @@ def _flown(mission: Mission) -> list[Numbered]:
     return [at for at in numbered_items(mission) if at.item.command < Command.CONDITION_DELAY]
 
 
+def _behind_landing(mission: Mission) -> Iterator[Finding]:
+    if any(item.is_jump for item in mission.items):
+        return
+    moving = [at for at in _flown(mission) if at.item.command not in MAY_PRECEDE_TAKEOFF]
+    flies_on = mission.autopilot.command_effects.flies_on
+    for at, after in pairwise(moving):
+        command = at.item.command
+        if command in LANDINGS and not flies_on(command, after.item.is_takeoff, mission.complete_parameters):
+            words = f"{mission.autopilot.model} ends the mission at the {at.item.name} of item {at.seq}"
+            yield after.warning("behind-landing", f"{words}; the forecast flies on")
+            return
+
+
+def _fence_off(mission: Mission) -> Iterator[Finding]:
+    for at in numbered_items(mission):
+        is_off = at.item.command == Command.DO_FENCE_ENABLE and at.item.params[0] == 0.0
+        if is_off and mission.fence and mission.firmware.takes(at.item.command):
+            yield at.warning("fence-off", "switches the fence off: the vehicle does not keep it from here on")
+
+
 def _terrain(mission: Mission) -> Iterator[Finding]:
     over = [seq for seq, item in enumerate(mission.items, 1) if item.is_over_terrain]
     sensor = mission.autopilot.guidance.terrain_by
@@ -195,6 +219,9 @@ def _waits(mission: Mission) -> Iterator[Finding]:
     for at in numbered_items(mission):
         if at.item.command == Command.NAV_LOITER_UNLIM and at.seq < last:
             words = "stays here until an operator ends it: the time and the clearance of its flights are unknown"
+            yield at.warning("waits-for-someone", words)
+        elif not at.item.autocontinue and not at.item.is_jump and mission.firmware.keeps_autocontinue:
+            words = f"autocontinue is off: {mission.autopilot.model} stays here until an operator chooses another item"
             yield at.warning("waits-for-someone", words)
         if until := at.item.clock:
             if mission.autopilot.guidance.waits_until_clock:

@@ -1,9 +1,10 @@
 """Unroll a mission into visits, its jumps followed; find how a return from them is flown, and where it is unknown."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import takewhile
 from typing import NamedTuple
 
 from ipoa_mission.autopilot.commands import FLOWN_TO, LAST_NAV, Command
@@ -15,7 +16,7 @@ from ipoa_mission.forecast.itinerary.flown_legs import HORIZONTAL_SPEEDS
 from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.geometry import Place, Vector
 from ipoa_mission.ground import FLAT_GROUND, Ground
-from ipoa_mission.mission.items import LEFT_OUT, Mission, Numbered
+from ipoa_mission.mission.items import LEFT_OUT, Item, Mission, Numbered
 from ipoa_mission.mission.program import Program, as_flown, is_passed, jump_target, next_navigated, program_of, repeats
 
 # Above LAST_NAV, but not instant.
@@ -152,6 +153,9 @@ def find_unknown(mission: Mission) -> Iterator[Unknown]:
     for n, item in enumerate(items):
         if item is not LEFT_OUT and (why := autopilot.command_effects.why_unknown(item.command, item.params)):
             yield Unknown(n + 1, why, "leave it out, or fly it without a forecast (--anyway)")
+        elif item.command in CONDITIONS and item is not LEFT_OUT and _delays_speed(items, n):
+            why = "it delays a change of speed, which is left out if the next place is reached before"
+            yield Unknown(n + 1, why, "change the speed without a condition")
         place = program.place(n, here or NO_PLACE)
         before = here
         if circles and item.command == Command.NAV_LOITER_TURNS:
@@ -177,6 +181,11 @@ def find_unknown(mission: Mission) -> Iterator[Unknown]:
                 yield Unknown(n + 1, why, "turn at two waypoints")
         elif item.is_waypoint and (next_index := program.onward(n)) is not None:
             yield from _payload_elsewhere(mission, program, n, next_index)
+
+
+def _delays_speed(items: Sequence[Item], n: int) -> bool:
+    actions = takewhile(lambda item: item.command > LAST_NAV, items[n:])
+    return any(item.command == Command.DO_CHANGE_SPEED for item in actions)
 
 
 def past_jumps(mission: Mission) -> Iterator[Unknown]:

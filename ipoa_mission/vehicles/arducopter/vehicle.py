@@ -71,6 +71,11 @@ def refused_in_rally(firmware: Firmware, command: int, frame: int, values: Seque
     return None if frame in firmware.frames - {Frame.MISSION} else Refused("UNSUPPORTED_FRAME")
 
 
+def _flies_on(command: int, takes_off: bool, parameters: Mapping[str, float]) -> bool:
+    """Bit 2 of MIS_OPTIONS flies on from LAND to a take-off; without it the vehicle disarms."""
+    return takes_off and (command == Command.NAV_RETURN_TO_LAUNCH or int(parameters["MIS_OPTIONS"]) & 4 > 0)
+
+
 def _no_place(values: Sequence[float], frame: int) -> Refused | None:
     """Frame 2 sends steps of 1e-7 degrees."""
     unit = 1e-7 if frame == Frame.MISSION else 1.0
@@ -193,6 +198,7 @@ class ArduCopter(Autopilot):
             Command.DO_PARACHUTE: lambda params: math.isfinite(params[0]) and int(params[0]) != 2,  # release
             Command.DO_AUX_FUNCTION: lambda params: math.isfinite(params[0]) and int(params[0]) in QUIET_FUNCTIONS,
         },
+        flies_on=_flies_on,
     )  # fmt: skip
     protocol_profile = profile.ProtocolProfile(
         forgets_at_count=True,

@@ -168,7 +168,9 @@ class Px4Multicopter(Autopilot):
         brakes_after=BRAKES_LATE,
     )
     command_effects = profile.CommandEffects(
+        flown=profile.SIMPLE - {Command.NAV_LAND, Command.DO_CHANGE_SPEED},
         replays_speed=True,  # MissionBase::on_activation
+        flies_on=lambda command, *_: command != Command.NAV_RETURN_TO_LAUNCH,  # it changes to the mode RTL
         why={
             Command.NAV_LOITER_TO_ALT: "it continues within NAV_LOITER_RAD of the place, and changes its height there",
             Command.NAV_VTOL_TAKEOFF: "it is for a VTOL vehicle",
@@ -178,6 +180,12 @@ class Px4Multicopter(Autopilot):
             Command.COMPONENT_ARM_DISARM: "it may stop the motors",
             Command.CONDITION_DELAY: "PX4 from 1.18 on waits there, which is not modeled",
             Command.CONDITION_GATE: "it continues as the vehicle passes the gate, which is not modeled",
+            Command.DO_CHANGE_SPEED: "PX4 flies its way at a speed of any kind (param1), also of a climb or descent",
+            Command.NAV_LAND: "with param2 = 2 it searches a landing target, at PLD_SRCH_ALT above home",
+        },
+        unless={
+            Command.DO_CHANGE_SPEED: lambda params: params[0] in (0.0, 1.0),
+            Command.NAV_LAND: lambda params: params[1] != 2.0,
         },
     )
     protocol_profile = profile.ProtocolProfile(
