@@ -5,12 +5,13 @@ from collections.abc import Iterator
 import numpy as np
 import shapely
 
+from ipoa_mission.autopilot.commands import Command
 from ipoa_mission.autopilot.returning import FlightStage
 from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.geodesy import Geodetic, LocalFrame
 from ipoa_mission.geometry import union_of
-from ipoa_mission.mission.items import FenceCircle, FencePolygon, Mission, item_of
+from ipoa_mission.mission.items import FenceCircle, FencePolygon, Mission, item_of, numbered_items
 
 
 def check_fence(forecast: Forecast) -> Iterator[Finding]:
@@ -27,6 +28,9 @@ def check_fence(forecast: Forecast) -> Iterator[Finding]:
         if not allowed.covers(shapely.Point(frame.local(place)[:2])):
             words = f"rally[{n}]: expected inside the fence, but it lies outside"
             yield Finding("outside-fence", Severity.ERROR, None, words)
+    for at in numbered_items(mission):
+        if at.item.command == Command.DO_FENCE_ENABLE and at.item.params[0] == 0.0:
+            yield at.warning("fence-off", "switches the fence off: the vehicle does not keep it from here on")
     yield from _legs(forecast, allowed)
 
 

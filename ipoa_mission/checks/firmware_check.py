@@ -42,7 +42,6 @@ def check_firmware(mission: Mission) -> Iterator[Finding]:
     if flown and flown[-1].item.command not in LANDINGS | {Command.NAV_LOITER_UNLIM}:
         yield flown[-1].warning("ends-in-the-air", "the mission ends in the air, and the vehicle stays there")
     yield from _behind_landing(mission)
-    yield from _fence_off(mission)
     yield from _terrain(mission)
 
 
@@ -151,8 +150,8 @@ def _takeoff(mission: Mission) -> Iterator[Finding]:
     guidance = mission.autopilot.guidance
     parameters = mission.complete_parameters
     if not first.item.is_takeoff:
-        lands_first = moving[0].item.command == Command.NAV_LAND and moving[0].seq == 1  # refused
-        if guidance.needs_takeoff or lands_first or any(at.item.is_takeoff for at in moving):
+        lands = first.item.command == Command.NAV_LAND
+        if guidance.needs_takeoff or lands or any(at.item.is_takeoff for at in moving):
             yield first.error("takeoff-not-first", f"expected the take-off first, not {first.item.name}")
         else:
             yield first.warning(
@@ -194,13 +193,6 @@ def _behind_landing(mission: Mission) -> Iterator[Finding]:
             words = f"{mission.autopilot.model} ends the mission at the {at.item.name} of item {at.seq}"
             yield after.warning("behind-landing", f"{words}; the forecast flies on")
             return
-
-
-def _fence_off(mission: Mission) -> Iterator[Finding]:
-    for at in numbered_items(mission):
-        is_off = at.item.command == Command.DO_FENCE_ENABLE and at.item.params[0] == 0.0
-        if is_off and mission.fence and mission.firmware.takes(at.item.command):
-            yield at.warning("fence-off", "switches the fence off: the vehicle does not keep it from here on")
 
 
 def _terrain(mission: Mission) -> Iterator[Finding]:

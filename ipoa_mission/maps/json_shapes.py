@@ -85,15 +85,11 @@ def highest_of(geometry: Any) -> float:
     """Return the greatest third coordinate [m], -inf without one."""
     if isinstance(geometry, dict):
         return highest_of(geometry.get("geometries", geometry.get("coordinates")))
-    if not isinstance(geometry, list) or not geometry:
-        return -math.inf
-    first = geometry[0]
-    if isinstance(first, list) and first and not isinstance(first[0], list) and len(first) < 3:
-        return -math.inf  # two numbers in the first position: a flat ring
-    if isinstance(first, list | dict):
-        return max(map(highest_of, geometry))
-    third = geometry[2] if len(geometry) > 2 else None
-    return third if isinstance(third, int | float) and abs(third) < HIGHEST else -math.inf
+    if isinstance(geometry, list) and len(geometry) > 2 and not isinstance(geometry[0], list | dict):
+        third = geometry[2]
+        return third if isinstance(third, int | float) and abs(third) < HIGHEST else -math.inf
+    is_nested = isinstance(geometry, list) and geometry and isinstance(geometry[0], list | dict)
+    return max(map(highest_of, geometry)) if is_nested else -math.inf
 
 
 def circle(center: Any, radius: Any, place: str) -> Any:

@@ -37,7 +37,7 @@ def high(shape: dict[str, Any], altitude: float) -> dict[str, Any]:
     return {"type": "Polygon", "coordinates": [[[*place, altitude] for place in shape["coordinates"][0]]]}
 
 
-def test_the_third_coordinate_of_an_outline_is_the_least_altitude_of_its_top(
+def test_the_third_coordinate_is_the_least_altitude_of_a_top(
     write_map: WriteMap, frame: LocalFrame, square: Square
 ) -> None:
     collection = {"type": "GeometryCollection", "geometries": [high(square(0, 0), 560.0)]}  # home is at 500 m
@@ -188,7 +188,7 @@ def zones(path: Path, frame: LocalFrame, is_flight_area: bool = False) -> Zones:
     ],
 )  # fmt: skip
 @pytest.mark.parametrize("is_flight_area", [False, True])
-def test_a_point_with_a_size_is_a_circle_that_never_errs_to_the_unsafe_side(
+def test_a_point_with_a_size_is_a_circle_on_the_safe_side(
     write_map: WriteMap, frame: LocalFrame, at: At, tags: dict[str, Any], radius: float, is_flight_area: bool
 ) -> None:
     path = write_map(({"type": "Point", "coordinates": at(0, 0)}, tags))
