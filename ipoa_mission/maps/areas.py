@@ -73,8 +73,10 @@ def find_zones(
         limits = limits_of(feature.tags)
         if is_near:
             _note_not_understood(feature, limits, notes)
-            if restrictions is None:
-                _note_limits_of_area(feature, limits, notes)
+            for side, limit in [("lower", limits.lower), ("upper", limits.upper)] if restrictions is None else ():
+                if limit is not None:
+                    subject = f"{side} limit of a flight area (give it as `up` under [bounds])"
+                    notes.note(feature, subject, f"{limit.height:g} m {limit.reference}")
             limits = ZoneLimits(
                 _above_sea("lower", limits.lower, feature, notes), _above_sea("upper", limits.upper, feature, notes)
             )
@@ -173,16 +175,9 @@ def _why_no_zone(rest: Sequence[Any], tags: Mapping[str, str]) -> Reason:
 
 
 def _outline(shape: Any, tags: Mapping[str, str], is_area_to_stay_in: bool) -> Any:
-    """Return a circle round a point with a width: its 64 corners lie outside, or on the edge of an area to stay in."""
+    """Return a circle round a point with a width; its corners lie outside, except of an area to stay in."""
     width = width_of(tags, lambda *_: None) if shape.geom_type == "Point" else None
     if width is not None:
         wider = 1.0 if is_area_to_stay_in else math.cos(math.pi / 64)
         return shape.buffer(width / 2 / wider, quad_segs=16)
     return close_as_polygon(shape)
-
-
-def _note_limits_of_area(feature: Feature, limits: ZoneLimits, notes: MapNotes) -> None:
-    for side, limit in (("lower", limits.lower), ("upper", limits.upper)):
-        if limit is not None:
-            subject = f"{side} limit of a flight area (give it as `up` under [bounds])"
-            notes.note(feature, subject, f"{limit.height:g} m {limit.reference}")

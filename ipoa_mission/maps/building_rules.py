@@ -95,7 +95,7 @@ class BuildingRules(BaseModel):
     take: Literal["tagged", "all"] | None = None
     """`all`: every feature is an obstacle, except roads, land use and the like without a height. `tagged`: only
     features tagged as building, mast, tree or power line, or with a height. Default: as `tagged`, but a file of
-    buildings only is taken whole. A flight near a passed-over feature that may be an obstacle is refused."""
+    buildings only is taken whole."""
     height_key: str = "height"
     """Property with the height of the top above the ground [m, or feet if stated]."""
     default_height: Length | None = None

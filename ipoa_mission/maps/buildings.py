@@ -97,8 +97,8 @@ class _Finder:
         self._counts = Counter[str]()  # by remark
         self._odd_tags = list[str]()
         self._obstacles = list[MapObstacle]()
-        self._supports = dict[tuple[float, ...], float]()  # heights of points by their place
-        self._unused_keys = dict[str, None]()  # of numbers of things without a height
+        self._supports = dict[tuple[float, ...], float]()  # by place
+        self._unused_keys = dict[str, None]()
 
     def find(self, features: Sequence[Feature], around: MapWindow) -> Buildings:
         shapes, near = to_plane([feature.shape for feature in features], self._notes.frame, around)
@@ -121,8 +121,9 @@ class _Finder:
             count = len(self._odd_tags)
             tags = f"{count} tag{'s' if count > 1 else ''} that cannot be read, ignored"
             remarks.append(f"{tags}: {', '.join(self._odd_tags[:MOST_NAMED])}{', ...' if count > MOST_NAMED else ''}")
-        if keys := [*self._unused_keys]:
-            remarks.append(f"numbers of things without a height, not read: {', '.join(keys[:10])}")
+        if self._unused_keys:
+            keys = ", ".join([*self._unused_keys][:10])
+            remarks.append(f"numbers of things without a height, not read: {keys}")
         if elsewhere:
             remarks.append(f"{elsewhere} thing{'s' if elsewhere > 1 else ''} far from the flight, not examined")
         passed_over = tuple(self._notes.passed_over)
@@ -130,7 +131,6 @@ class _Finder:
         return Buildings(obstacles, passed_over, tuple(remarks), len(features), elsewhere, unread)
 
     def _as_drawn(self, part: MapObstacle, feature: Feature, called: str) -> MapObstacle:
-        """Raise an obstacle to the altitude at which it is drawn."""
         above_ground, altitude = feature.drawn
         above_home = altitude - self._notes.frame.home.altitude
         if max(above_ground, above_home) > max(part.height, part.least_top):

@@ -14,7 +14,6 @@ Corners: TypeAlias = NDArray[np.float64]  # (n, 2) longitude, latitude [deg]
 Made = TypeVar("Made")
 BATCH = 4096  # features handled together
 EMPTY_SHAPE = shapely.GeometryCollection()
-HIGHEST = 10_000.0  # of drawn altitudes [m]; a time or a measure may be in their place
 DEEPEST = 16  # nested collections; shapely fails at thousands
 
 
@@ -30,7 +29,7 @@ class Missing(NamedTuple):
 class Feature(NamedTuple):
     """A geometry [deg, WGS 84], maybe invalid or empty; `blank` are keys without a value.
 
-    `drawn`: greatest altitude of the drawing above the ground, and above sea level [m].
+    `drawn`: greatest altitude above the ground, and above the sea [m].
     """
 
     place: str
@@ -44,6 +43,10 @@ class Feature(NamedTuple):
     def name(self) -> str:
         keys = ("name", "Name", "NAME", "addr:housename", "identifier", "@id", "id", "osm_way_id", "osm_id")
         return make_printable(next((name for key in keys if (name := self.tags.get(key))), self.place))
+
+
+def is_altitude(number: float) -> bool:
+    return abs(number) < 10_000.0  # [m]; else a time or a measure
 
 
 def make_printable(name: str) -> str:

@@ -9,7 +9,7 @@ import shapely
 from pyproj import CRS, Geod, Transformer
 
 from ipoa_mission.errors import BadInput, InvalidRing, TooLarge
-from ipoa_mission.maps.feature import DEEPEST, HIGHEST, Corners, on_earth
+from ipoa_mission.maps.feature import DEEPEST, Corners, is_altitude, on_earth
 
 SHAPES = ("Point", "MultiPoint", "LineString", "MultiLineString", "Polygon", "MultiPolygon")
 ToDegrees = Callable[[Corners], Corners]
@@ -87,7 +87,7 @@ def highest_of(geometry: Any) -> float:
         return highest_of(geometry.get("geometries", geometry.get("coordinates")))
     if isinstance(geometry, list) and len(geometry) > 2 and not isinstance(geometry[0], list | dict):
         third = geometry[2]
-        return third if isinstance(third, int | float) and abs(third) < HIGHEST else -math.inf
+        return third if isinstance(third, int | float) and is_altitude(third) else -math.inf
     is_nested = isinstance(geometry, list) and geometry and isinstance(geometry[0], list | dict)
     return max(map(highest_of, geometry)) if is_nested else -math.inf
 

@@ -56,7 +56,7 @@ class _Words:
         "source note notes date accuracy ref error type class code method check survey color quality status",
         "confidence material shape direction angle description name id start end name_en comment fixme",
     )
-    HEIGHT = re.compile(  # without accents, also misspelled or run together
+    HEIGHT = re.compile(  # without accents
         r"height|hoehe|hohe|hauteur|altura|altezza|hoogte|hgt|vyska|wysokosc|hojd|hoejde|høyde|hoyde|korkeus|magassag"
         r"|yukseklik|visina|korgus|inaltime|alcada|aukstis|augstums|υψος|высота|高さ|heigth|hight|bldght|agl$|^agl"
     )

@@ -18,7 +18,7 @@ import shapely
 
 from ipoa_mission.errors import BadInput, NothingThere, TooLarge, Unreadable, WrongFormat
 from ipoa_mission.files import read_text
-from ipoa_mission.maps.feature import DEEPEST, EMPTY_SHAPE, HIGHEST, Corners, Feature, Missing, on_earth, read_all
+from ipoa_mission.maps.feature import DEEPEST, EMPTY_SHAPE, Corners, Feature, Missing, is_altitude, on_earth, read_all
 
 # Content in another file.
 NOT_READ = {
@@ -123,7 +123,7 @@ def _missing(placemark: ElementTree.Element, place: str) -> Missing | None:
 
 
 def _drawn(placemark: ElementTree.Element) -> tuple[dict[str, str], tuple[float, float]]:
-    """Return the height of extruded shapes as a tag, and the greatest altitudes of all."""
+    """Return the height of extruded shapes as a tag, and the altitudes of all."""
     modes = {"relativeToGround": "height", "absolute": "height:amsl"}
     extruded = dict[str, float]()
     highest = dict.fromkeys(modes.values(), -math.inf)
@@ -141,7 +141,7 @@ def _altitudes(element: ElementTree.Element) -> Iterator[float]:
     words = _words(_text(element)) if element.tag == "coordinates" else [",".join(_text(element).split())]
     for word in words:
         with contextlib.suppress(ValueError):
-            yield from (float(number) for number in word.split(",")[2:3] if abs(float(number)) < HIGHEST)
+            yield from (float(number) for number in word.split(",")[2:3] if is_altitude(float(number)))
 
 
 def _words(text: str) -> list[str]:

@@ -16,8 +16,8 @@ from ipoa_mission.world.polygon import rings_of
 class MapObstacle(NamedTuple):
     """`shape` is east, north [m]; `reach` widens a point or line.
 
-    It reaches from `foot` above the lowest ground under it to `height` above the highest, or `least_top` above home if
-    that is higher.
+    It reaches from `foot` above the lowest ground under it to `height` above the highest, at least to `least_top` above
+    home.
     """
 
     name: str

@@ -26,7 +26,7 @@ from ipoa_mission.errors import (
     imported,
 )
 from ipoa_mission.files import read_bytes
-from ipoa_mission.maps.feature import BATCH, EMPTY_SHAPE, HIGHEST, Corners, Feature, on_earth
+from ipoa_mission.maps.feature import BATCH, EMPTY_SHAPE, Corners, Feature, is_altitude, on_earth
 from ipoa_mission.maps.json_shapes import ToDegrees, degrees_of
 from ipoa_mission.maps.kinds import restore_key
 from ipoa_mission.maps.map_window import MapWindow
@@ -120,19 +120,18 @@ def _features(batch: Any, shapes: _Shapes, places: Sequence[str], around: MapWin
         plain = {restore_key(key, str(value)) if shapes.is_cut else key: _plain(value) for key, value in row.items()}
         blank = frozenset(blank_keys(plain))
         part = find_truncated(plain, drawn[n])
-        altitudes = (-math.inf, highest[n])
+        altitudes = (-math.inf, float(highest[n]))
         features.append(Feature(places[n], drawn[n], dict(tags_of(plain)), blank, part, altitudes))
     return features
 
 
-def _highest(wkb: NDArray[Any]) -> list[float]:
+def _highest(wkb: NDArray[Any]) -> NDArray[np.float64]:
     """Return the greatest third coordinate of each shape [m], -inf without one."""
     shapes = shapely.from_wkb(wkb, on_invalid="ignore")
-    highest = np.full(len(shapes), -np.inf)
     corners, numbers = shapely.get_coordinates(shapes, include_z=True, return_index=True)
-    is_known = np.abs(corners[:, 2]) < HIGHEST
-    np.maximum.at(highest, numbers[is_known], corners[is_known, 2])
-    return [float(height) for height in highest]
+    highest = np.full(len(shapes), -np.inf)
+    np.maximum.at(highest, numbers, [up if is_altitude(up) else -np.inf for up in corners[:, 2].tolist()])
+    return highest
 
 
 def _drawn(wkb: NDArray[Any], to_degrees: ToDegrees, places: Sequence[str]) -> NDArray[Any]:

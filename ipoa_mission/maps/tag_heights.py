@@ -53,7 +53,6 @@ def width_of(tags: Mapping[str, str], odd: Odd, is_tree: bool = False) -> float 
 
 
 def unread_heights(tags: Mapping[str, str], height: float, storey_height: float) -> list[str]:
-    """Return the keys of numbers and texts that may be a greater height."""
     ambiguous = [
         key
         for key in keys_of(tags, Means.AMBIGUOUS)
@@ -64,7 +63,7 @@ def unread_heights(tags: Mapping[str, str], height: float, storey_height: float)
 
 
 def _height_in(text: str) -> float:
-    """Return the greatest length next to a word for height in a text or an HTML table [m], 0 without one."""
+    """Return the greatest length next to a word for height [m]; 0: none."""
     length = r"(\d+(?:[.,]\d+)?\s?(?:m|ft|feet|')?\b)"
     name = r"(?:height|höhe|hoehe|hauteur|altura|altezza|hoogte)"
     plain = re.sub(r"<[^>]*>", " ", text[:20_000]).lower()
@@ -73,7 +72,7 @@ def _height_in(text: str) -> float:
 
 
 def unused_numbers(tags: Mapping[str, str], height: float) -> list[str]:
-    """Return the keys of unknown meaning whose number could be a greater height, below 1 km."""
+    """Return unknown keys whose number may be a greater height."""
     unknown = [key for key in keys_of(tags, Means.NOTHING) if not key.startswith(("addr:", "@")) and "id" not in key]
     numbers = {key: tags[key] for key in unknown if tags[key].replace(".", "", 1).isdecimal()}
     return [key for key, number in numbers.items() if height < float(number) < 1000.0]
@@ -102,7 +101,7 @@ def _length(tags: Mapping[str, str], key: str, odd: Odd) -> float | None:
 
 
 def _unit_factor(tags: Mapping[str, str], plain_key: str) -> float:
-    """Return the unit that the key names, or its own key of units; one of all keys counts if greater than a meter."""
+    """Return the unit [m] that the key or its own unit key names; one of all keys counts if greater."""
     factors = [UNIT_FACTORS[word] for word in plain_key.split("_") if word in UNITS_IN_KEYS]
     for key in keys_of(tags, Means.UNIT):
         factor = UNIT_FACTORS.get(tags[key].lower(), 0.0)

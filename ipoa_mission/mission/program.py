@@ -1,8 +1,7 @@
 """Read mission items: their order, their places, and the next item of each.
 
 Places are east, north, up of home [m], over a flat Earth. ArduCopter replaces latitude and longitude 0, and altitude 0,
-by those of the item before (ModeAuto, since 2014). PX4 flies to the given values; a null place of its take-off and
-landing is "here".
+by those of the item before. PX4 flies to the values; a null place of its take-off and landing is "here".
 """
 
 import math

@@ -21,8 +21,7 @@ class MapFile(Section):
     """A table that names a file of shapes."""
 
     file: Annotated[Path, existing_file("a map")]
-    """Path relative to the scenario file. Text formats: `.geojson`, `.json`, `.geojsonl`, `.ndjson`, `.jsonl`, `.kml`,
-    `.kmz`, `.osm`. Binary formats: `.osm.pbf`, `.shp`, `.fgb`, `.gpkg`."""
+    """Path relative to the scenario file."""
     suffixes: ClassVar[tuple[str, ...]] = READERS
 
     def differences(self) -> Iterator[Finding]:
