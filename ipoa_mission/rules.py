@@ -88,8 +88,7 @@ RULES: Mapping[str, Rule] = {
     "waits-for-someone": Rule(
         "Other items follow one at which the vehicle stays until a pilot resumes the mission.",
         "Use NAV_LOITER_TIME, switch autocontinue on, or end the mission there.", False),
-    "behind-landing": Rule("Items follow a landing behind which this firmware flies no further.",
-        "Leave them out, or make two missions. ArduCopter takes off again with bit 2 of MIS_OPTIONS.", False),
+    "behind-landing": Rule("Items follow a landing that ends the mission.", "Make two missions of it.", False),
     "fence-off": Rule("An item switches the fence off.", "Leave it out, unless the fence is not needed.", False),
     "waits-until-clock": Rule("NAV_DELAY waits until a time of day, which the estimate leaves out.",
         "Give the delay in seconds, if no time of day is intended.", False),
