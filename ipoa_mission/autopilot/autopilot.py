@@ -139,6 +139,10 @@ class Autopilot(metaclass=_ByName):
         distance = self.braking_distance(parameters, speed, along)
         return np.asarray(velocity[:, 2] * distance / np.maximum(speed, STATIONARY_SPEED))
 
+    @abstractmethod
+    def farthest_landing(self, parameters: Parameters, velocity: "Points") -> "Points":
+        """Return the displacement (n, 3) [m] to LAND's farthest and lowest stopping point."""
+
     def circle(
         self, parameters: Parameters, radius: float, turn: float, speed: float | None, version: Version | None
     ) -> profile.FlownCircle | None:

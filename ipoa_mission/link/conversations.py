@@ -16,8 +16,7 @@ from ipoa_mission.mission.item_words import count_words
 from ipoa_mission.mission.items import Item
 from ipoa_mission.progress import Progress, count, silent
 
-#: Refusals after which a vehicle may still ask: PX4 answers a second COUNT or a stray item with ERROR, ArduPilot a
-#: duplicate with INVALID_SEQUENCE.
+#: After them a vehicle may still ask (docs/link.md).
 DOUBTFUL_REFUSALS = frozenset({m.Result.ERROR, m.Result.INVALID_SEQUENCE})
 #: Both firmwares repeat their request within a second [s].
 REFUSAL_TIMEOUT_S = 3.0

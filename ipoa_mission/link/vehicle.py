@@ -38,7 +38,7 @@ LISTS = (MissionType.MISSION, MissionType.FENCE, MissionType.RALLY)
 
 
 def _with_lists(failed: MissionError, kind: int, sent: Sequence[int]) -> MissionError:
-    """Add what the vehicle holds of each list of an upload that failed in the list `kind`."""
+    """Add each list's state after a failure in the list `kind`."""
     names = [conversations.list_name(each) for each in sent]
     at = list(sent).index(kind)
     new = f"it holds the new {' and the new '.join(names[:at])}" if at > 0 else ""

@@ -26,7 +26,7 @@ from ipoa_mission.forecast.itinerary.itinerary import Itinerary
 from ipoa_mission.forecast.timing.bound import Kinematics
 from ipoa_mission.forecast.timing.flight_model import FlightModel, Prediction
 from ipoa_mission.forecast.timing.track import Track
-from ipoa_mission.geometry import Place, Vector
+from ipoa_mission.geometry import Place, Points, Vector
 from ipoa_mission.mission.items import Item
 from ipoa_mission.mission.program import Program
 from ipoa_mission.simulator.mock_profile import MockProfile
@@ -204,6 +204,9 @@ class Toy(Autopilot):
 
     def braking_distance(self, parameters: Parameters, speed: Vector, accel: Vector) -> Vector:
         return 0.0 * speed
+
+    def farthest_landing(self, parameters: Parameters, velocity: Points) -> Points:
+        return 0.0 * velocity
 
     def slow_stretch(self, parameters: Parameters) -> SlowStretch | None:
         return None

@@ -29,7 +29,7 @@ from ipoa_mission.forecast.contingency.contingencies import (
 from ipoa_mission.forecast.contingency.contingency_paths import ContingencyPaths
 from ipoa_mission.forecast.contingency.contingency_samples import SAMPLING
 from ipoa_mission.geodesy import Geodetic
-from ipoa_mission.mission.items import FenceCircle, Item, Mission, land, takeoff, waypoint
+from ipoa_mission.mission.items import FenceCircle, Item, Mission, change_speed, land, takeoff, waypoint
 from ipoa_mission.vehicles.arducopter.braking import braking_displacement
 from ipoa_mission.vehicles.px4_multicopter.flights import Flights
 from tests.examples import examples
@@ -183,6 +183,48 @@ def test_px4_brakes_by_its_jerk_also_when_slow(speed: float) -> None:
     speeds = speed + np.concatenate([[0.0], np.cumsum(slowing[1:] * np.diff(times))])
     distance = np.maximum(speeds, 0.0)[1:] @ np.diff(times)
     assert Autopilot.PX4.braking_distance({}, np.array([speed]), np.zeros(1)) == pytest.approx([distance], abs=1e-3)
+
+
+#: LAND on PX4 1.18, PX4 1.17 and ArduCopter 4.8.0-dev: velocity at the order [m/s], then run and height [m] flown.
+SUNK = [
+    (Autopilot.PX4, (4.93, -0.11), [(4.5, -0.54), (6.9, -1.92), (8.0, -3.38), (8.4, -4.15), (8.68, -6.07)]),
+    (Autopilot.PX4, (9.58, -0.1), [(9.2, -0.41), (16.4, -1.61), (21.6, -3.0), (24.2, -4.45), (25.35, -6.75)]),
+    (Autopilot.PX4, (12.82, -0.08), [(12.3, -0.5), (22.3, -1.87), (29.6, -3.37), (34.0, -4.89), (36.29, -9.16)]),
+    (Autopilot.PX4, (12.56, -1.59), [(12.3, -1.67), (22.3, -3.21), (29.5, -4.62), (33.6, -6.12), (34.66, -7.6)]),
+    (Autopilot.PX4, (12.74, -0.04), [(12.3, -0.36), (22.1, -1.7), (29.1, -3.42), (33.1, -5.18), (34.29, -7.99)]),
+    (Autopilot.ARDUPILOT, (5.0, -0.03), [(4.5, -0.4), (5.9, -1.01), (6.5, -1.78), (6.54, -2.09)]),
+    (Autopilot.ARDUPILOT, (9.79, -0.03), [(9.2, -0.42), (16.2, -1.86), (20.6, -3.38), (22.3, -4.85)]),
+    (Autopilot.ARDUPILOT, (13.01, -0.03), [(12.4, -0.36), (22.4, -1.76), (30.2, -3.35), (35.3, -4.82), (37.48, -6.59)]),
+    (Autopilot.ARDUPILOT, (12.92, -1.5), [(12.5, -1.46), (22.8, -2.99), (30.5, -4.53), (35.5, -6.03), (37.59, -7.82)]),
+]
+
+
+@pytest.mark.parametrize(("autopilot", "velocity", "flown"), SUNK)
+def test_land_sinks_while_it_brakes(
+    campus: Contingencies, autopilot: Autopilot, velocity: tuple[float, float], flown: list[tuple[float, float]]
+) -> None:
+    place = np.array([[0.0, 0.0, 100.0]])
+    moving = np.array([[velocity[0], 0.0, velocity[1]]])
+    level = autopilot.stopping_offset({}, moving[:, :2], 0.0 * moving[:, :2], Contingency.LAND)
+    farthest = place + autopilot.farthest_landing({}, moving)
+    stops, sinks = campus.paths.landings(place, place + np.column_stack([level, [0.0]]), farthest)[0]
+    for run, height in flown:
+        from_columns = np.abs(np.array([stops[2, 0], sinks[2, 0]]) - run).min()
+        assert np.interp(run, *sinks[:3, ::2].T) <= 100.25 + height or from_columns < 1.5
+    assert flown[-1][0] < sinks[2, 0] < flown[-1][0] + 0.55 * velocity[0]
+
+
+def test_land_over_a_roof_in_its_braking_distance_is_not_clear() -> None:
+    scenario = read_scenario(MISSIONS / "sitl.toml")
+    places = scenario.frame.geodetic
+    ways = (waypoint(places(np.array([east, 75.0, 0.0])), 24.0, 0.1) for east in (0.0, 220.0))
+    items = (takeoff(HOME, 24.0), change_speed(10.0), *ways, land(places(np.array([220.0, 75.0, 0.0]))))
+    contingencies = Contingencies(Forecast(Mission(HOME, items, Autopilot.PX4), scenario))
+    stops = contingencies.stops(Contingency.LAND)
+    time = float(np.interp(90.0, stops.places[:, 0], stops.times))
+    level, sinking = contingencies.paths.at(Contingency.LAND, np.array([time])).near[0].min(axis=1)
+    assert sinking < contingencies.paths.required < level  # the stopping point is 7 m beyond the hangar
+    assert not contingencies.at(Contingency.LAND, time, timed=False).clear
 
 
 def test_hold_in_a_descent_ends_at_the_height_flown() -> None:

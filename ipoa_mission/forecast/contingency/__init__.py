@@ -6,6 +6,5 @@
 `contingency_samples` holds its arrays, refined until no shortfall can hide.
 `shortfalls` finds its nearest passings, and return altitudes without one.
 `energy_budget` compares RTL with the battery; `contingencies_now` looks up rows in flight.
-All share `Contingencies` and `ContingencyPaths` by `forecast.cached`.
 `predict_contingency` times an RTL, `_Navigator.visit` an RTL item of PX4: both use `return_orders`.
 """

@@ -61,9 +61,11 @@ class ContingenciesNow:
         stop[:2] += autopilot.stopping_offset(mission.parameters, velocity[None, :2], steady[:, :2], contingency)[0]
         stop[2] += autopilot.stopping_climb(mission.parameters, velocity[None, :], steady, contingency)[0]
         end = np.array([stop[0], stop[1], place[2] if autopilot.guidance.holds_at_order else stop[2]])
-        if contingency is not Contingency.HOLD:
-            end[2] = paths.enlarged.whole.ground(stop[None, :])[0]
         path = np.array([place, stop, end])
+        if contingency is not Contingency.HOLD:
+            farthest = place + autopilot.farthest_landing(mission.parameters, velocity[None, :])
+            ((level, sinking),) = paths.landings(place[None, :], stop[None, :], farthest)
+            path = np.array([*level[::-1], *sinking[1:]])
         near = paths.enlarged.obstacle_clearance(path, within=paths.required + 8.0)  # [m]
         grade = Grade.CLEAR if near.distance >= paths.required else Grade.UNCLEAR
         return ContingencyRow(contingency, 0.0, 0.0, grade, near.distance, paths.required, near.what, "here")

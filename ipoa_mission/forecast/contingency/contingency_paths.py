@@ -108,7 +108,9 @@ class ContingencyPaths:
         stops = begins + np.column_stack([offset, climb])
         seqs = np.array([visit.seq for visit in self.flight.itinerary.visits])
         ahead = np.minimum(np.searchsorted(self.flight.prediction.done, times), len(seqs) - 1)
-        return StoppingPoints(times, pieces.at(times), stops, seqs[ahead])
+        farthest = begins + autopilot.farthest_landing(parameters, velocity)
+        farthest[:, 2] = np.minimum(farthest[:, 2], stops[:, 2])
+        return StoppingPoints(times, pieces.at(times), stops, seqs[ahead], farthest)
 
     def why_unknown(self) -> str | None:
         if self.routes.why_unknown is not None:
@@ -138,7 +140,8 @@ class ContingencyPaths:
         paths = np.stack([places, stops], axis=1)[:, None]
         possible = np.ones((len(times), 1), dtype=bool)
         if contingency is Contingency.LAND:
-            paths = np.concatenate([paths, self._ground_below(stops)[:, None, None]], axis=2)
+            paths = self.landings(places, stops, self.stops(contingency).farthest_at(times))
+            possible = np.ones(paths.shape[:2], dtype=bool)
         elif contingency is Contingency.HOLD and self.mission.autopilot.guidance.holds_at_order:
             back = np.column_stack([stops[:, :2], places[:, 2]])
             paths = np.concatenate([paths, back[:, None, None]], axis=2)
@@ -173,6 +176,7 @@ class ContingencyPaths:
 
     def lowest_height(self, contingency: Contingency, samples: ContingencySamples, n: int) -> Check:
         paths = samples.paths[n, samples.possible[n], : _end_of_flight(contingency)]
+        paths = paths[:1] if contingency is Contingency.LAND else paths
         checks = (check for path in paths for check in prove_ground(path, self.forecast.world))
         lowest = min(checks, key=lambda check: check.slack)
         return replace(lowest, nearest=lowest.nearest.minus(float(samples.spread[n])))
@@ -226,7 +230,7 @@ class ContingencyPaths:
         return np.asarray(near[nearest] - SAMPLING.chord_error), np.asarray(which[nearest])
 
     def _note_mission(self, times: Vector, near: Distances, which: ObstacleIndices) -> None:
-        """Reduce distances of returns along the mission, in place, to the flown path's, which cuts corners."""
+        """Reduce distances of returns along the mission, in place, to the flown path's."""
         for by in self.routes.kinds:
             paths = self._paths_to(self.routes.goal_along(by))
             flown, obstacles = self._flown_so_far(times, ahead=by is ReturnBy.MISSION_FORWARD)
@@ -253,6 +257,7 @@ class ContingencyPaths:
         least = heights.reshape(*paths.shape[:2], paths.shape[2] - 1).min(axis=2)
         least -= samples.spread[in_cruise, None]
         is_low = samples.possible[in_cruise] & (least < world.limits.height_above_ground + ROUNDING)
+        is_low[:, 1:] &= contingency is not Contingency.LAND  # the second path sinks
 
         near, which, slack = samples.near.copy(), samples.which.copy(), samples.slack.copy()
         for row, k in np.argwhere(is_low).tolist():
@@ -268,12 +273,12 @@ class ContingencyPaths:
 
     @property
     def _shares(self) -> tuple[float, ...]:
-        """Shares of the way back to the place of the order, at which it climbs."""
+        """Shares of the way back at which it climbs."""
         return (0.0, 0.5, 1.0) if self.mission.autopilot.guidance.climbs_coming_back else (0.0,)
 
     @property
     def _variants(self) -> int:
-        """Paths to one goal: of each share, then of each error over terrain."""
+        """Paths to one goal: each share, then each error over terrain."""
         return len(self._shares) + len(self.routes.off_terrain)
 
     def _paths_to(self, goal: int) -> slice:
@@ -325,12 +330,19 @@ class ContingencyPaths:
             possible &= np.tile(is_over_terrain, n_goals)
         return possible
 
+    def landings(self, places: Points, stops: Points, farthest: Points) -> Paths:
+        """Return paths (n, 2, 4, 3) down at `stops`, and sinking towards `farthest`."""
+        ground = self._ground_below(farthest)
+        sunk = np.column_stack([farthest[:, :2], np.maximum(farthest[:, 2], ground[:, 2])])
+        middle = places + (sunk - places) * [0.75, 0.75, 0.5]  # lower than flown
+        level = np.stack([places, stops, stops, self._ground_below(stops)], axis=1)
+        return np.stack([level, np.stack([places, middle, sunk, ground], axis=1)], axis=1)
+
     def _ground_below(self, points: Points) -> Points:
         return np.column_stack([points[:, :2], np.minimum(self.enlarged.whole.ground(points), points[:, 2])])
 
 
 def _end_of_flight(contingency: Contingency) -> int | None:
-    """Return the end of the places before the landing."""
     return {Contingency.RTL: -1, Contingency.HOLD: None}.get(contingency, 2)
 
 

@@ -41,15 +41,19 @@ GROUND = -2  # among the indices of obstacles; -1 is nothing
 
 @dataclass(frozen=True, eq=False)
 class StoppingPoints:
-    """Places (n, 3) at `times` (n,) [s] on the way to items `seqs`, and the stopping points `stops`."""
+    """Places (n, 3) at `times` (n,) [s] on the way to items `seqs`; `stops`, and LAND's `farthest` ones."""
 
     times: Vector
     places: Points
     stops: Points
     seqs: NDArray[np.intp]
+    farthest: Points
 
     def seqs_at(self, times: Vector) -> NDArray[np.intp]:
         return np.asarray(self.seqs[np.clip(np.searchsorted(self.times, times), 0, len(self.seqs) - 1)])
+
+    def farthest_at(self, times: Vector) -> Points:
+        return interpolate(times, self.times, self.farthest)
 
     def at(self, times: Vector) -> tuple[Points, Points]:
         return interpolate(times, self.times, self.places), interpolate(times, self.times, self.stops)

@@ -155,7 +155,7 @@ def find_shortfalls(
             continue
         reported.add((number, leg))
         name = "" if number == GROUND else bodies[number].name
-        climbs = number >= 0 and leg == ReturnLeg.CLIMBS
+        climbs = number >= 0 and leg == ReturnLeg.CLIMBS and contingency is Contingency.RTL
         over = climbs and float(bodies[number].bounds[0, 2]) > float(samples.paths[n, k, 1, 2])
         yield Shortfall(contingency, float(samples.times[n]), name, number, -float(short[n, k, leg]), leg, over)
 

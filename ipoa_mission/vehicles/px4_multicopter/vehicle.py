@@ -256,6 +256,12 @@ class Px4Multicopter(Autopilot):
         while_braking = super().stopping_climb(parameters, velocity, accel, contingency)
         return np.asarray(np.copysign(np.maximum(distance, np.abs(while_braking)), climb))
 
+    def farthest_landing(self, parameters: Parameters, velocity: Points) -> Points:
+        limits = px4_limits(parameters)
+        speed = np.hypot(*velocity[:, :2].T)
+        overshot = velocity[:, :2] * (limits.stopping_time(speed) + 0.5)[:, None]  # as flown
+        return returning.sunk_path(overshot, velocity, limits.sinks_from, speed / limits.accel + 2.3)
+
     def slow_stretch(self, parameters: Parameters) -> returning.SlowStretch | None:
         """Return MPC_LAND_ALT1 to MPC_LAND_ALT2.
 
