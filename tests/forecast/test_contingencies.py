@@ -176,6 +176,18 @@ def test_px4_runs_on_farther_before_a_fast_return(cruise: float, farthest: float
     assert farthest - 1.05 <= runs_on - 0.6 * 1.5 <= farthest
 
 
+@pytest.mark.parametrize(
+    ("level", "climb", "flown"),
+    [(12.85, 3.04, 9.57), (12.82, 2.93, 9.34), (12.42, -1.52, -4.67), (12.91, -1.44, -4.41), (12.37, -1.33, -3.67)],
+)
+def test_px4_runs_on_as_flown_on_a_slope_away_from_home(level: float, climb: float, flown: float) -> None:
+    # four on PX4 1.18, one on PX4 1.17
+    velocity = np.array([[level, 0.0, climb]])
+    (runs_on,) = Autopilot.PX4.stopping_climb({"MPC_XY_CRUISE": 13.0}, velocity, 0.0 * velocity, Contingency.RTL)
+    counted = abs(runs_on + climb * Autopilot.PX4.braking_delay_s(Contingency.RTL))
+    assert abs(flown) <= counted <= abs(flown) + 1.4
+
+
 @pytest.mark.parametrize("speed", [0.0, 0.1, 0.5, 1.0, 1.2, 5.0])
 def test_px4_brakes_by_its_jerk_also_when_slow(speed: float) -> None:
     times = np.linspace(0.0, 4.0, 40_001)

@@ -252,7 +252,9 @@ class Px4Multicopter(Autopilot):
             back = np.minimum(np.sqrt(half**2 + 2.0 * brakes * distance) - half, fastest)
             leaves_s = limits.cruise / limits.accel + limits.accel / limits.jerk
             run_on_way_home = speed**2 * leaves_s / np.maximum(2.0 * speed + back, 1e-9)
-            distance = np.maximum(distance, run_on_way_home + noticed_s * speed)
+            turns_s = leaves_s + np.hypot(*velocity[:, :2].T) / limits.accel
+            evenly = speed**2 * turns_s / np.maximum(2.0 * (speed + back), 1e-9)
+            distance = np.maximum(distance, np.maximum(run_on_way_home, evenly) + noticed_s * speed)
         while_braking = super().stopping_climb(parameters, velocity, accel, contingency)
         return np.asarray(np.copysign(np.maximum(distance, np.abs(while_braking)), climb))
 
