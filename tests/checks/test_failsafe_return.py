@@ -122,7 +122,9 @@ def test_px4_may_turn_home_anywhere_between_the_order_and_its_stop(autopilot: Au
     scenario = scene(autopilot, HALL)
     paths = ContingencyPaths(flight_in(scenario))
     places, stopping_points = (np.array([[100.0, y, 20.0], [100.0, y - 0.1, 20.0]]) for y in (-20.0, -60.0))
-    paths._stops[Contingency.RTL] = StoppingPoints(np.arange(2.0), places, stopping_points, np.array([4, 4]))
+    paths._stops[Contingency.RTL] = StoppingPoints(
+        np.arange(2.0), places, stopping_points, np.array([4, 4]), stopping_points
+    )
     returns = paths.at(Contingency.RTL, np.arange(2.0)).near[:, :, ReturnLeg.RETURNS].min()
     assert (returns < scenario.limits.obstacle_distance) == (autopilot is Autopilot.PX4)
 
@@ -132,7 +134,9 @@ def test_px4_chooses_its_return_altitude_at_the_place_of_the_order(ordered: floa
     # rtl.cpp: within NAV_ACC_RAD it does not climb to RTL_RETURN_ALT
     paths = ContingencyPaths(flight_in(scene(Autopilot.PX4, HALL)))
     places, stopping_points = (np.array([[east, 0.0, 20.0], [east, 0.1, 20.0]]) for east in (ordered, stops))
-    paths._stops[Contingency.RTL] = StoppingPoints(np.arange(2.0), places, stopping_points, np.array([4, 4]))
+    paths._stops[Contingency.RTL] = StoppingPoints(
+        np.arange(2.0), places, stopping_points, np.array([4, 4]), stopping_points
+    )
     (path, *_) = paths.at(Contingency.RTL, np.arange(1.0)).paths[0]
     assert path[3, 2] == pytest.approx(top, abs=0.01)
 
