@@ -100,9 +100,10 @@ def zone_tags(properties: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
     for side in ("lower", "upper"):
         limit = properties.get(f"{side}Limit")
         if isinstance(limit, dict):  # openAIP: numbers for units and references
-            unit = {0: "M", 1: "FT", 6: "FL"}.get(limit.get("unit"), limit.get("unit"))
-            datum = {0: "GND", 1: "MSL", 2: "STD"}.get(limit.get("referenceDatum"), limit.get("referenceDatum"))
-            yield side, f"{limit.get('value')} {unit} {datum}"
+            words = [str(limit.get(key)) for key in ("value", "unit", "referenceDatum")]
+            unit = {"0": "M", "1": "FT", "6": "FL"}.get(words[1], words[1])
+            reference = {"0": "GND", "1": "MSL", "2": "STD"}.get(words[2], words[2])
+            yield side, f"{words[0]} {unit} {reference}"
     volume = properties.get("geometry")
     if isinstance(volume, dict):  # Estonia: an ED-269 volume
         yield from limit_tags(volume)
