@@ -146,7 +146,7 @@ class CommandEffects:
     replays_speed: bool = False  # the last change of speed before the item at which a mission begins
     #: They have no effect on the path if this is true of their params.
     unless: Mapping[int, Callable[[Sequence[float]], bool]] = field(default_factory=dict)
-    #: True if items behind a landing are flown. Arguments: its command, if a take-off follows, parameters.
+    #: True if items behind a command are flown. Arguments: the command, if a take-off follows, parameters.
     flies_on: Callable[[int, bool, Mapping[str, float]], bool] = lambda *_: True
 
     def why_unknown(self, command: int, params: Sequence[float]) -> str | None:

@@ -4,10 +4,9 @@ import math
 from collections import defaultdict
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from itertools import pairwise
 
 from ipoa_mission.autopilot.autopilot import NO_AIRCRAFT, Autopilot
-from ipoa_mission.autopilot.commands import FLOWN_TO, HOLDING, LANDINGS, LAST_NAV, MAY_PRECEDE_TAKEOFF, Command, Frame
+from ipoa_mission.autopilot.commands import FLOWN_TO, HOLDING, LANDINGS, MAY_PRECEDE_TAKEOFF, Command, Frame
 from ipoa_mission.autopilot.firmware_tables import PARAM_NAMES, Firmware
 from ipoa_mission.autopilot.guidance_profile import JumpProfile
 from ipoa_mission.autopilot.parameters import SINGLE_MAX
@@ -19,7 +18,15 @@ from ipoa_mission.forecast.itinerary.copter_curves import circle_turn
 from ipoa_mission.mission.item_words import name_items
 from ipoa_mission.mission.items import Item, Mission, Numbered, item_of, numbered_items
 from ipoa_mission.mission.positions import out_of_range
-from ipoa_mission.mission.program import Steps, as_flown, items_tagged, jump_target, program_of
+from ipoa_mission.mission.program import (
+    Steps,
+    as_flown,
+    behind_landing,
+    items_tagged,
+    jump_target,
+    program_of,
+    stays_at,
+)
 from ipoa_mission.mission.stored_mission import fence_to_wire, to_wire, values_of
 
 NOT_MEASURED = "version-not-measured"
@@ -41,7 +48,11 @@ def check_firmware(mission: Mission) -> Iterator[Finding]:
     flown = _flown(mission)
     if flown and flown[-1].item.command not in LANDINGS | {Command.NAV_LOITER_UNLIM}:
         yield flown[-1].warning("ends-in-the-air", "the mission ends in the air, and the vehicle stays there")
-    yield from _behind_landing(mission)
+    behind = behind_landing(mission)
+    if behind is not None:
+        landing, after = behind
+        words = f"{mission.autopilot.model} ends the mission at the {landing.item.name} of item {landing.seq}"
+        yield after.warning("behind-landing", f"{words}; the forecast flies on")
     yield from _terrain(mission)
 
 
@@ -182,19 +193,6 @@ def _flown(mission: Mission) -> list[Numbered]:
     return [at for at in numbered_items(mission) if at.item.command < Command.CONDITION_DELAY]
 
 
-def _behind_landing(mission: Mission) -> Iterator[Finding]:
-    if any(item.is_jump for item in mission.items):
-        return
-    moving = [at for at in _flown(mission) if at.item.command not in MAY_PRECEDE_TAKEOFF]
-    flies_on = mission.autopilot.command_effects.flies_on
-    for at, after in pairwise(moving):
-        command = at.item.command
-        if command in LANDINGS and not flies_on(command, after.item.is_takeoff, mission.complete_parameters):
-            words = f"{mission.autopilot.model} ends the mission at the {at.item.name} of item {at.seq}"
-            yield after.warning("behind-landing", f"{words}; the forecast flies on")
-            return
-
-
 def _terrain(mission: Mission) -> Iterator[Finding]:
     over = [seq for seq, item in enumerate(mission.items, 1) if item.is_over_terrain]
     sensor = mission.autopilot.guidance.terrain_by
@@ -207,14 +205,11 @@ def _terrain(mission: Mission) -> Iterator[Finding]:
 
 
 def _waits(mission: Mission) -> Iterator[Finding]:
-    last = max((at.seq for at in numbered_items(mission) if at.item.command <= LAST_NAV), default=0)
+    for at in stays_at(mission):
+        why = "" if at.item.autocontinue else "its autocontinue is off: "
+        words = f"{why}stays here until an operator goes on: the time and the clearance of its flights are unknown"
+        yield at.warning("waits-for-someone", words)
     for at in numbered_items(mission):
-        if at.item.command == Command.NAV_LOITER_UNLIM and at.seq < last:
-            words = "stays here until an operator ends it: the time and the clearance of its flights are unknown"
-            yield at.warning("waits-for-someone", words)
-        elif not at.item.autocontinue and not at.item.is_jump and mission.firmware.keeps_autocontinue:
-            words = f"autocontinue is off: {mission.autopilot.model} stays here until an operator chooses another item"
-            yield at.warning("waits-for-someone", words)
         if until := at.item.clock:
             if mission.autopilot.guidance.waits_until_clock:
                 words = f"waits until {until}, which may be up to a day: the forecast time leaves it out"

@@ -8,17 +8,18 @@ import math
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from itertools import pairwise
 from typing import TypeAlias
 
 import numpy as np
 
 from ipoa_mission.autopilot.autopilot import Autopilot
-from ipoa_mission.autopilot.commands import FLOWN_TO, TAKEOFF_AND_LAND, Command, Frame, plain_frame
+from ipoa_mission.autopilot.commands import FLOWN_TO, LAST_NAV, TAKEOFF_AND_LAND, Command, Frame, plain_frame
 from ipoa_mission.autopilot.guidance_profile import JumpProfile
 from ipoa_mission.autopilot.version import Version
 from ipoa_mission.geodesy import Geodetic, LocalFrame
 from ipoa_mission.geometry import Place, Points
-from ipoa_mission.mission.items import Item, Mission
+from ipoa_mission.mission.items import Item, Mission, Numbered, numbered_items
 
 Steps: TypeAlias = list[tuple[list[int], int | None]]  # items done in passing, and the next place
 MAX_ACTIONS = 255  # in passing, of ArduPilot
@@ -108,6 +109,27 @@ def next_navigated(
         return None
     following = range(n + 1, len(items)) if later is None else later
     return next((index for index in following if items[index].moves), None)
+
+
+def stays_at(mission: Mission) -> list[Numbered]:
+    """Return the items at which the vehicle stays until an operator goes on."""
+    listed = numbered_items(mission)
+    last = max((at.seq for at in listed if at.item.command <= LAST_NAV), default=0)
+    ignored = not mission.firmware.keeps_autocontinue
+    without_end = (at for at in listed if at.item.command == Command.NAV_LOITER_UNLIM and at.seq < last)
+    held = (at for at in listed if not (at.item.autocontinue or at.item.is_jump or ignored))
+    return [*without_end, *held]
+
+
+def behind_landing(mission: Mission) -> tuple[Numbered, Numbered] | None:
+    """Return the landing that ends the mission, and the item that follows; None also for a mission with jumps."""
+    flies_on = mission.autopilot.command_effects.flies_on
+    listed = (at for at in numbered_items(mission) if at.item.command <= LAST_NAV)
+    moving = [at for at in listed if at.item.command != Command.NAV_DELAY]
+    for at, after in pairwise(moving):
+        if not flies_on(at.item.command, after.item.is_takeoff, mission.complete_parameters):
+            return None if any(item.is_jump for item in mission.items) else (at, after)
+    return None
 
 
 @dataclass

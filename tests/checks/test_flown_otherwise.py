@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import pytest
 
-from ipoa_mission import check_mission
+from ipoa_mission import check_mission, estimate
 from ipoa_mission.autopilot.autopilot import autopilot_named
 from ipoa_mission.autopilot.commands import Command, Frame
 from ipoa_mission.geodesy import Geodetic
@@ -48,6 +48,15 @@ def test_items_behind_a_landing_that_ends_the_mission_are_reported(
     autopilot: str, items: Sequence[Item], parameters: dict[str, float], expected: list[str]
 ) -> None:
     assert codes(autopilot, items, **parameters) == expected
+
+
+def test_the_estimate_says_what_is_not_flown_or_waits() -> None:
+    px4 = autopilot_named("px4")
+    held = replace(THERE, autocontinue=False)
+    (remark,) = estimate(Mission(HOME, (UP, held, THERE, RTL), px4)).remarks
+    assert remark == "item 2: the time until an operator goes on is not in the times"
+    (remark,) = estimate(Mission(HOME, (UP, THERE, RTL, AGAIN, LAND), px4)).remarks
+    assert remark == "item 4: the mission ends at item 3; the times go on"
 
 
 @pytest.mark.parametrize(("autopilot", "expected"), [("px4", ["warning waits-for-someone 2"]), ("ardupilot", [])])

@@ -17,6 +17,7 @@ from ipoa_mission.forecast.timing.track import Track, interpolate
 from ipoa_mission.geometry import Points, Vector, arc_lengths, leg_lengths
 from ipoa_mission.mission.item_words import name_items
 from ipoa_mission.mission.items import LEFT_OUT, Mission
+from ipoa_mission.mission.program import behind_landing, stays_at
 
 COUNTED_TERMS = (
     "distance over speed, climb of the take-off, holds, RTL's descent; no take-off delay, no landing, no corner"
@@ -177,6 +178,12 @@ def times_of(itinerary: Itinerary, prediction: Prediction) -> Estimate:
         remarks = (*remarks, f"{name_items(conditions)}: the delayed action counts as done at once")
     knows_clock = itinerary.mission.autopilot.guidance.waits_until_clock
     waits = [(visit.seq, visit.item.clock) for visit in itinerary.visits if knows_clock and visit.item.clock]
+    behind = behind_landing(itinerary.mission)
+    if behind is not None:
+        remarks = (*remarks, f"item {behind[1].seq}: the mission ends at item {behind[0].seq}; the times go on")
+    staying = [at.seq for at in stays_at(itinerary.mission)]
+    if staying:
+        remarks = (*remarks, f"{name_items(staying)}: the time until an operator goes on is not in the times")
     remarks += tuple(f"item {seq}: the wait until {until} is not in the times" for seq, until in waits)
     if itinerary.start_height is not None:
         remarks = (*remarks, "the mission has no take-off: the time starts over home, at the height of its first place")

@@ -9,7 +9,7 @@ from typing import ClassVar
 from ipoa_mission.autopilot import guidance_profile as profile
 from ipoa_mission.autopilot import returning
 from ipoa_mission.autopilot.autopilot import MULTICOPTERS, Autopilot
-from ipoa_mission.autopilot.commands import WAYPOINTS, Command, Frame
+from ipoa_mission.autopilot.commands import LANDINGS, WAYPOINTS, Command, Frame
 from ipoa_mission.autopilot.failsafe import OwnFence
 from ipoa_mission.autopilot.firmware_tables import POLYGON, Firmware, FirmwareTables, Refusals, Refused, rows
 from ipoa_mission.autopilot.parameters import Parameters
@@ -73,7 +73,8 @@ def refused_in_rally(firmware: Firmware, command: int, frame: int, values: Seque
 
 def _flies_on(command: int, takes_off: bool, parameters: Mapping[str, float]) -> bool:
     """Bit 2 of MIS_OPTIONS flies on from LAND to a take-off; without it the vehicle disarms."""
-    return takes_off and (command == Command.NAV_RETURN_TO_LAUNCH or int(parameters["MIS_OPTIONS"]) & 4 > 0)
+    lands_only = command != Command.NAV_RETURN_TO_LAUNCH and not int(parameters["MIS_OPTIONS"]) & 4
+    return command not in LANDINGS or (takes_off and not lands_only)
 
 
 def _no_place(values: Sequence[float], frame: int) -> Refused | None:
