@@ -226,6 +226,14 @@ def test_land_sinks_while_it_brakes(
     assert flown[-1][0] < sinks[2, 0] < flown[-1][0] + 0.55 * velocity[0]
 
 
+@pytest.mark.parametrize(("speed", "flown"), [(7.89, 16.96), (9.4, 22.22), (7.6, 16.72), (8.52, 21.69)])
+def test_px4_hold_flies_beyond_its_stopping_point(speed: float, flown: float) -> None:
+    # two on PX4 1.18, two on PX4 1.17
+    velocity = np.array([[speed, 0.0]])
+    ((counted, _),) = Autopilot.PX4.stopping_offset({}, velocity, 0.0 * velocity, Contingency.HOLD)
+    assert flown - 0.3 <= counted <= flown + 0.35 * speed
+
+
 def test_land_over_a_roof_in_its_braking_distance_is_not_clear() -> None:
     scenario = read_scenario(MISSIONS / "sitl.toml")
     places = scenario.frame.geodetic

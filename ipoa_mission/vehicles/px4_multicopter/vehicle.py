@@ -225,15 +225,17 @@ class Px4Multicopter(Autopilot):
     def stopping_offset(
         self, parameters: Parameters, velocity: Points, accel: Points, contingency: Contingency
     ) -> Points:
-        """Return the displacement of LAND and hold (preproject_stop_point).
+        """Return the displacement of LAND (preproject_stop_point) and hold, which flies farther and comes back.
 
         >>> import numpy as np
         >>> Px4Multicopter().stopping_offset({}, np.array([[6.0, 0.0]]), np.zeros((1, 2)), Contingency.HOLD).round(1)
-        array([[9.6, 0. ]])
+        array([[12.6,  0. ]])
         """
         if contingency not in returning.IN_PLACE:
             return super().stopping_offset(parameters, velocity, accel, contingency)
-        return np.asarray(velocity * px4_limits(parameters).stopping_time(np.hypot(*velocity.T))[:, None])
+        overshoots_s = 0.5 if contingency is Contingency.HOLD else 0.0  # as flown
+        stops_s = px4_limits(parameters).stopping_time(np.hypot(*velocity.T)) + overshoots_s
+        return np.asarray(velocity * stops_s[:, None])
 
     def stopping_climb(
         self, parameters: Parameters, velocity: Points, accel: Points, contingency: Contingency
@@ -260,9 +262,10 @@ class Px4Multicopter(Autopilot):
 
     def farthest_landing(self, parameters: Parameters, velocity: Points) -> Points:
         limits = px4_limits(parameters)
-        speed = np.hypot(*velocity[:, :2].T)
-        overshot = velocity[:, :2] * (limits.stopping_time(speed) + 0.5)[:, None]  # as flown
-        return returning.sunk_path(overshot, velocity, limits.sinks_from, speed / limits.accel + 2.3)
+        horizontal = velocity[:, :2]
+        overshot = self.stopping_offset(parameters, horizontal, 0.0 * horizontal, Contingency.HOLD)
+        braking_s = np.hypot(*horizontal.T) / limits.accel + 2.3
+        return returning.sunk_path(overshot, velocity, limits.sinks_from, braking_s)
 
     def slow_stretch(self, parameters: Parameters) -> returning.SlowStretch | None:
         """Return MPC_LAND_ALT1 to MPC_LAND_ALT2.
