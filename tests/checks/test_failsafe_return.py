@@ -5,8 +5,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from ipoa_mission import read_mission, read_scenario
 from ipoa_mission.autopilot.autopilot import Autopilot, autopilot_named, registered
 from ipoa_mission.autopilot.returning import Contingency
+from ipoa_mission.autopilot.version import Version
 from ipoa_mission.checks.world_check import check_failsafe_return
 from ipoa_mission.forecast.contingency.contingency_paths import ContingencyPaths
 from ipoa_mission.forecast.contingency.contingency_samples import ReturnLeg, StoppingPoints
@@ -168,3 +170,12 @@ def test_the_way_home_is_reported_where_it_comes_nearer_than_the_braking(
     monkeypatch.setattr(ContingencyPaths, "samples", lambda *_: lowered)
     findings = [finding.message for finding in check_failsafe_return(forecast)]
     assert [next(verb for verb in ("brake", "pass") if f" {verb} " in words) for words in findings] == verbs
+
+
+def test_a_shortfall_within_the_spread_of_flights_names_less_than_required() -> None:
+    missions = Path(__file__).parents[2] / "missions"
+    mission = replace(read_mission(missions / "sitl.plan"), firmware_version=Version(1, 17))
+    forecast = Forecast(mission.with_parameters({"RTL_RETURN_ALT": 70.0}), read_scenario(missions / "sitl.toml"))
+    (finding,) = check_failsafe_return(forecast)
+    assert "would brake or climb 2.41 m from hangar" in finding.message
+    assert "at least 2.50 m required" in finding.message

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable, Iterable, Iterator
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -166,8 +167,10 @@ def nearest_of(paths: ContingencyPaths, contingency: Contingency, samples: Conti
 
 def nearest_of_legs(paths: ContingencyPaths, samples: ContingencySamples, n: int, legs: range) -> Check:
     parts = [path[legs.start : legs.stop + 1] for path in samples.paths[n][samples.possible[n]]]
+    spread = float(samples.spread[n])
     if GROUND in samples.which[n, :, legs.start : legs.stop]:
         checks = (check for part in parts for check in prove_ground(part[:2], paths.forecast.world))
-        return min(checks, key=lambda check: check.slack)
+        lowest = min(checks, key=lambda check: check.slack)
+        return replace(lowest, nearest=lowest.nearest.minus(spread))
     clearances = (paths.enlarged.obstacle_clearance(part) for part in parts)
-    return Check("obstacles", min(clearances, key=lambda clearance: clearance.distance), paths.required)
+    return Check("obstacles", min(clearances, key=lambda near: near.distance).minus(spread), paths.required)
