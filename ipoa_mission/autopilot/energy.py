@@ -124,9 +124,10 @@ class Battery:
 
 def shortage(used: Interval, battery: Battery) -> NotEnoughBattery | None:
     """Return the refusal of this energy [Wh]; its upper bound may use the reserve."""
-    left, most = (1 - energy_wh / battery.capacity_wh for energy_wh in (used.likely, used.high))
+    left = 1 - used.likely / battery.capacity_wh
+    least_left = 1 - used.high / battery.capacity_wh
     rounding = 1e-9
-    if left >= battery.reserve - rounding and most >= -rounding:
+    if left >= battery.reserve - rounding and least_left >= -rounding:
         return None
     takes = f"takes {used.likely:.1f} Wh" + (f" ({used.low:.1f} to {used.high:.1f})" if used.high > used.low else "")
     outcome = f"leaves {left:.1%} of {battery.capacity_wh:.4g} Wh" if left > 0 else f"not {battery.capacity_wh:.4g} Wh"

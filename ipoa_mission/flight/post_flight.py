@@ -107,8 +107,8 @@ def _flown_points(record: FlightRecord, scenario: Scenario) -> Points:
     places = [(sample.latitude_deg, sample.longitude_deg) for sample in record.path]
     latitude, longitude = np.array(places).T
     frame = scenario.frame
-    level = frame.to_local(latitude, longitude, frame.home.altitude)
-    ground = float(scenario.airspace.ground(level[:1])[0])
+    at_home_height = frame.to_local(latitude, longitude, frame.home.altitude)
+    ground = float(scenario.airspace.ground(at_home_height[:1])[0])
     return frame.to_local(latitude, longitude, frame.home.altitude + ground + np.array(record.heights))
 
 

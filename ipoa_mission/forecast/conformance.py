@@ -169,19 +169,19 @@ class ConformanceMonitor:
         if self._detour is not None:
             points = np.vstack([points, self._detour])
             limits = np.vstack([limits, np.tile(limits.max(axis=0), (len(self._detour), 1))])
-        level = np.hypot(*(place[:2] - points[:, :2]).T)
+        lateral = np.hypot(*(place[:2] - points[:, :2]).T)
         higher = place[2] - points[:, 2]
-        shares = level / limits[:, 0]
+        shares = lateral / limits[:, 0]
         if self._knows_height:
             shares = np.maximum(shares, np.where(higher > 0.0, higher / limits[:, 2], -higher / limits[:, 1]))
         if leg.is_landing:  # the ground where it lands may be lower than known
-            shares = np.where(higher < 0.0, level / limits[:, 0], shares) if level[-1] < limits[-1, 0] else shares
+            shares = np.where(higher < 0.0, lateral / limits[:, 0], shares) if lateral[-1] < limits[-1, 0] else shares
         least = float(shares.min())
         if least <= 1.0:
             return None
-        away = np.hypot(level, higher) if self._knows_height else level
+        away = np.hypot(lateral, higher) if self._knows_height else lateral
         n = int(away.argmin())
-        words = f"the vehicle is {away[n]:.1f} m from the predicted path, {level[n]:.1f} m to its side"
+        words = f"the vehicle is {away[n]:.1f} m from the predicted path, {lateral[n]:.1f} m to its side"
         if self._knows_height:
             words += f" and {abs(higher[n]):.1f} m {'above' if higher[n] > 0.0 else 'below'}"
         side, below, above = self._width(self._law)

@@ -67,13 +67,13 @@ def through_air(track: Track, wind: Wind) -> tuple[Vector, Vector]:
     moved = np.diff(track.points, axis=0)
     climb = moved[:, 2] / np.diff(track.times)
     speed = (track.speeds[:-1] + track.speeds[1:]) / 2
-    level = np.sqrt(np.maximum(speed**2 - climb**2, 0.0))
+    horizontal = np.sqrt(np.maximum(speed**2 - climb**2, 0.0))
     if wind == CALM:
-        return level, climb
+        return horizontal, climb
     along = np.hypot(moved[:, 0], moved[:, 1])
     towards = moved[:, :2] / np.where(along > 0.0, along, np.inf)[:, None]
     blows = np.array([wind.towards(float(up)) for up in _middle_heights(track)])
-    return np.hypot(*(level[:, None] * towards - blows).T), climb
+    return np.hypot(*(horizontal[:, None] * towards - blows).T), climb
 
 
 def _middle_heights(track: Track) -> Vector:
@@ -161,9 +161,14 @@ def _share(learned: LearnedVehicle | None) -> tuple[float, float]:
 def curve_of(learned: LearnedVehicle | None) -> PowerCurve | None:
     if learned is None or learned.hover_power is None or learned.airspeed is None:
         return None
-    terms = ("square", "cube", "climb", "descent")
-    square, cube, climb, descent = (learned.value(f"{term}_power", 0.0) for term in terms)
-    return PowerCurve(learned.hover_power.value, square, cube, climb, descent, learned.airspeed.value)
+    return PowerCurve(
+        hover_w=learned.hover_power.value,
+        square_w=learned.value("square_power", 0.0),
+        cube_w=learned.value("cube_power", 0.0),
+        climb_w=learned.value("climb_power", 0.0),
+        descent_w=learned.value("descent_power", 0.0),
+        fastest=learned.airspeed.value,
+    )
 
 
 def battery_of(scenario: Scenario | None) -> Battery | None:

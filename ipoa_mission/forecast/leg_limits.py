@@ -66,7 +66,7 @@ def landings(forecast: Forecast) -> Iterator[Landing]:
             lands_at = item.command == Command.NAV_LAND and item.has_position
             below = min(item.height(mission.home), 0.0) if lands_at else 0.0  # ArduCopter 4.7 counts from there
             assumed_height = height - (below if mission.autopilot.guidance.lands_below_item else 0.0)
-            east, north = (float(value) for value in leg.points[-1, :2])
+            east, north, _ = leg.points[-1].tolist()
             yield Landing(leg.seq, item, east, north, height, assumed_height)
 
 

@@ -89,15 +89,15 @@ class DeviationLaw:
     def in_wind(self, speed: float) -> "DeviationLaw":
         if speed == 0.0:
             return self
-        side, down, up = (growth * speed for growth in self.growth)
+        side, down, up = self.growth
         return replace(
             self,
-            lateral=self.lateral.longer(side),
-            down=self.down.longer(down),
-            up=self.up.longer(up),
-            lowest=self.lowest.longer(down),
-            highest=self.highest.longer(up),
-            farthest=self.farthest and self.farthest.longer(side),
+            lateral=self.lateral.longer(side * speed),
+            down=self.down.longer(down * speed),
+            up=self.up.longer(up * speed),
+            lowest=self.lowest.longer(down * speed),
+            highest=self.highest.longer(up * speed),
+            farthest=self.farthest and self.farthest.longer(side * speed),
         )
 
     def after_cruise(self) -> "DeviationLaw":

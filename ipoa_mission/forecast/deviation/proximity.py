@@ -66,8 +66,9 @@ class ProximityRisks:
     @cached_property
     def facing(self) -> Vector:
         """Return the ratio of the deviation towards the obstacles to the lateral one."""
-        typical = [spread.distance(TYPICAL_CHANCE) for spread in (self.law.lateral, self.law.down, self.law.up)]
-        down, up = (spread / typical[0] for spread in typical[1:])
+        side = self.law.lateral.distance(TYPICAL_CHANCE)
+        down = self.law.down.distance(TYPICAL_CHANCE) / side
+        up = self.law.up.distance(TYPICAL_CHANCE) / side
         lateral, above = np.maximum(self.lateral, 0.0), np.maximum(self.above, 0.0)
         length = np.hypot(lateral, above)
         wider = np.hypot(lateral, np.where(self.is_over, down, up) * above)

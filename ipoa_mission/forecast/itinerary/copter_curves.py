@@ -52,8 +52,9 @@ def arc_chords(origin: Place, target: Place, turn: float, stray: float) -> Point
     x, y = arc_center(origin, target, turn)
     sine, cosine = np.sin(turn * share), np.cos(turn * share)
     east, north = origin[0] - x, origin[1] - y
-    level = x + east * cosine + north * sine, y - east * sine + north * cosine
-    points = np.column_stack([*level, origin[2] + share * (target[2] - origin[2])])
+    chord_east = x + east * cosine + north * sine
+    chord_north = y - east * sine + north * cosine
+    points = np.column_stack([chord_east, chord_north, origin[2] + share * (target[2] - origin[2])])
     points[-1] = target
     return points
 
@@ -111,8 +112,8 @@ def circle_chords(begin: Place, center: Place, flown: FlownCircle, turn: float, 
     bearings = bearing_from(center, begin) + np.linspace(0.0, swept, max(2, math.ceil(abs(swept) / widest) + 1))
     around = np.column_stack([np.sin(bearings), np.cos(bearings)])
     onward = sense * flown.runs_on * np.array([around[-1, 1], -around[-1, 0]])
-    level = np.array(center[:2]) + np.vstack([flown.radius * around, flown.radius * around[-1] + onward])
-    points = np.column_stack([level, np.full(len(level), begin[2])])
+    top_view = np.array(center[:2]) + np.vstack([flown.radius * around, flown.radius * around[-1] + onward])
+    points = np.column_stack([top_view, np.full(len(top_view), begin[2])])
     return np.vstack([[begin], points]) if math.dist(begin, points[0]) > stray else points
 
 

@@ -217,8 +217,10 @@ def _braking_lengths(mission: Mission) -> list[float]:
     autopilot, items = mission.autopilot, mission.items
     table = autopilot.parameter_table
     values = mission.complete_parameters
-    both = table.by_meaning["cruise speed"], table.by_meaning["acceleration"]
-    speed, accel = (values[parameter.name] * parameter.unit for parameter in both)
+    cruise = table.by_meaning["cruise speed"]
+    acceleration = table.by_meaning["acceleration"]
+    speed = values[cruise.name] * cruise.unit
+    accel = values[acceleration.name] * acceleration.unit
     changed = (n for n, item in enumerate(items) if item.command == Command.DO_CHANGE_SPEED)
     changes = {
         n: items[n].params[1] for n in changed if items[n].params[0] in HORIZONTAL_SPEEDS and items[n].params[1] > 0

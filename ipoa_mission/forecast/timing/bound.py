@@ -15,7 +15,7 @@ from ipoa_mission.geometry import Matrix, Points, Vector, arc_lengths, leg_lengt
 
 
 class Kinematics(NamedTuple):
-    """Speeds level, up and down [m/s], acceleration along and across the path (an ellipse) and jerk."""
+    """Speeds horizontal, up and down [m/s], acceleration along and across the path (an ellipse) and jerk."""
 
     speed: float
     climb: float
@@ -83,13 +83,14 @@ def _sampled(points: Points) -> tuple[Vector, Points, Vector]:
 
 
 def _speed_limits(tangents: Points, curvature: Vector, kinematics: Kinematics) -> Vector:
-    level, rise = np.hypot(tangents[:, 0], tangents[:, 1]), tangents[:, 2]
+    horizontal = np.hypot(tangents[:, 0], tangents[:, 1])
+    rise = tangents[:, 2]
     vertical = np.where(rise > 0, kinematics.climb, kinematics.descent)
     with np.errstate(divide="ignore", over="ignore"):
-        by_level = kinematics.speed / level
+        by_speed = kinematics.speed / horizontal
         by_rise = vertical / np.abs(rise)
         by_bend = np.sqrt(kinematics.accel_across / curvature)
-    return np.asarray(np.minimum(np.minimum(by_level, by_rise), by_bend))
+    return np.asarray(np.minimum(np.minimum(by_speed, by_rise), by_bend))
 
 
 def _after(square: float, bend: float, next_bend: float, step: float, kinematics: Kinematics) -> float:

@@ -205,8 +205,10 @@ def _item_times(itinerary: Itinerary, prediction: Prediction) -> tuple[ItemTime,
     begun = 0.0
     times = (map(float, values) for values in (prediction.done, prediction.low, prediction.high))
     risks = prediction.missed or (NEVER_MISSED,) * len(itinerary.visits)
-    track = prediction.track  # NumPy would copy strided axes for each item
-    clock, speeds, *axes = map(np.ascontiguousarray, (track.times, track.speeds, *track.points.T))
+    track = prediction.track
+    clock = np.ascontiguousarray(track.times)
+    speeds = np.ascontiguousarray(track.speeds)
+    axes = [np.ascontiguousarray(axis) for axis in track.points.T]  # NumPy would copy strided ones for each item
     for visit, done, low, high, reason, missed in zip(itinerary.visits, *times, prediction.reasons, risks, strict=True):
         length, peak = _flown(clock, axes, speeds, begun, done)
         lasted = done - begun
@@ -272,6 +274,8 @@ def qgroundcontrol_time(mission: Mission) -> float:
 
 
 def _great_circle(begin: tuple[float, float], end: tuple[float, float]) -> float:
-    (lat1, lon1), (lat2, lon2) = (tuple(map(math.radians, place)) for place in (begin, end))
-    half = math.sin((lat2 - lat1) / 2) ** 2 + math.cos(lat1) * math.cos(lat2) * math.sin((lon2 - lon1) / 2) ** 2
+    latitude, longitude = np.radians([begin, end]).T
+    by_latitude = math.sin((latitude[1] - latitude[0]) / 2) ** 2
+    by_longitude = math.sin((longitude[1] - longitude[0]) / 2) ** 2
+    half = by_latitude + math.cos(latitude[0]) * math.cos(latitude[1]) * by_longitude
     return 2 * 6_371_007.0 * math.asin(math.sqrt(half))  # Earth's radius [m] of QGeoCoordinate::distanceTo

@@ -134,9 +134,9 @@ def _bends(track: Track) -> tuple[Vector, Vector]:
     smoothed = 5
     reach_s = 2.0
     times = np.arange(begin, max(end, begin + smoothed * step_s) + step_s, step_s)
-    level = track.at(times)[:, :2]
+    horizontal = track.at(times)[:, :2]
     mean = np.full(smoothed, 1 / smoothed)
-    speeds = [np.gradient(axis, step_s) for axis in level.T]
+    speeds = [np.gradient(axis, step_s) for axis in horizontal.T]
     gains = [np.convolve(np.gradient(speed, step_s), mean, "same") for speed in speeds]
     across = np.abs(speeds[0] * gains[1] - speeds[1] * gains[0]) / np.maximum(np.hypot(*speeds), 0.5)
     reach = round(reach_s / step_s)

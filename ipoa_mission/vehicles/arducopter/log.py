@@ -190,8 +190,8 @@ def _note(gathered: _Gathered, kind: str, values: dict[str, Any]) -> None:
         case "XKF1" | "NKF1" if values.get("C", 0) == 0:
             gathered.velocities.append((time, values["VN"], values["VE"], values["VD"]))
         case "ATT":
-            roll, pitch, yaw = (math.radians(values[name]) for name in ("Roll", "Pitch", "Yaw"))
-            gathered.attitude.append((time, roll, pitch, yaw))
+            angles = [math.radians(values[name]) for name in ("Roll", "Pitch", "Yaw")]
+            gathered.attitude.append((time, *angles))
         case _ if kind in BATTERIES:
             number = values.get("Inst", values.get("Instance", BATTERIES[kind]))
             unit = 0.01 if "Throttle" in values else 1.0  # 3.3 wrote hundredths

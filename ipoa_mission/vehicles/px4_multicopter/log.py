@@ -196,8 +196,10 @@ def _items(result: Any | None) -> Iterator[Event]:
 
 def _fixes(topics: dict[str, Any]) -> Fixes:
     if place := topics.get(POSITIONS[0]):
-        stamps, latitude, longitude, altitude = (_column(place, name) for name in ("timestamp", "lat", "lon", "alt"))
-        times = stamps / 1e6
+        times = _column(place, "timestamp") / 1e6
+        latitude = _column(place, "lat")
+        longitude = _column(place, "lon")
+        altitude = _column(place, "alt")
     else:
         times, latitude, longitude, altitude = _local(topics[POSITIONS[1]])
     times, first_rows = np.unique(times, return_index=True)

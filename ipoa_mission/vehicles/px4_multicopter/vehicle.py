@@ -285,10 +285,11 @@ class Px4Multicopter(Autopilot):
         p = {**PARAMETER_TABLE.others, **parameters}
         if p["GF_ACTION"] <= 1.0:
             return None
-        across, up = (
-            FenceLimit(name, p[name] if p[name] > 0.0 else math.inf) for name in ("GF_MAX_HOR_DIST", "GF_MAX_VER_DIST")
-        )
-        return OwnFence(across, up, FenceLimit("", -math.inf))
+
+        def limit(name: str) -> FenceLimit:
+            return FenceLimit(name, p[name] if p[name] > 0.0 else math.inf)
+
+        return OwnFence(limit("GF_MAX_HOR_DIST"), limit("GF_MAX_VER_DIST"), FenceLimit("", -math.inf))
 
     def return_route(self, parameters: Parameters, order: ReturnOrder) -> ReturnRoute:
         """Return RTL_TYPE's route, to the nearest of home, rally points and the mission's landing.
