@@ -1,3 +1,4 @@
+import math
 import threading
 from collections.abc import Callable
 from contextlib import closing
@@ -344,3 +345,18 @@ def test_a_link_that_hides_its_peers_gives_no_cause_and_is_not_reopened() -> Non
     link.reopen()
     assert link.no_reply_cause(EVERYONE) is None
     assert not link.reopens
+
+
+def test_two_ends_that_wait_for_each_other_for_ever_are_an_error() -> None:
+    class Silent:
+        deadline = math.inf
+
+        def receive(self, data: bytes, peer: object, now: float) -> None: ...
+
+        def tick(self, now: float) -> None: ...
+
+        def outgoing(self) -> list[tuple[bytes, object]]:
+            return []
+
+    with pytest.raises(RuntimeError, match="both ends wait, and neither"):
+        Loopback(Silent()).receive(math.inf)

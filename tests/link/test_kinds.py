@@ -124,7 +124,7 @@ def test_one_that_turns_out_to_be_something_else_is_refused_from_there_on() -> N
     vehicle.upload(MISSION)
     for kind in ((3, 1), (3, 2)):
         channel.far.autopilot.kind_sent = kind  # type: ignore[attr-defined]
-        vehicle._hold(wait(3.0))
+        vehicle._run(wait(3.0))
         with refuses("other-kind", "", "ArduPilot plane", "ArduPilot multicopter", kind=NotFlown):
             vehicle.upload(MISSION)
         with pytest.raises(NotFlown):
@@ -156,7 +156,7 @@ def test_a_companion_with_the_autopilots_ids_changes_no_vehicle_state() -> None:
     vehicle = meet(connection, options=ConnectionOptions(fast=False))
     vehicle.state.armed = True
     channel.far.autopilot.kind_sent = 8, 18  # type: ignore[attr-defined]
-    vehicle._hold(wait(3.0))
+    vehicle._run(wait(3.0))
     vehicle.upload(MISSION)
     assert (vehicle.state.kind, vehicle.state.armed) == (VehicleKind(3, 2), True)
 

@@ -104,7 +104,7 @@ def test_our_upload_puts_a_mission_on_mavsdks_own_server(monkeypatch: pytest.Mon
     ):
         try:
             vehicle = meet(connection, options=ConnectionOptions(reading=True))  # a generic vehicle
-            vehicle._hold(upload.upload(upload.Upload(to_wire(Mission(HOME, items)), vehicle.autopilot)))
+            vehicle._run(upload.upload(upload.Upload(to_wire(Mission(HOME, items)), vehicle.autopilot)))
             assert server.stderr is not None
             result = next(json.loads(words) for words in server.stderr if words.startswith("{"))
         finally:

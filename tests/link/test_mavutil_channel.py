@@ -11,8 +11,8 @@ from ipoa_mission.link.connect import connect, meet, open_connection
 from ipoa_mission.link.definitions import add_dialect
 from ipoa_mission.link.mavutil_channel import MavutilChannel, expect_connection, messages_from
 from ipoa_mission.link.messages import Heartbeat, MavAutopilot, Message
+from tests.link.suited import met
 from tests.link.test_strangers import Net, connection_on, station
-from tests.link.test_verbs import met
 from tests.refused import refuses
 
 

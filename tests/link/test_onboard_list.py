@@ -155,7 +155,7 @@ def test_a_list_that_cannot_be_read_in_flight_is_looked_at_once_more(monkeypatch
     vehicle.upload(suited(vehicle, MISSION))
     vehicle.prepare()
     vehicle.start()
-    read = onboard_lists._read_again
+    read = onboard_lists._compare_list
     replaced_s, refused_s, told_s = list[float](), list[float](), list[float]()
 
     def once_refused(job: Upload) -> Dialogue[int]:
@@ -172,7 +172,7 @@ def test_a_list_that_cannot_be_read_in_flight_is_looked_at_once_more(monkeypatch
             told_s.append(vehicle.connection.now())
 
     vehicle.overhearing = overhear
-    monkeypatch.setattr(onboard_lists, "_read_again", once_refused)
+    monkeypatch.setattr(onboard_lists, "_compare_list", once_refused)
     assert not vehicle.watch().completed
     assert replaced_s[0] < refused_s[0] < told_s[0] <= refused_s[0] + CHECK_INTERVAL_S + 2.0
 

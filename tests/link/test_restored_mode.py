@@ -20,8 +20,7 @@ from ipoa_mission.link.vehicle_state import NotFlown
 from ipoa_mission.mission.items import Mission, return_to_launch, takeoff
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot
 from tests.link.scripted import ARDUPILOT, ARM, PX4, SET_MODE, Scripted
-from tests.link.suited import suited
-from tests.link.test_verbs import met
+from tests.link.suited import met, suited
 from tests.link_pair import connection_of, far_end
 
 HOME = Geodetic(47.4, 8.5, 400.0)
@@ -116,7 +115,7 @@ def test_a_broken_link_names_the_mode(family: Autopilot, monkeypatch: pytest.Mon
         def hold(*_: object) -> None:
             raise LinkDown("the link broke")
 
-        monkeypatch.setattr(vehicle, "_hold", hold)
+        monkeypatch.setattr(vehicle, "_run", hold)
         vehicle.home()
 
     with pytest.raises(LinkDown, match=f"^the link broke; {LEFT[family]}$"):

@@ -16,6 +16,7 @@ from ipoa_mission.link.dialogue import NoAnswer
 from ipoa_mission.link.messages import Heartbeat, MissionType, Text
 from ipoa_mission.link.signing import (
     EPOCH_2015_S,
+    MAX_SIGNERS,
     TICKS_PER_S,
     Doubt,
     Signer,
@@ -222,3 +223,22 @@ def test_a_line_that_is_closed_gives_its_link_id_back(tmp_path: Path) -> None:
     with connection:
         assert persistent_signer(KEY, path).link_id == 1
     assert persistent_signer(KEY, path).link_id == 0
+
+
+def test_every_process_with_a_link_id_can_sign_at_once(tmp_path: Path) -> None:
+    signers = [persistent_signer(bytes(32), tmp_path / "stamp") for _ in range(MAX_SIGNERS)]
+    assert len({signer.link_id for signer in signers}) == MAX_SIGNERS
+    with refuses("too-large", "stamp", f"{MAX_SIGNERS}"):
+        persistent_signer(bytes(32), tmp_path / "stamp")
+    signers[3].close()
+    signers[3].close()  # once more does nothing
+    assert persistent_signer(bytes(32), tmp_path / "stamp").link_id == 3
+
+
+def test_a_timestamp_that_cannot_be_locked_is_bad_input(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def refuse(*_: object) -> None:
+        raise OSError(95, "Operation not supported")
+
+    monkeypatch.setattr("ipoa_mission.link.signing._lock", refuse)
+    with refuses("unwritable", "stamp"):
+        persistent_signer(bytes(32), tmp_path / "stamp")

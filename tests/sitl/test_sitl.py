@@ -36,9 +36,9 @@ def flown(sitl: Sitl, words: str = "", link: str | None = None) -> dict[str, obj
 
 def bring_home(sitl: Sitl) -> None:
     with sitl.connect() as vehicle:
-        result, words = vehicle._hold(orders.send(Command.NAV_RETURN_TO_LAUNCH))
+        result, words = vehicle._run(orders.send(Command.NAV_RETURN_TO_LAUNCH))
         assert result == CommandResult.ACCEPTED, words
-        assert vehicle._hold(until(lambda: vehicle.state.armed is False, 240.0)), str(vehicle.state)
+        assert vehicle._run(until(lambda: vehicle.state.armed is False, 240.0)), str(vehicle.state)
 
 
 def test_the_vehicle_is_found(sitl: Sitl) -> None:
