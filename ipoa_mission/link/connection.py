@@ -33,8 +33,6 @@ class SpeaksMavlink1(MissionError, code="speaks-mavlink1"):
 
 
 class SignsOtherwise(MissionError, code="signs-otherwise"):
-    """The vehicle's signing and ours differ: it ignores us."""
-
     def __init__(self, system: int, doubt: Doubt | None) -> None:
         ours = "give the key that it has: --key FILE"
         words, hint = {

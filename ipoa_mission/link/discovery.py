@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterable, Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass
 from typing import Any, Self
 
@@ -124,27 +124,27 @@ class VehicleSession:
         """Return the vehicle's messages as pymavlink's; `names`: only those."""
         return messages_from(expect_connection(self.connection), self.system, seconds, names, self._overhear)
 
-    def _tell(self, dialogue: Dialogue[T]) -> T:
+    def _run_order(self, dialogue: Dialogue[T]) -> T:
+        """Run a dialogue that may change the vehicle; raise NotFlown."""
         self.state.expect_flown()
-        return self._hold(observed(dialogue, lambda heard: self.state.expect_flown()))
+        return self._run(observed(dialogue, lambda heard: self.state.expect_flown()))
 
-    def _tell_without_limit(self, dialogue: Dialogue[None]) -> None:
-        before = self._until
-        self._until = math.inf
-        try:
-            self._tell(dialogue)
-        finally:
-            self._until = before
+    def _run_unlimited(self, dialogue: Dialogue[None]) -> None:
+        with self._limited_to(math.inf):
+            self._run_order(dialogue)
 
-    def _hold(self, dialogue: Dialogue[T], quiet_s: float = math.inf) -> T:
+    def _run(self, dialogue: Dialogue[T], quiet_s: float = math.inf) -> T:
         target = Target(self.system, m.AUTOPILOT_COMPONENT)
         listening = Listening(self._overhear, self._until, quiet_s)
         return run_dialogue(self.connection, target, dialogue, self._rtt, listening)
 
+    def _in_time(self) -> AbstractContextManager[None]:
+        return self._limited_to(min(self._until, self.connection.now() + self._retry_policy.total_s))
+
     @contextmanager
-    def _in_time(self) -> Iterator[None]:
+    def _limited_to(self, until_s: float) -> Iterator[None]:
         before = self._until
-        self._until = min(before, self.connection.now() + self._retry_policy.total_s)
+        self._until = until_s
         try:
             yield
         finally:
@@ -155,5 +155,5 @@ class VehicleSession:
 
     def _read_version(self) -> m.AutopilotVersion:
         if self._about is None:
-            self._about = self._hold(request_version()) or m.AutopilotVersion(0)
+            self._about = self._run(request_version()) or m.AutopilotVersion(0)
         return self._about

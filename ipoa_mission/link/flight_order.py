@@ -10,29 +10,11 @@ from typing import TYPE_CHECKING, Protocol
 from ipoa_mission.autopilot.commands import Command, VehicleCommand
 from ipoa_mission.errors import MissionError
 from ipoa_mission.geodesy import Geodetic
+from ipoa_mission.link import messages as m
+from ipoa_mission.link import orders
 from ipoa_mission.link.conversations import VehicleTexts, listen_for_words
 from ipoa_mission.link.dialogue import Dialogue, Pause, SendOnce, until
 from ipoa_mission.link.logbook import Logbook
-from ipoa_mission.link.messages import (
-    CommandAck,
-    CommandLong,
-    CommandResult,
-    Current,
-    ExtendedState,
-    Heartbeat,
-    Message,
-    Position,
-    SystemStatus,
-)
-from ipoa_mission.link.orders import (
-    STREAMS_S,
-    CommandRefused,
-    command_long,
-    mode_order,
-    send,
-    send_command,
-    stream_order,
-)
 from ipoa_mission.link.vehicle_state import NotFlown, NotReady, VehicleState
 from ipoa_mission.mission.flight_record import Deviation, OnDeviation
 
@@ -42,7 +24,7 @@ if TYPE_CHECKING:
 log = logging.getLogger(__name__)
 ORDER_REPEATS = 6  # one a second
 SHOWN_S = 5.0
-PENDING_RESULTS = frozenset({CommandResult.ACCEPTED, CommandResult.IN_PROGRESS})  # the mode may still change
+PENDING_RESULTS = frozenset({m.CommandResult.ACCEPTED, m.CommandResult.IN_PROGRESS})  # the mode may still change
 
 
 def pause(state: VehicleState) -> Dialogue[None]:
@@ -50,8 +32,8 @@ def pause(state: VehicleState) -> Dialogue[None]:
     yield from _expect_flying(state)
     if state.autopilot.protocol_profile.pauses_in_mission:
         check = partial(state.expect_mode, "pause", state.custom_mode)
-        result, _ = yield from send(Command.DO_PAUSE_CONTINUE, 0.0, check=check)
-        if result == CommandResult.ACCEPTED:
+        result, _ = yield from orders.send(Command.DO_PAUSE_CONTINUE, 0.0, check=check)
+        if result == m.CommandResult.ACCEPTED:
             yield from until(lambda: state.custom_mode is not None, SHOWN_S)
             return
     yield from _enter(state, state.autopilot.modes.hold)
@@ -62,7 +44,7 @@ def resume(state: VehicleState) -> Dialogue[None]:
     yield from _enter(state, state.autopilot.modes.mission)
     if state.autopilot.protocol_profile.pauses_in_mission:
         check = partial(state.expect_mode, "go on", state.autopilot.modes.mission)
-        yield from send(Command.DO_PAUSE_CONTINUE, 1.0, check=check)  # refused unless paused
+        yield from orders.send(Command.DO_PAUSE_CONTINUE, 1.0, check=check)  # refused unless paused
 
 
 def return_to_launch(state: VehicleState) -> Dialogue[None]:
@@ -76,7 +58,7 @@ class _Step:
     """Repeat until the `mode` is shown, without one until accepted; `otherwise`: if refused."""
 
     name: str
-    message: CommandLong
+    message: m.CommandLong
     mode: int | None = None
     pauses: bool = False
     otherwise: "_Step | None" = None
@@ -106,13 +88,13 @@ class FlightOrder:
         autopilot = self.state.autopilot
         order = self._change(autopilot.modes.hold)
         if autopilot.protocol_profile.pauses_in_mission and self.state.custom_mode == autopilot.modes.mission:
-            order = _Step("pause", command_long(Command.DO_PAUSE_CONTINUE, 0.0), pauses=True, otherwise=order)
+            order = _Step("pause", orders.command_long(Command.DO_PAUSE_CONTINUE, 0.0), pauses=True, otherwise=order)
         self._take(order)
 
     def go_on(self) -> None:
         steps = [self._change(self.state.autopilot.modes.mission)]
         if self.is_paused:
-            steps.append(_Step("go on", command_long(Command.DO_PAUSE_CONTINUE, 1.0)))
+            steps.append(_Step("go on", orders.command_long(Command.DO_PAUSE_CONTINUE, 1.0)))
         self._take(*steps)
 
     @property
@@ -130,7 +112,7 @@ class FlightOrder:
             self.words = f"{self._steps[0].name} was ordered, and the link was lost before the vehicle showed it"
             self._steps.clear()
 
-    def observe(self, heard: Message, now_s: float) -> Dialogue[None]:
+    def observe(self, heard: m.Message, now_s: float) -> Dialogue[None]:
         state = self.state
         self.is_paused = self.is_paused and state.custom_mode == state.autopilot.modes.mission
         if not state.armed:
@@ -148,15 +130,15 @@ class FlightOrder:
                 step.times_sent += 1
                 step.due_s = self.now() + 1.0
                 yield SendOnce(step.message)
-        except (NotFlown, NotReady, CommandRefused) as reason:
+        except (NotFlown, NotReady, orders.CommandRefused) as reason:
             self.words = str(reason)
-            self.is_refused = isinstance(reason, CommandRefused) or reason.code == "mode-not-shown"
+            self.is_refused = isinstance(reason, orders.CommandRefused) or reason.code == "mode-not-shown"
             self._steps.clear()
             log.warning("%s", reason)
 
     def _change(self, mode: int) -> _Step:
         autopilot = self.state.autopilot
-        return _Step(autopilot.modes.name(mode), mode_order(mode, autopilot), mode)
+        return _Step(autopilot.modes.name(mode), orders.mode_order(mode, autopilot), mode)
 
     def _take(self, *steps: _Step) -> None:
         self.words = f"{steps[0].name} was not ordered: the link is lost" if self._is_cut and steps else ""
@@ -164,21 +146,21 @@ class FlightOrder:
         self._mode = self.state.custom_mode
         self._steps = [] if self._is_cut else [*steps]
 
-    def _hear(self, heard: Message) -> None:
+    def _hear(self, heard: m.Message) -> None:
         while self._steps and self._steps[0].mode is not None and self._steps[0].mode == self.state.custom_mode:
             self._take(*self._steps[1:])
         if not self._steps:
             return
         step = self._steps[0]
         self.state.expect_mode(step.name, self._mode)
-        if step.times_sent == 0 or not isinstance(heard, CommandAck) or heard.command != step.message.command:
+        if step.times_sent == 0 or not isinstance(heard, m.CommandAck) or heard.command != step.message.command:
             return  # before it is sent, only another's order is answered
-        if step.mode is None and heard.result == CommandResult.ACCEPTED:
+        if step.mode is None and heard.result == m.CommandResult.ACCEPTED:
             self.is_paused = step.pauses
             self._take(*self._steps[1:])
         elif heard.result not in PENDING_RESULTS:
             action = step.name if step.mode is None else f"change to {step.name}"
-            self._refused(CommandRefused(action, heard.result))
+            self._refused(orders.CommandRefused(action, heard.result))
 
     def _refused(self, why: MissionError) -> None:
         otherwise = self._steps[0].otherwise
@@ -193,28 +175,28 @@ def change_mode(state: VehicleState, mode: int) -> Dialogue[str]:
         return ""
     name = state.autopilot.modes.name(mode)
     check = partial(state.expect_mode, name, state.custom_mode, mode)
-    result, words = yield from send_command(mode_order(mode, state.autopilot), check)
+    result, words = yield from orders.send_command(orders.mode_order(mode, state.autopilot), check)
     texts = VehicleTexts(words=[words] if words else [])
-    if result == CommandResult.ACCEPTED:
+    if result == m.CommandResult.ACCEPTED:
         result = yield from _taken_back(state, mode, texts)
     if state.custom_mode == mode:
         return ""
-    if result == CommandResult.ACCEPTED:
+    if result == m.CommandResult.ACCEPTED:
         return f"it accepted {name} but does not show it"
-    return str(texts) or str(CommandRefused(f"change to {name}", result))
+    return str(texts) or str(orders.CommandRefused(f"change to {name}", result))
 
 
 def _taken_back(state: VehicleState, mode: int, texts: VehicleTexts) -> Dialogue[int]:
     """PX4 accepts first, and may refuse later."""
-    heard: Message | None = None if state.custom_mode == mode else (yield Pause(SHOWN_S))
+    heard: m.Message | None = None if state.custom_mode == mode else (yield Pause(SHOWN_S))
     while heard is not None and state.custom_mode != mode:
         texts.note(heard)
         match heard:
-            case CommandAck(VehicleCommand.DO_SET_MODE, result) if result not in PENDING_RESULTS:
+            case m.CommandAck(VehicleCommand.DO_SET_MODE, result) if result not in PENDING_RESULTS:
                 yield from listen_for_words(texts)
                 return result
         heard = yield None
-    return CommandResult.ACCEPTED
+    return m.CommandResult.ACCEPTED
 
 
 def _enter(state: VehicleState, mode: int) -> Dialogue[None]:
@@ -248,9 +230,9 @@ class PositionLoss:
     _age_s: float = 0.0
     _requested_s: float = -math.inf
 
-    def note(self, heard: Message, now_s: float, is_compared: bool) -> bool:
+    def note(self, heard: m.Message, now_s: float, is_compared: bool) -> bool:
         """Return whether the stream is to be requested again."""
-        if isinstance(heard, Position) or not is_compared:
+        if isinstance(heard, m.Position) or not is_compared:
             if self.is_lost:
                 log.warning("%s", self.words)
                 self.ended_s += self._age_s
@@ -258,7 +240,7 @@ class PositionLoss:
                 self.usual += (self._others - self.usual) / 32.0
             self._others = 0
             self._since_s = now_s
-        self._others += isinstance(heard, Heartbeat | Current | SystemStatus | ExtendedState)
+        self._others += isinstance(heard, m.Heartbeat | m.Current | m.SystemStatus | m.ExtendedState)
         self._since_s = min(self._since_s, now_s)
         self._age_s = now_s - self._since_s
         is_due = self.is_lost and now_s - self._requested_s >= self.least_s
@@ -328,7 +310,7 @@ class Conformance:
         failed = f"; {self.order.words}" if self.order.words and not self.is_held else ""
         return f"{reaction}, because {self.deviations[-1]}{failed}"
 
-    def observe(self, heard: Message, now_s: float) -> Dialogue[None]:
+    def observe(self, heard: m.Message, now_s: float) -> Dialogue[None]:
         if self._monitor is None:
             return
         in_mission = self.state.custom_mode == self.state.autopilot.modes.mission
@@ -336,8 +318,8 @@ class Conformance:
         if self.positions.note(heard, self.order.now(), is_compared and bool(self.state.in_air)):
             log.warning("%s; its stream is requested again", self.positions.words)
             if self.state.other_kind is None:
-                yield SendOnce(stream_order("GLOBAL_POSITION_INT", STREAMS_S["GLOBAL_POSITION_INT"]))
-        if isinstance(heard, Position) and heard.time_s - self._seen_s >= 0.2:
+                yield SendOnce(orders.stream_order("GLOBAL_POSITION_INT", orders.STREAMS_S["GLOBAL_POSITION_INT"]))
+        if isinstance(heard, m.Position) and heard.time_s - self._seen_s >= 0.2:
             self._seen_s = heard.time_s
             if self.state.in_air and is_compared:
                 self._compare(heard, in_mission)
@@ -347,7 +329,7 @@ class Conformance:
                 if self._is_ordered and not self.order.words:
                     self._disobeyed = ""
 
-    def _compare(self, heard: Position, in_mission: bool) -> None:
+    def _compare(self, heard: m.Position, in_mission: bool) -> None:
         assert self._monitor is not None
         if self._is_ordered and self.order.is_under_way:
             return  # ignore deviations until the vehicle obeys

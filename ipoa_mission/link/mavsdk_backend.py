@@ -132,7 +132,7 @@ class MavsdkVehicle(Vehicle):
         found = FoundVehicle(int(system.get_system_id()), kind, armed=False, is_ready=True)
         super().__init__(connection, found, options)
         presence_s = min(PRESENCE_S, self._retry_policy.total_s)
-        if not self._hold(until(lambda: m.Heartbeat in self.state.heard, presence_s)):
+        if not self._run(until(lambda: m.Heartbeat in self.state.heard, presence_s)):
             raise NoAnswer("no heartbeat is heard", code="not-heard", place=f"vehicle {self.system}")
         if not self._options.reading and self.state.kind is not None and not self.state.kind.is_flown:
             raise NotFlown(self.state.kind, f"vehicle {self.system}")

@@ -47,7 +47,7 @@ class OnboardList:
             self._asked.clear()
             if answer.checksum != self.list_id:
                 try:
-                    self.list_id = (yield from _read_again(self.job)) or self.list_id
+                    self.list_id = (yield from _compare_list(self.job)) or self.list_id
                 except Replaced as replaced:
                     self.changed = str(replaced.difference)
                 except NotReady:  # another station may be uploading
@@ -82,7 +82,7 @@ def prove(onboard_lists: Iterable[OnboardList], state: VehicleState) -> Dialogue
     """Prove each list by its id or checksum, else item by item; raise Replaced or NotReady."""
     for onboard in onboard_lists:
         if not (onboard.list_id and (yield from _is_named(onboard, state))):
-            onboard.list_id = (yield from _read_again(onboard.job)) or onboard.list_id
+            onboard.list_id = (yield from _compare_list(onboard.job)) or onboard.list_id
         onboard.changed = ""
         onboard.is_reported = False
         onboard._due_s = -math.inf
@@ -101,7 +101,7 @@ def _is_named(onboard: OnboardList, state: VehicleState) -> Dialogue[bool]:
     return onboard.is_confirmed_by(state.current)
 
 
-def read_again(onboard: OnboardList, state: VehicleState) -> Dialogue[None]:
+def prove_after_flight(onboard: OnboardList, state: VehicleState) -> Dialogue[None]:
     """A replacement may have the length of a list without an id."""
     is_watched = onboard.list_id != 0 and onboard.job.numbers is None
     if is_watched or onboard.changed:
@@ -118,7 +118,7 @@ def expect_unchanged(onboard_lists: Iterable[OnboardList]) -> None:
             raise ReplacedSince(onboard)
 
 
-def _read_again(job: Upload) -> Dialogue[int]:
+def _compare_list(job: Upload) -> Dialogue[int]:
     try:
         stored, checksum = yield from read_consistent(job.kind, job.numbers)
     except (MissionRefused, NoAnswer, KeepsChanging) as nothing:

@@ -23,7 +23,7 @@ from ipoa_mission.link.flight_order import SHOWN_S, Conformance, FlightOrder, pa
 from ipoa_mission.link.logbook import Logbook, Observer, watch
 from ipoa_mission.link.mavftp import FileRefused
 from ipoa_mission.link.messages import Heartbeat, Message, MissionType
-from ipoa_mission.link.onboard_list import OnboardList, ReplacedSince, read_again
+from ipoa_mission.link.onboard_list import OnboardList, ReplacedSince, prove_after_flight
 from ipoa_mission.link.reconnect import RETRY_S, SILENT_S, KnownVehicle, LinkLoss
 from ipoa_mission.link.upload import ReadBackDiffers, Unflyable, Unplaced, Upload, upload, upload_by_file
 from ipoa_mission.link.vehicle_state import ModeWatch, NotReady, VehicleState
@@ -143,9 +143,9 @@ class Vehicle(VehicleSession):
             list_id = None
             if self._options.fast and job.numbers is not None and kind == MissionType.MISSION:
                 with suppress(FileRefused, NoAnswer, ReadBackDiffers):  # the ordinary transfer finds the cause
-                    list_id = self._tell(upload_by_file(job, progress))
+                    list_id = self._run_order(upload_by_file(job, progress))
             if list_id is None:
-                list_id = self._tell(upload(job, progress))
+                list_id = self._run_order(upload(job, progress))
             self._onboard_lists[kind] = OnboardList(job, list_id)
 
     def download(self, progress: Progress = silent) -> Mission:
@@ -168,20 +168,20 @@ class Vehicle(VehicleSession):
         """Return the list of MAV_MISSION_TYPE `kind` in wire form."""
         with self._in_time():
             self._await_ready()
-            return self._hold(conversations.download(kind, progress, self._checksum_numbers()))
+            return self._run(conversations.download(kind, progress, self._checksum_numbers()))
 
     def clear(self, kind: int = MissionType.MISSION) -> None:
         """Clear a list; 255: each one, because ArduPilot does not support "all"."""
         with self._in_time():
             for cleared in LISTS if kind == MissionType.ALL else (kind,):
                 self._onboard_lists.pop(cleared, None)
-                self._tell(conversations.clear(cleared))
+                self._run_order(conversations.clear(cleared))
 
     def set_current(self, index: int) -> None:
         """Make item `index` of `Mission.items` the current one; see `state`."""
         with self._in_time():
-            self._tell(orders.set_current(index + self.autopilot.seq_offset, self.autopilot.seq_offset))
-            self._hold(until(lambda: self.state.custom_mode is not None, SHOWN_S))
+            self._run_order(orders.set_current(index + self.autopilot.seq_offset, self.autopilot.seq_offset))
+            self._run(until(lambda: self.state.custom_mode is not None, SHOWN_S))
 
     def pause(self) -> None:
         """Hold the flying vehicle's position.
@@ -189,15 +189,15 @@ class Vehicle(VehicleSession):
         Raises:
             NotReady, NoAnswer, TimeUp: it does not stop, or does not fly.
         """
-        self._tell_flying(pause)
+        self._run_in_flight(pause)
 
     def resume(self) -> None:
         """Raises as `pause` does."""
-        self._tell_flying(resume)
+        self._run_in_flight(resume)
 
     def return_to_launch(self) -> None:
         """Raises as `pause` does."""
-        self._tell_flying(return_to_launch)
+        self._run_in_flight(return_to_launch)
 
     def prepare(
         self, first: int = 0, progress: Progress = silent, permit: Callable[[Geodetic], object] | None = None
@@ -225,9 +225,9 @@ class Vehicle(VehicleSession):
             self.connection.expect_alone(self.system)
         permit = permit or (None if mission is None else partial(check_start, mission, None, first))
         prepared = departure.Departure(self.state, *seqs, climb, onboard_lists, progress, permit)
-        with departure.restored_mode(self.state, self._tell_without_limit):
+        with departure.restored_mode(self.state, self._run_unlimited):
             with self._in_time():
-                self._tell(departure.prepare(prepared, self.ready_s))
+                self._run_order(departure.prepare(prepared, self.ready_s))
             prepared.expect_permitted()
         self._departure = prepared
 
@@ -247,8 +247,8 @@ class Vehicle(VehicleSession):
             raise NotReady("the vehicle was not prepared", hint="call `prepare` first")
         until_s = min(self._until, self.connection.now() + self.ready_s)
         prepared = replace(self._departure, progress=progress)
-        with self.state.with_state_as_hint(), departure.restored_mode(self.state, self._tell_without_limit):
-            self._tell_without_limit(departure.depart_when_ready(prepared, lambda: until_s - self.connection.now()))
+        with self.state.with_state_as_hint(), departure.restored_mode(self.state, self._run_unlimited):
+            self._run_unlimited(departure.depart_when_ready(prepared, lambda: until_s - self.connection.now()))
         self.state.replaced_mode = None
 
     def watch(self, progress: Progress = silent) -> FlightRecord:
@@ -274,15 +274,15 @@ class Vehicle(VehicleSession):
                     if is_back:
                         self._subscribe_again()
                     dialogue = watch(self._logbook, progress, *observers, is_over=lambda: compared.is_over)
-                    record = self._hold(dialogue, SILENT_S)
+                    record = self._run(dialogue, SILENT_S)
                 except (Silence, LinkDown) as lost:
                     self._reconnect(lost, progress)
                     is_back = True
         with suppress(MissionError):
-            self._hold(departure.unsubscribe())
+            self._run(departure.unsubscribe())
         if onboard is not None:
             with suppress(MissionError):  # its list is not reported
-                self._hold(read_again(onboard, self.state))
+                self._run(prove_after_flight(onboard, self.state))
         return self.record()
 
     @contextmanager
@@ -315,9 +315,9 @@ class Vehicle(VehicleSession):
     def _subscribe_again(self) -> None:
         """The vehicle or a relay may have forgotten them."""
         self.state.heard -= set(departure.NEEDED_STREAMS.values())
-        if not self._hold(until(lambda: self.state.heard >= set(departure.NEEDED_STREAMS.values()), RETRY_S), SILENT_S):
+        if not self._run(until(lambda: self.state.heard >= set(departure.NEEDED_STREAMS.values()), RETRY_S), SILENT_S):
             with suppress(NotReady, NoAnswer):
-                self._tell(departure.subscribe(self.state))
+                self._run_order(departure.subscribe(self.state))
 
     def record(self) -> FlightRecord:
         """Return the flight, incomplete after a deviation or replaced mission, or without a position for a while."""
@@ -348,12 +348,12 @@ class Vehicle(VehicleSession):
 
     def home(self) -> Geodetic | None:
         """Return home; None while unknown."""
-        return self._hold(orders.request_home())
+        return self._run(orders.request_home())
 
     def parameters(self, wanted: Iterable[str | Sequence[str]]) -> Mapping[str, float]:
         """Return the vehicle's values; leave unknown ones out. Several names of a parameter are requested at once."""
         names = [(name,) if isinstance(name, str) else tuple(name) for name in wanted]
-        values = self._hold(orders.request_parameters(names, self.autopilot))
+        values = self._run(orders.request_parameters(names, self.autopilot))
         return {name: value.param_value for name, value in values.items()}
 
     def set_parameter(self, name: str, value: float) -> None:
@@ -363,11 +363,11 @@ class Vehicle(VehicleSession):
             NoAnswer: there is no such parameter.
             MissionError: the vehicle keeps another value.
         """
-        self._tell(orders.set_parameter(name, value, self.autopilot))
+        self._run_order(orders.set_parameter(name, value, self.autopilot))
 
-    def _tell_flying(self, order: Callable[[VehicleState], Dialogue[None]]) -> None:
+    def _run_in_flight(self, order: Callable[[VehicleState], Dialogue[None]]) -> None:
         with self._in_time(), self.state.with_state_as_hint():
-            self._tell(order(self.state))
+            self._run_order(order(self.state))
 
     def _overhear(self, message: Message) -> None:
         super()._overhear(message)
@@ -392,5 +392,5 @@ class Vehicle(VehicleSession):
         """Wait until an ArduPilot has booted: before, it answers NO_SPACE."""
         if self.autopilot.protocol_profile.boots_slowly:
             wait_s = min(STARTUP_S, self._until - self.connection.now())
-            if not self._hold(until(lambda: self.state.booted, wait_s)):
+            if not self._run(until(lambda: self.state.booted, wait_s)):
                 raise NoAnswer("the vehicle has not finished its start-up", code="not-started-up")

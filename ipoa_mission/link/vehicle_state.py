@@ -32,8 +32,6 @@ class NotFlown(MissionError, code="not-flown"):
 
 
 class OtherKind(NotFlown, code="other-kind"):
-    """The vehicle behind these ids has changed: nothing is sent to it."""
-
     def __init__(self, before: VehicleKind, kind: VehicleKind) -> None:
         self.kind = kind
         MissionError.__init__(
