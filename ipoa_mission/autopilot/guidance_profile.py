@@ -43,7 +43,6 @@ class GuidanceProfile(NamedTuple):
     terrain_by: str = ""  # arming with items over terrain needs terrain data or this parameter's range finder
     turns_at_acceptance_radius: bool = False
     small_acceptance_radius: float = 0.0  # for late turns at low speed [m]
-    overshoot: float = 10.0  # beyond its braking distance, before it turns back to a missed item [m]
     first_item: int = 1  # jumps in the stored list give the first item this number
     current_after_end: int = 0  # index of the current item after a shorter list; -1: the last
     lands_below_item: bool = False  # LAND's slow stretch counts from an item below home

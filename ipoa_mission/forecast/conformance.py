@@ -27,6 +27,7 @@ class ConformanceLimits(NamedTuple):
     min_leg_s: float = 10.0
     lasting_s: float = 1.0
     item_tolerance_s: float = 3.0  # early or late
+    overshoot: float = 10.0  # beyond its braking distance, before it turns back to a missed item [m]
     exceeding_share: float = 0.01  # of flights, without a scenario's confidence
 
 
@@ -82,7 +83,6 @@ class ConformanceMonitor:
         self._unknown = {item.seq for item in forecast.unknown}
         autopilot = forecast.mission.autopilot
         self._law = law_of(autopilot, wind)
-        self._overshoot = autopilot.guidance.overshoot
         frames = {plain_frame(item.frame) for item in forecast.mission.items if item.has_position}
         self._counts_from_home = Frame.GLOBAL not in frames
         self._knows_height = not forecast.itinerary.over_terrain
@@ -155,14 +155,14 @@ class ConformanceMonitor:
         allowed = leg.excursion + leg.comes_back
         if moved <= allowed:
             return None
-        if self._nearest <= self._overshoot:
+        if self._nearest <= LIMITS.overshoot:
             words = f"the vehicle passed it at {self._nearest:.1f} m without turning, and is {distance:.0f} m beyond it"
             return self._deviation(DeviationKind.PASSED, time, moved, allowed, words)
         words = f"the vehicle moves away from it: it was {self._nearest:.0f} m away, and is {distance:.0f} m"
         return self._deviation(DeviationKind.AWAY, time, moved, allowed, words)
 
     def _outside(self, leg: _Leg, place: Vector, distance: float, time: float) -> Deviation | None:
-        comes_back = self._nearest <= self._overshoot and distance <= leg.excursion + leg.comes_back
+        comes_back = self._nearest <= LIMITS.overshoot and distance <= leg.excursion + leg.comes_back
         if comes_back or (leg.goal is None and self._detour is not None):
             return None
         points, limits = leg.points, leg.limits
@@ -239,7 +239,7 @@ class ConformanceMonitor:
             mission = self._forecast.mission
             speeds = np.array([items[target].peak_speed])
             braking = mission.autopilot.braking_distance(mission.parameters, speeds, 0.0 * speeds)
-            comes_back = self._overshoot + float(braking[0])
+            comes_back = LIMITS.overshoot + float(braking[0])
         longest = max(items[visit].high_s - begin + items[visit].missed.cost_s, LIMITS.min_leg_s)
         near = range(visit if before is None else before, visit + 1 if target is None else target + 1)
         visits = self._visits[near.start : near.stop]
