@@ -22,7 +22,7 @@ class ArduCopterController:
 
     def __init__(self, situation: Situation, parameters: Parameters, chance: random.Random) -> None:
         """Ignore `chance`: SITL flights repeat to a tenth of a second."""
-        self._now = situation
+        self._situation = situation
         self._parameters = parameters
         conditions = situation.conditions
         limits = copter_limits(parameters, conditions.version)
@@ -39,9 +39,9 @@ class ArduCopterController:
         self._lift_s = limits.lift_off_s + airframe.lift_delay
 
     def enter(self) -> None:
-        match self._now.mode:
+        match self._situation.mode:
             case FlightMode.MISSION:
-                self._begin_after(self._now.current - 1)
+                self._begin_after(self._situation.current - 1)
             case FlightMode.RETURN:
                 self._return()
             case FlightMode.LAND:
@@ -51,47 +51,50 @@ class ArduCopterController:
 
     def follow_new_mission(self, before: tuple[Item, ...]) -> None:
         """Continue in the new mission; restart at the waypoint if the next items differ."""
-        now, after = self._now.current, self._now.program.items
-        ahead = slice(now, now + 3)
-        if self._on_arrival == self._begin_hold and before[ahead] != after[ahead] and now < len(after):
-            self._begin_after(now - 1)
+        current = self._situation.current
+        after = self._situation.program.items
+        ahead = slice(current, current + 3)
+        if self._on_arrival == self._begin_hold and before[ahead] != after[ahead] and current < len(after):
+            self._begin_after(current - 1)
 
     def _return(self) -> None:
-        goal = self._now.goal_of_return(self._copter.place, self._parameters)
+        goal = self._situation.goal_of_return(self._copter.place, self._parameters)
         self._fly(procedures.return_home(self._copter, goal), self._touch)
 
     def climb(self, height: float) -> None:
         self._take_off(height, self._stay)
 
     def step(self) -> None:
-        lifting = self._now.armed and self._now.time_s - self._now.armed_s >= self._lift_s
+        lifting = self._situation.armed and self._situation.time_s - self._situation.armed_s >= self._lift_s
         if self._touched_s is not None:
-            self._stand(self._now.time_s - self._touched_s)
+            self._stand(self._situation.time_s - self._touched_s)
         elif self._flying and lifting and self._copter.step():
             self._go_on()
         self._update_situation()
 
     def _begin_after(self, index: int) -> None:
-        item = self._now.come_to(index, lambda item: self._copter.change_speed(int(item.params[0]), item.params[1]))
+        item = self._situation.come_to(
+            index, lambda item: self._copter.change_speed(int(item.params[0]), item.params[1])
+        )
         if item is None:
             self._stay()
         else:
-            self._start(self._now.current, item)
+            self._start(self._situation.current, item)
 
     def _finish_item(self) -> None:
-        self._now.done(self._now.current)
-        self._begin_after(self._now.current)
+        self._situation.done(self._situation.current)
+        self._begin_after(self._situation.current)
 
     def _start(self, index: int, item: Item) -> None:
         match item.command:
             case Command.NAV_TAKEOFF | Command.NAV_VTOL_TAKEOFF:
-                self._take_off(self._now.program.place(index, self._copter.place)[2], self._finish_item)
+                self._take_off(self._situation.program.place(index, self._copter.place)[2], self._finish_item)
             case Command.NAV_DELAY:
                 self._copter.hold(self._copter.wait_at(item))
                 self._legs = iter(())
                 self._on_arrival = self._finish_item
                 self._flying = True
-            case _ if self._now.landed:
+            case _ if self._situation.landed:
                 self._flying = False
             case Command.NAV_RETURN_TO_LAUNCH:
                 self._return()
@@ -99,11 +102,11 @@ class ArduCopterController:
                 self._fly_to(index, item)
 
     def _fly_to(self, index: int, item: Item) -> None:
-        legs = procedures.legs_of(self._copter, self._now.program, index, self._copter.place)
+        legs = procedures.legs_of(self._copter, self._situation.program, index, self._copter.place)
         if legs is not None:
             self._fly(legs, self._touch if item.command in procedures.LANDINGS else self._finish_item)
         else:
-            procedures.begin_leg(self._copter, self._now.program, index, self._copter.place)
+            procedures.begin_leg(self._copter, self._situation.program, index, self._copter.place)
             self._legs = iter(())
             self._on_arrival = self._begin_hold
 
@@ -114,7 +117,7 @@ class ArduCopterController:
             on_arrival()
 
     def _begin_hold(self) -> None:
-        seconds = self._copter.wait_at(self._now.program.items[self._now.current])
+        seconds = self._copter.wait_at(self._situation.program.items[self._situation.current])
         if seconds > 0:
             self._copter.hold(seconds)
             self._on_arrival = self._finish_item
@@ -125,34 +128,34 @@ class ArduCopterController:
         self._copter.take_off(height)
         self._legs = iter(())
         self._on_arrival = on_arrival
-        self._now.landed = False
+        self._situation.landed = False
         self._flying = True
 
     def _fly(self, legs: Iterator[None], on_arrival: Callable[[], None]) -> None:
-        if not self._now.landed:
+        if not self._situation.landed:
             self._legs = legs
             self._on_arrival = on_arrival
             next(legs)
 
     def _touch(self) -> None:
         if self._copter.this.kind == Kind.DESCENT:
-            self._touched_s = self._now.time_s
+            self._touched_s = self._situation.time_s
             self._copter.wait_on_ground(0.0)
             self._floor = self._copter.state.z
 
     def _stand(self, seconds: float) -> None:
-        self._now.landed = seconds >= self._landing_s
+        self._situation.landed = seconds >= self._landing_s
         if seconds >= self._landing_s + self._copter.limits.spool_up:
-            is_mission = self._now.mode is FlightMode.MISSION
-            lands = is_mission and self._now.program.items[self._now.current].command == Command.NAV_LAND
-            self._now.end_on_ground(announced=not lands)
+            is_mission = self._situation.mode is FlightMode.MISSION
+            lands = is_mission and self._situation.program.items[self._situation.current].command == Command.NAV_LAND
+            self._situation.end_on_ground(announced=not lands)
             self._touched_s = None
             self._flying = False
 
     def _stay(self) -> None:
         self._legs = iter(())
         self._on_arrival = None
-        if self._now.landed:
+        if self._situation.landed:
             self._flying = False
         elif not self._copter.passed:
             self._copter.brake()
@@ -160,15 +163,15 @@ class ArduCopterController:
             self._copter.hold(math.inf)
 
     def _update_situation(self) -> None:
-        now = self._now
+        situation = self._situation
         state = self._copter.state
-        now.yaw = state.yaw % (2.0 * math.pi)
-        now.place = self._copter.place
-        now.motion = state.velocity.real, state.velocity.imag, state.vz
-        now.tilt_accel = state.lean.real, state.lean.imag
+        situation.yaw = state.yaw % (2.0 * math.pi)
+        situation.place = self._copter.place
+        situation.motion = state.velocity.real, state.velocity.imag, state.vz
+        situation.tilt_accel = state.lean.real, state.lean.imag
         if state.z > self._floor:
             self._floor = -math.inf
-        now.on_ground = state.z <= self._floor
+        situation.on_ground = state.z <= self._floor
 
 
 MOCK_PROFILE = MockProfile(

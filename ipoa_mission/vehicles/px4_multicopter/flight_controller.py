@@ -25,7 +25,7 @@ class Px4Controller:
         limits = px4_limits(parameters, conditions.version)
         airframe = navigator.airframe_of(conditions.vehicle)
         self._limits = limits._replace(spool_up=max(limits.spool_up + airframe.lift_delay, 0.0))
-        self._now = situation
+        self._situation = situation
         self._parameters = parameters
         self._constants = navigator.simulation_constants(self._limits, airframe, SIH_SENSORS, conditions.wind, STEP_S)
         seeds = (float(chance.randrange(1, 2_000_000_000)), float(chance.randrange(1, 2_000_000_000)))
@@ -36,42 +36,42 @@ class Px4Controller:
         self._announced = False
 
     def enter(self) -> None:
-        match self._now.mode:
+        match self._situation.mode:
             case FlightMode.MISSION:
-                self._begin_after(self._now.current - 1)
+                self._begin_after(self._situation.current - 1)
             case FlightMode.RETURN:
                 self._return()
             case FlightMode.LAND:
                 ground = self._navigator.ground
-                self._fly(navigator.land_mode_orders(self._over_home(), self._speed, ground, self._limits))
+                self._fly(navigator.land_mode_orders(self._estimated_place(), self._speed, ground, self._limits))
             case FlightMode.HOLD:
                 self._brake()
 
     def follow_new_mission(self, before: tuple[Item, ...]) -> None:
-        self._begin_after(self._now.current - 1)
+        self._begin_after(self._situation.current - 1)
 
     def climb(self, height: float) -> None:
         """Refused before: `MOCK_PROFILE.unsupported`."""
 
     def step(self) -> None:
-        now = self._now
+        situation = self._situation
         state = self._state
-        if not now.armed:
+        if not situation.armed:
             self._rest()
-        elif not self._orders or (now.landed and now.time_s - now.armed_s < self._limits.spool_up):
-            self._state = state._replace(time=now.time_s + STEP_S)
+        elif not self._orders or (situation.landed and situation.time_s - situation.armed_s < self._limits.spool_up):
+            self._state = state._replace(time=situation.time_s + STEP_S)
         else:
             self._advance()
         self._show()
 
     def _advance(self) -> None:
         order = self._orders[0]
-        now = self._now
-        if now.landed:
-            now.landed = False
-            place, errors = self._state.body.place, self._state.errors
-            self._state = begin(at_rest(place, now.time_s, now.yaw, errors, True), order)
-        self._state = step(self._state._replace(time=now.time_s), order, self._constants)
+        situation = self._situation
+        if situation.landed:
+            situation.landed = False
+            rests = at_rest(self._state.body.place, situation.time_s, situation.yaw, self._state.errors, True)
+            self._state = begin(rests, order)
+        self._state = step(self._state._replace(time=situation.time_s), order, self._constants)
         reached = self._state.reached
         if len(self._orders) == 1 and not self._announced and 0.0 <= reached <= self._state.time - order.hold_s:
             self._announced = True
@@ -80,63 +80,65 @@ class Px4Controller:
             self._next()
 
     def _next(self) -> None:
-        ended, self._orders = self._orders[0], self._orders[1:]
+        ended = self._orders[0]
+        self._orders = self._orders[1:]
         if self._orders:
             self._state = begin(self._state, self._orders[0])
-        elif self._now.mode is FlightMode.MISSION:
-            self._begin_after(self._now.current)
+        elif self._situation.mode is FlightMode.MISSION:
+            self._begin_after(self._situation.current)
         else:
             self._navigator.here = ended.goal
 
     def _last_done(self) -> None:
-        now, items = self._now, self._now.program.items
+        situation = self._situation
+        items = situation.program.items
         if self._state.contact.on_ground:
-            now.end_on_ground()
+            situation.end_on_ground()
             self._orders = []
-        elif now.mode is FlightMode.MISSION:
+        elif situation.mode is FlightMode.MISSION:
             # these suppress the report of the waypoint before (measured)
             suppressing = {Command.DO_JUMP, Command.DO_CHANGE_SPEED, Command.NAV_RETURN_TO_LAUNCH}
-            hidden = now.current + 1 < len(items) and items[now.current + 1].command in suppressing
-            now.done(now.current, announced=not hidden)
+            hidden = situation.current + 1 < len(items) and items[situation.current + 1].command in suppressing
+            situation.done(situation.current, announced=not hidden)
 
     def _rest(self) -> None:
         state = self._state
         if not state.body.on_ground or state.contact.on_ground:
-            place = self._navigator.below(state.body.place)
-            self._state = at_rest(place, self._now.time_s, state.yaw.angle, state.errors, True)
+            place = self._navigator.ground_under(state.body.place)
+            self._state = at_rest(place, self._situation.time_s, state.yaw.angle, state.errors, True)
 
     def _show(self) -> None:
-        now = self._now
+        situation = self._situation
         body = self._state.body
-        now.place = body.place
-        now.motion = body.speed
-        now.tilt_accel = body.thrust.east, body.thrust.north
-        now.yaw = self._state.yaw.angle % (2.0 * math.pi)
-        now.on_ground = body.on_ground
+        situation.place = body.place
+        situation.motion = body.speed
+        situation.tilt_accel = body.thrust.east, body.thrust.north
+        situation.yaw = self._state.yaw.angle % (2.0 * math.pi)
+        situation.on_ground = body.on_ground
 
     def _begin_after(self, index: int) -> None:
-        now = self._now
-        self._navigator.program = now.program
-        item = now.come_to(index, self._navigator.change_speed)
+        situation = self._situation
+        self._navigator.program = situation.program
+        item = situation.come_to(index, self._navigator.change_speed)
         if item is None:
-            now.mode = FlightMode.HOLD
+            situation.mode = FlightMode.HOLD
             self._brake()
         elif item.command == Command.NAV_RETURN_TO_LAUNCH:
-            now.mission = MissionState.COMPLETE
-            now.mode = FlightMode.RETURN
-            now.done(now.current)
+            situation.mission = MissionState.COMPLETE
+            situation.mode = FlightMode.RETURN
+            situation.done(situation.current)
             self._return()
         else:
-            self._fly(self._orders_of(now.current, item))
+            self._fly(self._orders_of(situation.current, item))
 
     def _orders_of(self, index: int, item: Item) -> list[Order]:
-        landed = self._now.landed
+        landed = self._situation.landed
         if item.command == Command.NAV_DELAY:
             return navigator.stay(self._navigator.here, self._limits, max(item.params[0], STEP_S))
         if item.command == Command.NAV_LAND:
             return [] if landed else self._navigator.land_at(index)
         if landed:
-            self._navigator.here = self._over_home()
+            self._navigator.here = self._estimated_place()
         orders = self._navigator.fly_to(index, takes_off=landed)
         if item.command == Command.NAV_LOITER_UNLIM:
             orders[-1] = orders[-1]._replace(hold_s=math.inf, beyond=orders[-1].goal)
@@ -144,16 +146,15 @@ class Px4Controller:
 
     def _return(self) -> None:
         self._navigator.cruise = self._limits.cruise
-        here = self._over_home()
-        goal = self._now.goal_of_return(here, self._parameters)
+        here = self._estimated_place()
+        goal = self._situation.goal_of_return(here, self._parameters)
         self._fly(navigator.return_orders(here, goal, self._navigator.ground, self._limits))
 
     @property
     def _speed(self) -> EastNorth:
         return EastNorth(*self._state.body.speed[:2])
 
-    def _over_home(self) -> Enu:
-        """Return the place as the vehicle knows it."""
+    def _estimated_place(self) -> Enu:
         place = self._state.body.place
         return place._replace(up=place.up - self._state.errors.home_height_error)
 
@@ -166,7 +167,7 @@ class Px4Controller:
 
     def _fly(self, orders: list[Order]) -> None:
         """Replace the orders; on the ground only for a mission."""
-        grounded = self._now.landed and self._now.mode is not FlightMode.MISSION
+        grounded = self._situation.landed and self._situation.mode is not FlightMode.MISSION
         self._announced = False
         self._orders = [] if grounded else orders
         if self._orders:

@@ -28,7 +28,7 @@ from ipoa_mission.vehicles.px4_multicopter.flights import RUNS, Flights, LatestF
 from ipoa_mission.vehicles.px4_multicopter.limits import px4_limits
 from ipoa_mission.wind import Wind
 
-#: All that the times of a noisy flight depend on: its sensors, conditions, orders, and those done after each visit.
+#: Sensors, conditions, orders, and the number of orders done after each visit.
 _Inputs: TypeAlias = tuple[state.SensorModel, bytes, bytes, tuple[int, ...]]
 
 
@@ -64,7 +64,7 @@ class Px4Model(FlightModel):
         return Prediction(done, low, high, reasons, track, tuple(remarks), _missed(itinerary, times))
 
     def _noisy_times(self, flights: Flights, steps: float, fast: bool | None) -> tuple[Matrix, list[str]]:
-        """Return times of runs and visits [s], and remarks on lost runs; the latest are kept."""
+        """Return times (runs, visits) [s], and remarks."""
         planned = flights.mission_orders
         ends = list(planned.done)
         orders = records(planned.orders, Order).tobytes()

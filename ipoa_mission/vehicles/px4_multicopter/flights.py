@@ -33,7 +33,7 @@ class NoisyRuns(NamedTuple):
     step_s: float = 0.04
     sample_steps: int = 3  # between samples
     batch: int = 6  # runs between checks
-    kept: int = 4  # of the latest missions
+    kept: int = 4  # latest missions
     known_share: float = 0.003  # relative standard error of the mean
     contingency_share: float = 0.008  # for a contingency
     doubt_s: float = 0.8  # standard deviation of the model, its constant part
@@ -187,7 +187,7 @@ class LatestFlights:
     most_stretches = 512
 
     def __init__(self) -> None:
-        self._stretches: dict[bytes, FlownOnce] = {}  # by a digest of the conditions and of all orders until its end
+        self._stretches: dict[bytes, FlownOnce] = {}  # by a digest of all that they depend on
 
     def fly(self, flights: Flights, fast: bool | None) -> FlownOnce:
         orders = flights.mission_orders.orders

@@ -320,7 +320,6 @@ class Px4Multicopter(Autopilot):
         return best
 
     def defaults_of(self, version: Version | None = None) -> Parameters:
-        """Return NAV_ACC_RAD: 10 m from 1.18 on."""
         return DECOUPLED_DEFAULTS if (version or self.newest).series >= DECOUPLED_SINCE else {}
 
     def waypoint_defaults(self, version: Version | None = None) -> profile.WaypointDefaults:

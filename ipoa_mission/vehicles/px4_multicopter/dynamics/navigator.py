@@ -123,7 +123,6 @@ def return_orders(here: Enu, goal: Place, ground: Ground, limits: Px4Limits) -> 
 
 
 def land_mode_orders(here: Enu, speed: EastNorth, ground: Ground, limits: Px4Limits) -> list[Order]:
-    """Return the orders of the mode LAND: brake, then land at the stopping place."""
     stop = stopping_place(here, speed, limits)
     on_ground = stop._replace(up=ground.at(stop.east, stop.north))
     return landing_orders(stop, on_ground, limits, limits.cruise, limits.disarm_delay)
@@ -137,7 +136,7 @@ def contingency_orders(contingency: Contingency, row: Vector, itinerary: Itinera
 
 
 class Navigator:
-    """Turn the items of a program into orders; `here`: the place commanded last, `cruise`: by DO_CHANGE_SPEED [m/s]."""
+    """Turn items of a program into orders; `here` is the place commanded last."""
 
     def __init__(self, program: Program, ground: Ground, limits: Px4Limits, here: Enu) -> None:
         self.program = program
@@ -147,13 +146,12 @@ class Navigator:
         self.cruise = limits.cruise
 
     def change_speed(self, item: Item) -> None:
-        """Take a horizontal speed; one that is not above 0 restores MPC_XY_CRUISE."""
+        """A speed that is not above 0 restores MPC_XY_CRUISE."""
         kind, speed = item.params[:2]
         if kind < 2:
             self.cruise = speed if speed > 0 else self.limits.cruise
 
     def fly_to(self, n: int, takes_off: bool) -> list[Order]:
-        """Return the orders to the place of item n, and on to the next."""
         item = self.program.items[n]
         is_takeoff = item.command == Command.NAV_TAKEOFF
         start = self.here
@@ -167,14 +165,15 @@ class Navigator:
         return [*climb, order if is_takeoff else waypoint(item, order, self.limits)]
 
     def land_at(self, n: int) -> list[Order]:
-        return self._landing(landing_orders(self.here, self.below(self._target(n)), self.limits, self.cruise, 0.0))
+        ground = self.ground_under(self._target(n))
+        return self._landing(landing_orders(self.here, ground, self.limits, self.cruise, 0.0))
 
     def return_to(self, goal: Place) -> list[Order]:
         self.cruise = self.limits.cruise
         return self._landing(return_orders(self.here, goal, self.ground, self.limits))
 
     def return_along(self, places: Sequence[Place]) -> list[Order]:
-        """Return the orders of a return back along the mission: through `places`, the last over home."""
+        """`places`: back along the mission, the last over home."""
         self.cruise = self.limits.cruise
         back = [Enu(*place) for place in places]
         legs = list[Order]()
@@ -183,12 +182,11 @@ class Navigator:
             if math.dist(start, place) > self.limits.radius:
                 legs.append(leg(self.limits, start, place, beyond=beyond))
                 start = place
-        ground = self.below(back[-1])
+        ground = self.ground_under(back[-1])
         down = leg(self.limits, ground, ground)._replace(kind=LAND, hold_s=self.limits.disarm_delay)
         return self._landing([*legs, down])
 
-    def below(self, place: Enu) -> Enu:
-        """Return the ground under a place."""
+    def ground_under(self, place: Enu) -> Enu:
         return place._replace(up=self.ground.at(place.east, place.north))
 
     def _landing(self, orders: list[Order]) -> list[Order]:
@@ -196,7 +194,7 @@ class Navigator:
         return orders
 
     def _target(self, n: int) -> Enu:
-        """Return the place of item n; open coordinates are those last commanded."""
+        """Open coordinates are those last commanded."""
         return Enu(*self.program.place(n, self.here))
 
 
