@@ -29,8 +29,6 @@ def fly_built_in(
     seed: int = 0,
     faults: Faults = PERFECT,
     log: str | Path | None = None,
-    uploading: Progress = silent,
-    flying: Progress = silent,
 ) -> FlightRecord:
     """Upload a mission to the built-in autopilot, and fly it on a virtual clock.
 
@@ -43,8 +41,6 @@ def fly_built_in(
         seed: of the random numbers.
         faults: of the link.
         log: path of a `.tlog`.
-        uploading: receives the progress of the upload.
-        flying: receives the progress of the flight.
 
     Returns:
         The record of the flight.
@@ -61,13 +57,11 @@ def fly_built_in(
     expect_known(parameters, mission.autopilot)
     mission = mission.with_parameters(parameters)
     with board(mission, conditions_for(mission, wind, seed=seed), faults, log) as vehicle:
-        return fly_aboard(vehicle, mission, uploading, flying)
+        return fly_aboard(vehicle, mission)
 
 
-def fly_aboard(
-    vehicle: Vehicle, mission: Mission, uploading: Progress = silent, flying: Progress = silent
-) -> FlightRecord:
-    vehicle.upload(mission, uploading, checked=False)
+def fly_aboard(vehicle: Vehicle, mission: Mission, flying: Progress = silent) -> FlightRecord:
+    vehicle.upload(mission, checked=False)
     vehicle.prepare()
     vehicle.start()
     return vehicle.watch(flying)
