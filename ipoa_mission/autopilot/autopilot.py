@@ -218,7 +218,6 @@ class Autopilot(metaclass=_ByName):
         return self.measured[-1]
 
     def checked_for(self, version: Version | None) -> str:
-        """Name the assumed firmware."""
         major, minor = (version or self.newest).series
         return f"{self.name} {major}.{minor}" + ("" if self.is_measured(version) else " (not measured)")
 

@@ -54,7 +54,7 @@ log = logging.getLogger(__name__)
 
 @dataclass(frozen=True, repr=False)
 class Flight:
-    """A planned flight; `plan_flight` makes it.
+    """A flight as planned by `plan_flight`; a `FlightRecord` is one as flown.
 
     Attributes:
         plan: the path.

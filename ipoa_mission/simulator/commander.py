@@ -181,7 +181,6 @@ class Commander(MockVehicle):
         return result
 
     def _has_takeoff_first(self) -> bool:
-        """DO items and delays may precede the take-off."""
         first = 0 if self.flight.mission is MissionState.COMPLETE else self.flight.current
         ahead = (item.command for item in self.items[first:] if item.command < commands.LAST_NAV)
         first_flown = next((command for command in ahead if command not in commands.MAY_PRECEDE_TAKEOFF), None)
