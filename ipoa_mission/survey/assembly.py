@@ -12,36 +12,39 @@ import shapely
 from ipoa_mission import Airspace, Command, Forecast, Frame, MissionError, Scenario, plan_path
 from ipoa_mission.forecast.contingency.shortfalls import clear_in
 from ipoa_mission.forecast.deviation.kept_limits import clearance_task, with_margins
-from ipoa_mission.geometry import Matrix, Plane, Points, Vector, arc_lengths, union_of
+from ipoa_mission.geometry import Plane, Points, Vector, arc_lengths, union_of
 from ipoa_mission.mission.complex_items import ITEMS, TRANSECTS, complex_item
 from ipoa_mission.mission.items import ComplexItem, Item, Mission, camera_trigger
 from ipoa_mission.planning.path_problem import PathProblem, problem_of
 from ipoa_mission.planning.proof import prove
 from ipoa_mission.routing.build import build_mission, items_of_waypoints
 from ipoa_mission.routing.resample import NoRoute, Route, corridor, push_clear
-from ipoa_mission.survey._kernels import NO_WAY
 from ipoa_mission.survey.camera import CameraSection
 from ipoa_mission.survey.free import FreeSpace
 from ipoa_mission.survey.sight import Sight, lift_path
-from ipoa_mission.survey.survey_task import TIGHT_PLACES, expect_survey
+from ipoa_mission.survey.survey_task import TIGHT_PLACES, SurveyTask, expect_survey
+from ipoa_mission.survey.times import LegTimes
 from ipoa_mission.survey.tour import Tour
 
 SAME_PLACE = 0.5  # [m]
 
 
-def assemble_survey(tour: Tour, sight: Sight, scenario: Scenario, growth: Mapping[str, float], seed: int) -> Mission:
+def assemble_survey(tour: Tour, task: SurveyTask, growth: Mapping[str, float], seed: int) -> Mission:
+    """Return the mission of a tour; `growth` [m] by obstacle name adds clearance."""
+    sight = task.sight
+    scenario = task.scenario
     path, begins, ends = _path(tour)
     points, corners = lift_path(path, sight, scenario.airspace.ground)
-    out = _clear_transit(scenario.start_point, points[0], scenario, growth, seed)[:-1]
+    out = _clear_transit(scenario.start_point, points[0], task, growth, seed)[:-1]
     back = np.zeros((0, 3))
     if np.linalg.norm(scenario.goal_point - scenario.start_point) > SAME_PLACE:
-        back = _clear_transit(points[-1], scenario.goal_point, scenario, growth, seed)[1:]
+        back = _clear_transit(points[-1], scenario.goal_point, task, growth, seed)[1:]
     route = Route(np.vstack([out, points, back]))
     mission = build_mission(route, scenario)
     if scenario.route.ending == "rtl" and not clear_in(scenario)(Forecast(mission, scenario).ways_home):
         last_place = back[-1] if len(back) else points[-1]
         home = np.array([0.0, 0.0, scenario.start_point[2]])
-        back = np.vstack([back, _clear_transit(last_place, home, scenario, growth, seed)[1:]])
+        back = np.vstack([back, _clear_transit(last_place, home, task, growth, seed)[1:]])
         route = Route(np.vstack([out, points, back]))
         mission = build_mission(route, scenario)
     numbers = items_of_waypoints(route)[len(out) :]
@@ -103,24 +106,24 @@ def _camera_items(distance: float, mission: Mission) -> tuple[list[Item], list[I
     return [camera_trigger(round(distance, 2))], [camera_trigger(0.0, at_once=False)]
 
 
-def _clear_transit(begin: Vector, end: Vector, scenario: Scenario, growth: Mapping[str, float], seed: int) -> Points:
-    """Return waypoints (k, 3): straight, else shortest round obstacles, else planned; `growth` [m] by obstacle name."""
+def _clear_transit(begin: Vector, end: Vector, task: SurveyTask, growth: Mapping[str, float], seed: int) -> Points:
+    """Return waypoints (k, 3): straight, else quickest round obstacles, else planned."""
     straight = np.array([begin, end])
     if np.linalg.norm(end - begin) < SAME_PLACE:
         return straight[1:]
-    task = _with_room(straight, scenario, growth)
-    if prove(straight, task, spare=0.0).is_proved:
+    problem = _with_room(straight, task.scenario, growth)
+    if prove(straight, problem, spare=0.0).is_proved:
         return straight
     for added_distance, corner_segments, factor in ((0.1, 4, 1.02), (0.01, 16, 1.0013)):
-        distance = factor * (task.limits.obstacle_distance + added_distance)
-        around = _round_obstacles(straight, task, distance, corner_segments)
-        if around is not None and prove(around, task, spare=0.0).is_proved:
+        distance = factor * (problem.limits.obstacle_distance + added_distance)
+        around = _round_obstacles(problem, distance, corner_segments, task.times)
+        if around is not None and prove(around, problem, spare=0.0).is_proved:
             return around
-    curve = plan_path(task, seed=seed).curve
-    width = scenario.route.tolerance
+    curve = plan_path(problem, seed=seed).curve
+    width = task.scenario.route.tolerance
     for _ in range(5):
-        points = push_clear(corridor(curve, width)[0], task)
-        proof = prove(points, task, spare=0.0)
+        points = push_clear(corridor(curve, width)[0], problem)
+        proof = prove(points, problem, spare=0.0)
         if proof.is_proved:
             return points
         width /= 2
@@ -128,9 +131,10 @@ def _clear_transit(begin: Vector, end: Vector, scenario: Scenario, growth: Mappi
     raise NoRoute(words, code="survey-too-near", known=proof.worst.about)
 
 
-def _round_obstacles(straight: Points, task: PathProblem, distance: float, corner_segments: int) -> Points | None:
-    """Return the shortest way between two places (2, 3) at `distance` round obstacles; None with too many corners."""
-    bounds = task.airspace.bounds
+def _round_obstacles(problem: PathProblem, distance: float, corner_segments: int, times: LegTimes) -> Points | None:
+    """Return the quickest way between the places at `distance` [m] round obstacles; None with too many corners."""
+    straight = problem.places
+    bounds = problem.airspace.bounds
     line = shapely.LineString(straight[:, :2])
     min_reach = 60.0  # [m]
     max_corners = 250
@@ -141,7 +145,7 @@ def _round_obstacles(straight: Points, task: PathProblem, distance: float, corne
         inside = inside.intersection(bounds.footprint.shape)
     bodies = [
         body.horizontal_shape.buffer(distance, quad_segs=corner_segments)
-        for body in task.airspace.obstacles
+        for body in problem.airspace.obstacles
         if body.bounds[0, 2] - distance < high
         and body.bounds[1, 2] + distance > low
         and body.horizontal_shape.intersects(near)
@@ -149,34 +153,11 @@ def _round_obstacles(straight: Points, task: PathProblem, distance: float, corne
     free = FreeSpace.of(inside.difference(union_of(bodies)))
     if not 0 < len(free.corners) <= max_corners:
         return None
-    places = np.vstack([free.corners, straight[:, :2]])
-    legs = np.full((len(places), len(places)), np.inf)
-    legs[:-2, :-2] = free.between
-    legs[-2:, :-2] = free.ways(straight[:, :2], free.corners)
-    legs[legs >= NO_WAY] = np.inf
-    legs[:-2, -2:] = legs[-2:, :-2].T
-    passed = _shortest(legs)
-    if passed is None:
+    path = free.way(straight[0, :2], straight[1, :2], times)
+    if path is None:
         return None
-    path = np.vstack([straight[:1, :2], places[passed], straight[1:, :2]])
     along = arc_lengths(path)
     return np.column_stack([path, straight[0, 2] + along / along[-1] * (straight[1, 2] - straight[0, 2])])
-
-
-def _shortest(legs: Matrix) -> list[int] | None:
-    """Return the places between the last but one and the last on the shortest way, by legs (n, n)."""
-    from scipy.sparse.csgraph import dijkstra
-
-    first = len(legs) - 2
-    _, before = dijkstra(legs, indices=first, return_predecessors=True)
-    passed = list[int]()
-    node = int(before[-1])
-    while node != first:
-        if node < 0:
-            return None
-        passed.insert(0, node)
-        node = int(before[node])
-    return passed
 
 
 def _with_room(places: Points, scenario: Scenario, growth: Mapping[str, float]) -> PathProblem:

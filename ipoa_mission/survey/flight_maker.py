@@ -26,8 +26,7 @@ class FlightMaker:
         longest = self._longest.get(tour.swaths[0])
         if longest is not None and longest[0].swaths == tour.swaths:
             return longest[1]
-        scenario = self.task.scenario
-        return Forecast(assemble_survey(tour, self.task.sight, scenario, self.growth, self.seed), scenario)
+        return Forecast(assemble_survey(tour, self.task, self.growth, self.seed), self.task.scenario)
 
     def fits(self, tour: Tour) -> bool:
         """Return whether one flight from home flies a tour; keeps the longest that does."""

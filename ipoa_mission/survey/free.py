@@ -42,14 +42,15 @@ class FreeSpace:
         np.fill_diagonal(ways, NO_WAY)
         return np.ascontiguousarray(ways)
 
-    def ways(self, places: Plane, others: Plane, arms: Matrix | None = None) -> Matrix:
-        """Return straight distances from places (n, 2) to others (m, 2), or NO_WAY, (n, m) [m]."""
-        none = np.zeros((len(places), 4))
-        there = np.zeros((len(others), 4)) if arms is None else arms
-        return np.asarray(straight_ways(*map(np.ascontiguousarray, (places, none, others)), there, self.edges))
+    def way(self, start: Vector, end: Vector, cost: LegTimes) -> Plane | None:
+        """Return the corners of the quickest way between places (2,), both included; None: no way leads there."""
+        transits = Transits(np.array([start, start, end, end]), self, self, cost)
+        return None if transits.times[0, 2] >= NO_WAY else transits.corners(0, 2)
 
     def transits(self, ends: Plane, cost: LegTimes) -> Any:
-        near = listed(self.ways(ends, self.corners, self.arms))
+        ends = np.ascontiguousarray(ends)
+        no_arms = np.zeros((len(ends), 4))
+        near = listed(straight_ways(ends, no_arms, self.corners, self.arms, self.edges))
         bend_m = 1.0 * cost.speed
         return ways_between(cost.clock, ends, self.corners, near, listed(self.between), self.edges, bend_m)
 

@@ -9,8 +9,7 @@ import shapely
 from shapely.ops import substring
 
 from ipoa_mission.geometry import Plane, Points, Vector, polyline_length, union_of
-from ipoa_mission.survey._kernels import NO_WAY
-from ipoa_mission.survey.free import FreeSpace, Transits
+from ipoa_mission.survey.free import FreeSpace
 from ipoa_mission.survey.times import LegTimes
 
 ARC = 8  # segments of a quarter circle
@@ -215,12 +214,9 @@ class GapCloser:
             if gap.difference(around.buffer(self.width / 2)).area > (1 - MIN_SHARE_SEEN) * gap.area:
                 return None
         legs = self._near_legs(route, shapely.get_coordinates(gap.centroid)[0])
-        straight = self._quickest(route, legs, around, lines, round_corners=False)
-        return straight or self._quickest(route, legs, around, lines, round_corners=True)
+        return self._quickest(route, legs, around, lines)
 
-    def _quickest(
-        self, route: SensedPath, legs: list[int], around: Any | None, lines: list[Plane], round_corners: bool
-    ) -> Detour | None:
+    def _quickest(self, route: SensedPath, legs: list[int], around: Any | None, lines: list[Plane]) -> Detour | None:
         best = None
         least = np.inf
         for n in legs:
@@ -230,13 +226,9 @@ class GapCloser:
             for goal in self._goals(around, lines, before[-1:], after[:1]):
                 if self._at_least(before, goal, after) - now >= least:
                     continue
-                via = self._round_corners(before[-1:], goal, after[:1]) if round_corners else goal
+                via = self._round_corners(before[-1:], goal, after[:1])
                 if via is None:
                     continue
-                if not round_corners:
-                    places = np.array([*before[-1:], *via, *after[:1]])
-                    if (self.space.ways(places[:-1], places[1:]).diagonal() >= NO_WAY).any():
-                        continue
                 seconds = self.cost.seconds(np.array([*before, *via, *after])) - now
                 if seconds < least:
                     best = Detour(n, via, goal)
@@ -248,14 +240,18 @@ class GapCloser:
         return self.cost.seconds(via) + float(np.linalg.norm(np.concatenate(legs), axis=1).sum()) / self.cost.speed
 
     def _round_corners(self, before: list[Vector], via: Plane, after: list[Vector]) -> Plane | None:
-        stops = [*before, via[0], via[-1], *after]
-        transits = Transits(np.repeat(np.array(stops), 2, axis=0), self.space, self.space, self.cost)
-        last = len(before) + 1
-        pairs = [(0, 2)] * bool(before), [(2 * last, 2 * last + 2)] * bool(after)
-        if any(transits.times[pair] >= NO_WAY for pair in (*pairs[0], *pairs[1])):
-            return None
-        way_in, way_out = ([transits.corners(*pair)[1:-1] for pair in each] for each in pairs)
-        return np.concatenate([*way_in, via, *way_out])
+        places = [via]
+        if before:
+            way_in = self.space.way(before[0], via[0], self.cost)
+            if way_in is None:
+                return None
+            places.insert(0, way_in[1:-1])
+        if after:
+            way_out = self.space.way(via[-1], after[0], self.cost)
+            if way_out is None:
+                return None
+            places.append(way_out[1:-1])
+        return np.concatenate(places)
 
     def _viewpoints(self, gap: Any) -> Any | None:
         hull = shapely.get_coordinates(shapely.convex_hull(gap))[:-1]

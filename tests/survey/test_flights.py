@@ -24,11 +24,9 @@ from ipoa_mission.planning.obstruction import NoPath
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.survey.assembly import assemble_survey
 from ipoa_mission.survey.flown_coverage import lines_of_forecast, smallest_overlaps
-from ipoa_mission.survey.sight import sight_of
-from ipoa_mission.survey.survey_area import Area
 from ipoa_mission.survey.survey_flight import Survey, plan_survey
 from ipoa_mission.survey.survey_report import survey_as_json
-from ipoa_mission.survey.survey_task import expect_survey
+from ipoa_mission.survey.survey_task import task_of
 from ipoa_mission.survey.tour import Swath, Tour
 from tests.refused import refuses
 
@@ -316,10 +314,10 @@ def test_the_library_takes_an_area_and_a_camera() -> None:
 
 def test_the_camera_starts_and_stops_on_each_line_even_of_no_length() -> None:
     world = scenario(PHOTOS)
-    sight = sight_of(expect_survey(world)[0], Area.of([[FIELD]]), world)
     at = [np.array(place) for place in ([30.0, 20.0], [130.0, 20.0], [130.0, 60.0], [60.0, 60.0])]
     swaths = (Swath(at[0], at[1]), Swath(at[2], at[2]), Swath(at[2], at[3]))
-    mission = assemble_survey(Tour(swaths, (np.array(at[1:3]), np.array([at[2], at[2]]))), sight, world, {}, 0)
+    tour = Tour(swaths, (np.array(at[1:3]), np.array([at[2], at[2]])))
+    mission = assemble_survey(tour, task_of(world, {}), {}, 0)
     triggers = [item.params[0] for item in mission.items if item.command == Command.DO_SET_CAM_TRIGG_DIST]
     assert [distance > 0 for distance in triggers] == [True, False] * 3
 
