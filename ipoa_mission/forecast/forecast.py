@@ -40,7 +40,7 @@ class Forecast:
 
     Args:
         mission: the mission to fly.
-        scenario: its world; of a survey, from the nearest start place.
+        scenario: its world.
         wind: replaces the scenario's wind.
         left_out: items without legs to or from them.
 

@@ -153,22 +153,6 @@ def test_next_flight_begins_when_the_battery_is_changed(
     assert (tmp_path / "out" / "field-2.tlog").is_file()
 
 
-def test_a_flight_from_another_place_waits_until_the_vehicle_is_there(
-    run: Run, autopilot: Serve, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    small = SCENARIO.replace("120", "40").replace("gsd_cm = 2.0", "gsd_cm = 0.5\nstarts = [[0, 0], [200, 0], [20, 80]]")
-    (tmp_path / "field.toml").write_text(small)
-    monkeypatch.setattr(sys, "stdin", Terminal("y\n"))
-    with autopilot(Geodetic(47.3977, 8.5456, 488.0), Autopilot.ARDUPILOT) as link:
-        ended = run(f"fly {tmp_path}/field.toml --out {tmp_path}/out --link {link}")
-    words = " ".join(ended.err.split())
-    assert ended.code == 1
-    assert "field-1 has landed. Fly field-2: the vehicle is at east 20, north 80 m (47.398" in words
-    assert "the vehicle is 82.5 m from the mission's home, and nearer to another of the survey's start" in words
-    assert "bring it to 47.398420, 8.545865" in words
-    assert "survey.starts[1]: no flight begins there" in " ".join(ended.out.split())
-
-
 def test_an_error_names_the_area_as_typed_and_a_line_needs_a_width(run: Run, tmp_path: Path) -> None:
     line = {"type": "LineString", "coordinates": [[8.0, 47.0], [8.002, 47.0]]}
     (tmp_path / "river.geojson").write_text(json.dumps({"type": "Feature", "properties": {}, "geometry": line}))
