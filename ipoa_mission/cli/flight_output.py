@@ -27,7 +27,8 @@ def flight_as_json(estimate: Estimate, record: FlightRecord, reserves: Sequence[
         "flown_s": round(record.total_s, 3),
         "time_zero": "armed",
         "items": [
-            {"seq": index + 1, "done_s": round(time_s, 3)} for index, time_s in sorted(record.item_reached_s.items())
+            {"seq": index + 1, "done_s": round(time_s, 3), **({"late": True} if index in record.late_items else {})}
+            for index, time_s in sorted(record.item_reached_s.items())
         ],
         "estimate": estimate_as_json(estimate),
         "messages": list(record.messages),
@@ -97,6 +98,7 @@ def _legs(estimate: Estimate, record: FlightRecord) -> list[tuple[str, ...]]:
     for item in estimate.items:
         flown_s = record.item_reached_s.get(item.seq - 1)
         cells = ("", "") if flown_s is None else (f"{flown_s:.1f}", f"{item.done_s - flown_s:+.1f}")
+        cells = (f"<= {cells[0]}", "") if item.seq - 1 in record.late_items else cells
         rows.append((str(item.seq), command_name(item.command), f"{item.done_s:.1f}", *cells))
     return rows
 

@@ -69,7 +69,7 @@ def _evidence_of(name: str, flight: LoggedFlight, mission: Mission | None) -> Ev
         raise MissionError("it does not have the mission that was flown", code="log-incomplete", place=name)
     version = flight.firmware_version or flown.firmware_version
     flown = replace(flown.with_parameters(flight.parameters), firmware_version=version)
-    return evidence_between(name, flown, flight.record(flown).item_reached_s)
+    return evidence_between(name, flown, flight.record(flown).timed_items_s)
 
 
 def evidence_between(name: str, mission: Mission, done_s: Mapping[int, float]) -> Evidence:

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Protocol
 
 from ipoa_mission.autopilot.autopilot import Autopilot
@@ -23,6 +23,7 @@ class _Recording:
     zero: float
     first: int
     reached: dict[int, float] = field(default_factory=dict)
+    late: set[int] = field(default_factory=set)
     path: list[Sample] = field(default_factory=list)
     current: int = 0
     state: int = 0
@@ -47,6 +48,7 @@ class Logbook:
         self._current = self._first
         self._flight: _Recording | None = None
         self._was_away = False
+        self._gap_ends_s = 0.0
         self.armed = armed
 
     @property
@@ -85,12 +87,12 @@ class Logbook:
         flight = self._flight
         match message:
             case m.Position(time_s=time_s) | m.LocalPosition(time_s=time_s) | m.Attitude(time_s=time_s):
-                self.clock_s = max(time_s, self.clock_s)
+                self._advance(time_s)
                 if flight and isinstance(message, m.Position) and flight.disarmed_s is None:
                     place = (message.latitude_deg, message.longitude_deg, message.altitude, message.height)
                     flight.path.append(Sample(time_s - flight.zero, *place, math.hypot(*message.velocity)))
             case m.SystemTime(boot_s=time_s):
-                self.clock_s = max(time_s, self.clock_s)
+                self._advance(time_s)
             case m.CommandAck(number, m.CommandResult.ACCEPTED) if (
                 number == Command.COMPONENT_ARM_DISARM and not self.armed
             ):
@@ -103,7 +105,7 @@ class Logbook:
                 self._note_heartbeat(message)
             case m.Reached(seq) if flight and flight.disarmed_s is None:
                 self._turn_to(flight, seq)
-                flight.reached.setdefault(seq - self._first, self.clock_s - flight.zero)
+                self._note_done(flight, seq - self._first)
             case m.Current(seq, _, state):
                 self._current = seq
                 if flight and flight.disarmed_s is None:
@@ -113,6 +115,10 @@ class Logbook:
     def note_return(self) -> None:
         """Note the end of a link loss: if disarmed now, its mode may say how it landed."""
         self._was_away = True
+        self.note_gap()
+
+    def note_gap(self) -> None:
+        self._gap_ends_s = math.inf
 
     def record(self) -> FlightRecord:
         flight = self._flight if self._flight and self._flight.confirmed else _Recording(self.clock_s, self._first)
@@ -126,10 +132,12 @@ class Logbook:
         end = last_s if self.lands else reached.get(self._final, last_s)
         in_air = self.armed and bool(flight.path) and flight.path[-1].height > IN_AIR_HEIGHT
         path = tuple(flight.path)
-        return FlightRecord(reached, end, path, tuple(self._texts), not why_not, why_not, self.armed, in_air)
+        record = FlightRecord(reached, end, path, tuple(self._texts), not why_not, why_not, self.armed, in_air)
+        return replace(record, late_items=frozenset(flight.late - {self._final}))
 
     def _begin(self) -> None:
         self.armed = True
+        self._gap_ends_s = 0.0
         self._texts.clear()
         self._flight = _Recording(self.clock_s, self._current, current=self._current)
 
@@ -155,10 +163,20 @@ class Logbook:
             self.armed = False
             self._flight = None
 
+    def _advance(self, time_s: float) -> None:
+        if math.isinf(self._gap_ends_s) and time_s > self.clock_s:
+            self._gap_ends_s = time_s + 2.0  # MISSION_CURRENT comes once a second
+        self.clock_s = max(time_s, self.clock_s)
+
+    def _note_done(self, flight: _Recording, index: int) -> None:
+        if index not in flight.reached and self.clock_s < self._gap_ends_s:
+            flight.late.add(index)
+        flight.reached.setdefault(index, self.clock_s - flight.zero)
+
     def _turn_to(self, flight: _Recording, seq: int) -> None:
         if flight.current < seq < self._first + len(self._items):
             for index in range(flight.current - self._first, seq - self._first):
-                flight.reached.setdefault(index, self.clock_s - flight.zero)
+                self._note_done(flight, index)
         flight.current = max(flight.current, seq)
 
     def _why_not(self, flight: _Recording) -> str:

@@ -17,7 +17,7 @@ from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.link import messages as m
 from ipoa_mission.link.logbook import Logbook
 from ipoa_mission.logs.logged import Begun, Held, Log, Measured, log_format, messages_of
-from ipoa_mission.logs.telemetry_log import read_telemetry_log
+from ipoa_mission.logs.telemetry_log import read_telemetry_log, vehicle_time
 from ipoa_mission.mission.flight_record import FlightRecord
 from ipoa_mission.mission.items import Item, Mission
 from ipoa_mission.mission.stored_mission import from_wire, home_item
@@ -50,6 +50,8 @@ class LoggedFlight:
     def record(self, mission: Mission | None = None) -> FlightRecord:
         logbook = Logbook(() if mission is None else mission.items, self.autopilot)
         for message in self.messages:
+            if (vehicle_time(message) or 0.0) > logbook.clock_s + 3.0:  # [s]
+                logbook.note_gap()
             logbook.note(message)
         return logbook.record()
 

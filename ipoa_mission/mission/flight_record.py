@@ -70,6 +70,7 @@ class FlightRecord:
         in_air: as last reported.
         deviations: from the forecast, also of a completed flight.
         remarks: on the log that it was read from.
+        late_items: those done unheard, by the given time.
     """
 
     item_reached_s: dict[int, float]
@@ -82,6 +83,11 @@ class FlightRecord:
     in_air: bool = False
     deviations: tuple[Deviation, ...] = ()
     remarks: tuple[str, ...] = ()
+    late_items: frozenset[int] = frozenset()
+
+    @cached_property
+    def timed_items_s(self) -> dict[int, float]:
+        return {index: time_s for index, time_s in self.item_reached_s.items() if index not in self.late_items}
 
     @cached_property
     def home_altitude(self) -> float:

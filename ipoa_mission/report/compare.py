@@ -89,7 +89,7 @@ def compare_flight(estimate: Estimate, flight: FlightRecord) -> Comparison:
     legs = dict[int, LegTime]()
     estimated = flown = 0.0
     for item in estimate.items:
-        done = flight.item_reached_s.get(item.seq - 1)
+        done = flight.timed_items_s.get(item.seq - 1)
         if done is not None and item.seq not in legs:
             takes = item.done_s - estimated, done - flown
             legs[item.seq] = LegTime(item.seq, item.command, item.done_s, done, *takes)

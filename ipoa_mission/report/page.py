@@ -76,7 +76,7 @@ def report_html(
         "profile_legend": profile_legend(flown is not None, has_zones),
         "contingencies": contingency_strip(forecast, predicted),
         "speed": speed_profile(drawn),
-        "legs": legs_table(legs, None if flight is None else flight.item_reached_s),
+        "legs": legs_table(legs, None if flight is None else flight.timed_items_s),
         "limits": "" if proof is None else limits_table(proof),
         "footer": _footer(scenario, plan, mission),
         "map_js": _asset("map.js"),

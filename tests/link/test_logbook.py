@@ -52,6 +52,18 @@ def test_an_item_is_done_when_the_next_one_is_flown_or_reached() -> None:
     assert noted(HOLDS, *flight, autopilot=ARDUPILOT).record().item_reached_s == {0: 12.0, 1: 12.0}
 
 
+def test_items_done_in_a_link_loss_have_no_time() -> None:
+    """Flown with a cut link: five waypoints of 18.5 to 31.9 s had 37.0 s, the time of its return."""
+    logbook = noted(LANDS, ARMING, armed(), at(10.0), Current(1), at(19.0))
+    logbook.note_return()
+    for message in (Current(2), at(37.0), armed(), at(60.0), DISARMED):
+        logbook.note(message)
+    record = logbook.record()
+    assert record.late_items == {1}
+    assert record.timed_items_s == {0: 10.0, 2: 60.0}
+    assert record.completed
+
+
 def test_items_before_the_one_it_began_with_are_not_done() -> None:
     record = noted(LANDS, Current(1), ARMING, armed(), at(9.0), Current(2), at(20.0), DISARMED).record()
     assert record.item_reached_s == {1: 9.0, 2: 20.0}
