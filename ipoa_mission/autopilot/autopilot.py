@@ -140,8 +140,18 @@ class Autopilot(metaclass=_ByName):
         return np.asarray(velocity[:, 2] * distance / np.maximum(speed, STATIONARY_SPEED))
 
     @abstractmethod
+    def sinking_brake(self, parameters: Parameters) -> returning.SinkingBrake: ...
+
     def farthest_landing(self, parameters: Parameters, velocity: "Points") -> "Points":
         """Return the displacement (n, 3) [m] to LAND's farthest and lowest stopping point."""
+        import numpy as np
+
+        brake = self.sinking_brake(parameters)
+        level = velocity[:, :2]
+        late_s = 0.8 * (1.0 + np.minimum(velocity[:, 2], 0.0) / brake.descent)  # as flown
+        sinks_s = np.hypot(*level.T) / brake.accel + brake.settles_s - late_s
+        offset = self.stopping_offset(parameters, level, 0.0 * level, returning.Contingency.LAND)
+        return np.column_stack([offset + brake.overshoots_s * level, -brake.descent * np.maximum(sinks_s, 0.0)])
 
     def circle(
         self, parameters: Parameters, radius: float, turn: float, speed: float | None, version: Version | None

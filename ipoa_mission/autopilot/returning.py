@@ -13,7 +13,7 @@ from ipoa_mission.autopilot.parameters import Parameters, ParameterTable
 from ipoa_mission.autopilot.version import Version
 
 if TYPE_CHECKING:
-    from ipoa_mission.geometry import Place, Points, Vector
+    from ipoa_mission.geometry import Place
 
 
 class Contingency(StrEnum):
@@ -89,13 +89,13 @@ SLOWEST = 0.05  # [m/s]
 HEIGHT_UNCERTAINTY = 2.0  # of heights and terrain maps; least slow stretch [m]
 
 
-def sunk_path(offset: "Points", velocity: "Points", descent: float, seconds: "Vector") -> "Points":
-    """Return `offset` (n, 2) [m] with the height lost in `seconds`."""
-    import numpy as np
+class SinkingBrake(NamedTuple):
+    """LAND's."""
 
-    late_s = 0.8  # as flown
-    lost = descent * seconds - late_s * (descent + np.minimum(velocity[:, 2], 0.0))
-    return np.column_stack([offset, -np.maximum(lost, 0.0)])
+    accel: float  # [m/s^2]
+    descent: float  # [m/s]
+    settles_s: float
+    overshoots_s: float
 
 
 class SlowedBy(NamedTuple):

@@ -19,14 +19,14 @@ from ipoa_mission.autopilot.failsafe import OwnFence
 from ipoa_mission.autopilot.firmware_tables import Firmware, FirmwareTables, Refusals, Refused
 from ipoa_mission.autopilot.guidance_profile import GuidanceProfile, Modes, ProtocolProfile
 from ipoa_mission.autopilot.parameters import Parameter, Parameters, ParameterTable
-from ipoa_mission.autopilot.returning import ReturnBy, ReturnOrder, ReturnRoute, SlowedBy, SlowStretch
+from ipoa_mission.autopilot.returning import ReturnBy, ReturnOrder, ReturnRoute, SinkingBrake, SlowedBy, SlowStretch
 from ipoa_mission.autopilot.version import Version
 from ipoa_mission.forecast.deviation.law import DeviationLaw, Quantiles
 from ipoa_mission.forecast.itinerary.itinerary import Itinerary
 from ipoa_mission.forecast.timing.bound import Kinematics
 from ipoa_mission.forecast.timing.flight_model import FlightModel, Prediction
 from ipoa_mission.forecast.timing.track import Track
-from ipoa_mission.geometry import Place, Points, Vector
+from ipoa_mission.geometry import Place, Vector
 from ipoa_mission.mission.items import Item
 from ipoa_mission.mission.program import Program
 from ipoa_mission.simulator.mock_profile import MockProfile
@@ -205,8 +205,8 @@ class Toy(Autopilot):
     def braking_distance(self, parameters: Parameters, speed: Vector, accel: Vector) -> Vector:
         return 0.0 * speed
 
-    def farthest_landing(self, parameters: Parameters, velocity: Points) -> Points:
-        return 0.0 * velocity
+    def sinking_brake(self, parameters: Parameters) -> SinkingBrake:
+        return SinkingBrake(SPEED, SPEED, 0.0, 0.0)
 
     def slow_stretch(self, parameters: Parameters) -> SlowStretch | None:
         return None

@@ -286,16 +286,9 @@ class ArduCopter(Autopilot):
         lag_s = 0.08  # as flown
         return braking_displacement(upright, 0.0 * upright, braking, p["PSC_JERK_Z"])[:, 0] + lag_s * climb
 
-    def farthest_landing(self, parameters: Parameters, velocity: Points) -> Points:
-        import numpy as np
-
+    def sinking_brake(self, parameters: Parameters) -> returning.SinkingBrake:
         limits = copter_limits(parameters)
-        horizontal = velocity[:, :2]
-        overshot_s = 0.06  # as flown
-        offset = self.stopping_offset(parameters, horizontal, 0.0 * horizontal, Contingency.LAND)
-        braking_s = np.hypot(*horizontal.T) / limits.accel + 0.35
-        descent = max(limits.land_speed_high, limits.land_speed)
-        return returning.sunk_path(offset + overshot_s * horizontal, velocity, descent, braking_s)
+        return returning.SinkingBrake(limits.accel, max(limits.land_speed_high, limits.land_speed), 0.35, 0.06)
 
     def circle(
         self, parameters: Parameters, radius: float, turn: float, speed: float | None, version: Version | None

@@ -215,6 +215,7 @@ class Px4Multicopter(Autopilot):
         "DeviationLaw": "ipoa_mission.vehicles.px4_multicopter.flight_model:LAW",
         "MockProfile": "ipoa_mission.vehicles.px4_multicopter.flight_controller:MOCK_PROFILE",
     }
+    overshoots_s = 0.5  # as flown
     own_fence_by = ("GF_ACTION", "GF_MAX_HOR_DIST", "GF_MAX_VER_DIST")
     failsafe_profile = FAILSAFES
 
@@ -233,7 +234,7 @@ class Px4Multicopter(Autopilot):
         """
         if contingency not in returning.IN_PLACE:
             return super().stopping_offset(parameters, velocity, accel, contingency)
-        overshoots_s = 0.5 if contingency is Contingency.HOLD else 0.0  # as flown
+        overshoots_s = self.overshoots_s if contingency is Contingency.HOLD else 0.0
         stops_s = px4_limits(parameters).stopping_time(np.hypot(*velocity.T)) + overshoots_s
         return np.asarray(velocity * stops_s[:, None])
 
@@ -260,12 +261,9 @@ class Px4Multicopter(Autopilot):
         while_braking = super().stopping_climb(parameters, velocity, accel, contingency)
         return np.asarray(np.copysign(np.maximum(distance, np.abs(while_braking)), climb))
 
-    def farthest_landing(self, parameters: Parameters, velocity: Points) -> Points:
+    def sinking_brake(self, parameters: Parameters) -> returning.SinkingBrake:
         limits = px4_limits(parameters)
-        horizontal = velocity[:, :2]
-        overshot = self.stopping_offset(parameters, horizontal, 0.0 * horizontal, Contingency.HOLD)
-        braking_s = np.hypot(*horizontal.T) / limits.accel + 2.3
-        return returning.sunk_path(overshot, velocity, limits.sinks_from, braking_s)
+        return returning.SinkingBrake(limits.accel, limits.sinks_from, 2.3, self.overshoots_s)
 
     def slow_stretch(self, parameters: Parameters) -> returning.SlowStretch | None:
         """Return MPC_LAND_ALT1 to MPC_LAND_ALT2.
