@@ -165,7 +165,7 @@ class Logbook:
 
     def _advance(self, time_s: float) -> None:
         if math.isinf(self._gap_ends_s) and time_s > self.clock_s:
-            self._gap_ends_s = time_s + 2.0  # MISSION_CURRENT comes once a second
+            self._gap_ends_s = time_s + 2.0
         self.clock_s = max(time_s, self.clock_s)
 
     def _note_done(self, flight: _Recording, index: int) -> None:

@@ -226,7 +226,7 @@ class Px4Multicopter(Autopilot):
     def stopping_offset(
         self, parameters: Parameters, velocity: Points, accel: Points, contingency: Contingency
     ) -> Points:
-        """Return the displacement of LAND (preproject_stop_point) and hold, which flies farther and comes back.
+        """Return the displacement of LAND (preproject_stop_point) and hold, which comes back.
 
         >>> import numpy as np
         >>> Px4Multicopter().stopping_offset({}, np.array([[6.0, 0.0]]), np.zeros((1, 2)), Contingency.HOLD).round(1)
