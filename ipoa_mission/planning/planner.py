@@ -13,7 +13,7 @@ from ipoa_mission.optimize.search import SHORT_EVALUATIONS, Optimizer, minimize
 from ipoa_mission.planning.lattice import USUAL_LATTICE, Guess, LatticeStrategy, find_routes, guesses, lay_lattice
 from ipoa_mission.planning.obstruction import not_found, refuse_closed, refuse_places
 from ipoa_mission.planning.path_problem import PathTask
-from ipoa_mission.planning.polish import FINE_DESCENT, FIRM_DESCENT, ROUGH_DESCENT, polish, polish_until_proved
+from ipoa_mission.planning.polish import FINE_DESCENT, FIRM_DESCENT, ROUGH_DESCENT, polish, polish_until_proved, stages
 from ipoa_mission.planning.problem import (
     ALL,
     UNSAFE,
@@ -74,6 +74,8 @@ class SearchStrategy:
     straight_width: float = 0.25
     lattice_starts: int = 2  # searches: of the cheapest route, then the best polished
     lattice_width: float = 0.08
+    max_behind: tuple[float, ...] = (0.08, 0.02)  # the best guess, after each stage
+    min_rivals: int = 3
     coarse_control_points: int = 100  # fewer may not follow the route
     closer_factor: int = 4
     max_improved: int = 2  # piece by piece
@@ -235,9 +237,7 @@ def _find_passages(searcher: Searcher, coarsest: int, progress: Progress) -> lis
     straight, *routes = guesses(problem, coarsest, strategy.lattice)
     candidates = [straight.candidate(problem)]
     polished = [polish(candidates[0], problem)]
-    for route in routes:
-        candidate = route.candidate(problem)
-        near = _approach(candidate, problem)
+    for candidate, near in _rivals([route.candidate(problem) for route in routes], searcher):
         if len(candidate.curve.control) < strategy.coarse_control_points and problem.cost(near) > UNSAFE:
             candidate = refine(candidate)
             near = _approach(candidate, problem)
@@ -257,6 +257,22 @@ def _find_passages(searcher: Searcher, coarsest: int, progress: Progress) -> lis
         progress(0.5 * i / len(starts), f"passage {i + 1} of {len(starts)}")
         polished.append(polish(searcher.search(guess, width), problem))
     return sorted(polished, key=problem.cost)[: strategy.max_improved]
+
+
+def _rivals(candidates: list[Candidate], searcher: Searcher) -> list[tuple[Candidate, Candidate]]:
+    """Return the first candidate, and those near the best after each stage of a rough polish, with their curves."""
+    problem = searcher.problem
+    strategy = searcher.strategy
+    if problem.climbs_limited:
+        return [(candidate, _approach(candidate, problem)) for candidate in candidates]
+    running = [(candidate, stages(candidate, problem)) for candidate in candidates]
+    for behind in strategy.max_behind:
+        costs = np.array([problem.cost(next(steps)) for _, steps in running])
+        is_near = costs % UNSAFE <= (1 + behind) * costs.min(initial=np.inf)
+        is_near[:1] = True
+        is_near[np.argsort(costs)[: strategy.min_rivals]] = True
+        running = [running[n] for n in np.flatnonzero(is_near)]
+    return [(candidate, list(steps)[-1]) for candidate, steps in running]
 
 
 def _approach(candidate: Candidate, problem: PreparedProblem) -> Candidate:

@@ -4,7 +4,7 @@ Limits, and the end of the threat at d_safe, are logarithmic barriers (Fiacco an
 `flatter` mend breaches between nodes.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
@@ -67,21 +67,27 @@ def polish(
     candidate: Candidate, problem: PreparedProblem, descent: Descent = ROUGH_DESCENT, part: slice = ALL
 ) -> Candidate:
     """Return the curve after a descent; of the inner control points only `part` moves, and via points stay."""
+    *_, polished = stages(candidate, problem, descent, part)
+    return polished
+
+
+def stages(
+    candidate: Candidate, problem: PreparedProblem, descent: Descent = ROUGH_DESCENT, part: slice = ALL
+) -> Iterator[Candidate]:
+    """Yield the curve after each stage."""
     from ipoa_mission.planning._path_model import descend
 
-    stages = descent.stages
-    enough = descent.enough
     nodes = descent.finer * max(problem.nodes, NODES_PER_SPAN * candidate.curve.spans)
-    control = candidate.curve.control.copy()
     some, bench = _prepare(candidate, problem, part, nodes)
-    moved = np.ascontiguousarray(control[some])
+    moved = np.ascontiguousarray(candidate.curve.control[some])
     signs = np.zeros((len(bench.spans.first), 2))
-    for k, soft in enumerate(stages, 1):
-        good = enough if k == len(stages) else max(enough, EARLY_GAIN)
+    for k, soft in enumerate(descent.stages, 1):
+        enough = descent.enough if k == len(descent.stages) else max(descent.enough, EARLY_GAIN)
         scaled = soft.scaled(problem.scale)
-        moved, signs = descend(moved, signs, bench, problem.grid, problem.rules, scaled, (descent.steps, good))
-    control[some] = moved
-    return Candidate(Spline(control), candidate.via_at)
+        moved, signs = descend(moved, signs, bench, problem.grid, problem.rules, scaled, (descent.steps, enough))
+        control = candidate.curve.control.copy()
+        control[some] = moved
+        yield Candidate(Spline(control), candidate.via_at)
 
 
 def polish_until_proved(
@@ -92,10 +98,9 @@ def polish_until_proved(
     With limited climbs it restarts for more room: a curve that must become longer at once would turn in circles.
     """
     rough = candidate
-    stages = descent.stages
     more = dict.fromkeys(("aside", "above", "flatter"), 0.0)
     for _ in range(attempts):
-        wider = [stage._replace(**{name: getattr(stage, name) + by for name, by in more.items()}) for stage in stages]
+        wider = [one._replace(**{name: getattr(one, name) + by for name, by in more.items()}) for one in descent.stages]
         base = rough if problem.climbs_limited else candidate
         candidate = polish(base, problem, replace(descent, stages=wider))
         proof = prove_curve(candidate.curve, problem.task)
