@@ -28,7 +28,7 @@ class LatticeStrategy(NamedTuple):
     max_levels: int = 60  # without limited climbs
     min_slope: float = 0.07  # flatter climbs would need too many levels
     refinements: tuple[float, ...] = (1.0, 2.0, 3.0)  # of the spacing, each if the one before has no route
-    max_routes: int = 24
+    max_routes: int = 60
     max_routes_climbing: int = 8  # with limited climbs
     max_cost_ratio: float = 1.6  # of a route to the cheapest
     max_routes_beside: int = 8  # besides those through narrow gaps
