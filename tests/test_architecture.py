@@ -63,10 +63,11 @@ MAY_IMPORT["terminal"] = set()
 MAY_IMPORT["cli"] = _BELOW_THE_CLI - {"optimize", "world"} | _OF_VERBS
 MAY_IMPORT["paper"] = {"optimize", "planning", "cli"} | _OF_VERBS
 MAY_IMPORT["learn"] = _BELOW_THE_CLI - {"link"} | _OF_VERBS
+MAY_IMPORT["fleet"] = {"forecast"} | _OF_VERBS
 MAY_IMPORT["survey"] = _BELOW_THE_CLI - {"flight"} | {"cli"} | _OF_VERBS
 MAY_IMPORT["studio"] = _BELOW_THE_CLI | {"survey"} | _OF_VERBS
-USE_PUBLIC_API = {"survey", "paper", "learn", "studio"}  # they import from `ipoa_mission` where they can
-PLUG_INS = {"vehicles", "paper", "learn", "survey", "studio"}
+USE_PUBLIC_API = {"survey", "paper", "learn", "studio", "fleet"}  # they import from `ipoa_mission` where they can
+PLUG_INS = {"vehicles", "paper", "learn", "survey", "studio", "fleet"}
 
 #: May own a socket, a clock or pymavlink.
 IMPURE = {

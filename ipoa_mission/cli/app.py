@@ -84,6 +84,7 @@ HEADINGS: dict[str, tuple[str | Callable[..., None], ...]] = {
         checking.estimate,
         showing.show,
         showing.export,
+        "deconflict",
     ),
     "Fly": (flying.fly, mocking.mock, comparing.compare, "learn"),
     "The mission on a vehicle": (linking.scan, linking.upload, linking.download, linking.clear),

@@ -28,9 +28,9 @@ from tools.generate import verbs
 
 MISSIONS = Path(__file__).parents[2] / "missions"
 SITL, CAMPUS = MISSIONS / "sitl.plan", MISSIONS / "campus.plan"
-#: Other meanings in `mock`, an autopilot; `reproduce` and `demo` (no `--out`); `learn`, which writes one file; where a
-#: link is optional. A vehicle is chosen on a link or in a log.
-SEVERAL = {"--autopilot": 2, "--firmware-version": 2, "--link": 3, "--out": 4, "--seed": 2, "--system": 2}
+#: Other meanings in `mock`, an autopilot; `reproduce`, `demo` (no `--out`); `learn`, one file; `deconflict`:
+#: optional there. Where a link is optional. A vehicle is chosen on a link or in a log.
+SEVERAL = {"--autopilot": 2, "--firmware-version": 2, "--link": 3, "--out": 5, "--seed": 2, "--system": 2}
 #: Who takes one takes all.
 TOGETHER = (
     {"--param", "--param-file"},
@@ -42,8 +42,8 @@ LINKED = "fly mock upload download clear pause resume rtl"
 #: Flag: verbs that must take it.
 TAKEN = {
     "--json": "demo new plan studio check estimate show export fly mock compare learn "
-    "scan upload download clear pause resume rtl reproduce",
-    "--force": "demo learn new plan export fly compare download",
+    "deconflict scan upload download clear pause resume rtl reproduce",
+    "--force": "deconflict demo learn new plan export fly compare download",
     "--scenario": "check estimate show export mock compare studio",
     "--param": "plan check estimate show fly mock compare",
     "--wind": "plan check estimate show fly compare",

@@ -78,9 +78,9 @@ def run(tmp_path: Path, without: Callable[[str], subprocess.Popen[str]]) -> Run:
     return run_without
 
 
-@pytest.mark.parametrize("room", ["learn", "paper", "studio", "survey"])
+@pytest.mark.parametrize("room", ["fleet", "learn", "paper", "studio", "survey"])
 def test_a_room_can_be_taken_out(room: str, missions: Path, run: Run) -> None:
-    verb = "reproduce" if room == "paper" else room
+    verb = {"paper": "reproduce", "fleet": "deconflict"}.get(room, room)
     plan, check = (f"{verb} {missions / 'sitl.toml'}" for verb in ("plan", "check sitl.plan --scenario"))
     usage, unknown, *others = run(room, "--help", verb, plan, check, "show sitl.plan")
     assert f"│ {verb} " not in usage.out

@@ -1,0 +1,231 @@
+"""Several vehicles in one airspace: predict where missions meet, and set them apart."""
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from ipoa_mission.errors import BadInput, OptionConflict
+from ipoa_mission.options import ForceOption, JsonOption
+from ipoa_mission.terminal import print_json, print_lines, print_table, round_finite
+
+if TYPE_CHECKING:
+    from ipoa_mission.fleet.contingency_conflicts import ContingencyConflict
+    from ipoa_mission.fleet.fleet import Fleet
+    from ipoa_mission.fleet.repairs import Timetable, TimetableSlot
+    from ipoa_mission.fleet.traffic import Conflict
+    from ipoa_mission.geodesy import LocalFrame
+    from ipoa_mission.geometry import Vector
+
+TIMETABLE = "timetable.json"
+
+
+def deconflict(
+    files: Annotated[list[Path], typer.Argument(metavar="FILE...", help="Missions: .plan or .waypoints.")],
+    separation: Annotated[
+        float, typer.Option("--separation", metavar="M", min=0.1, help="Least distance of two vehicles.")
+    ] = 10.0,
+    confidence: Annotated[
+        float, typer.Option("--confidence", min=0.5, max=0.999999, help="Probability that a pair keeps it.")
+    ] = 0.999,
+    departures: Annotated[
+        str | None, typer.Option("--departures", metavar="S,S,...", help="When each may depart; default all at 0 s.")
+    ] = None,
+    most_delay: Annotated[
+        float, typer.Option("--most-delay", metavar="S", min=0.0, help="The longest delay of a departure.")
+    ] = 600.0,
+    out: Annotated[
+        Path | None, typer.Option("--out", metavar="DIR", help="Write changed missions and timetable.json to it.")
+    ] = None,
+    force: ForceOption = False,
+    as_json: JsonOption = False,
+) -> None:
+    """Predict where missions may meet, and delay, hold or raise vehicles until each pair keeps its separation.
+
+    The probability counts early and late flights and their deviations, as measured on real autopilots, and a second of
+    doubt for each departure. Vehicles on their pads count. A pad of two missions is used by one after the other.
+
+    A repair is the one found with the least sum of added time. It is forecast again as its missions are written. Exit
+    code 1 if none keeps all pairs apart.
+
+    Example: `ipoa-mission deconflict north.plan south.plan --separation 15`
+    """
+    from ipoa_mission.fleet.contingency_conflicts import contingency_conflicts
+    from ipoa_mission.fleet.fleet import read_fleet
+    from ipoa_mission.fleet.repairs import Deconfliction, RepairLimits
+    from ipoa_mission.fleet.traffic import Encounters
+    from ipoa_mission.terminal import expect_folder
+
+    if len(files) < 2:
+        raise OptionConflict("expected two missions or more", place="FILE")
+    earliest = _seconds(departures, files)
+    if out is not None:
+        expect_folder(out)
+    fleet = read_fleet(files)
+    search = Deconfliction(fleet, earliest, Encounters(separation), RepairLimits(1.0 - confidence, most_delay))
+    timetable = search.timetable()
+    result: dict[str, Any] = {
+        "separation_m": separation,
+        "confidence": confidence,
+        "conflicts": [_row(conflict, fleet.frame) for conflict in search.encounters.conflicts(search.planned)],
+    }
+    planned = search.fleet if timetable is None else timetable.fleet(fleet)
+    departures_s = search.planned if timetable is None else timetable.departures
+    meetings, unknown = contingency_conflicts(planned, departures_s, separation)
+    result["contingencies"] = [_contingency_row(meeting, fleet.frame) for meeting in meetings]
+    result["unknown_contingencies"] = [each._asdict() for each in unknown]
+    written: list[Path] = []
+    if timetable is None:
+        result["blocking"] = search.blocking_pair()
+    else:
+        result["timetable"] = [_slot_row(slot) for slot in timetable.slots]
+        result["added_s"] = round(timetable.added_s, 1)
+        result["remaining"] = [_row(each, fleet.frame) for each in search.encounters.conflicts(timetable.departures)]
+        written = [] if out is None else _write(fleet, timetable, out, force or None, result)
+    if as_json:
+        print_json(result | {"written": [str(file) for file in written]})
+    else:
+        _print(result, written)
+    if timetable is None:
+        raise typer.Exit(1)
+
+
+def _seconds(departures: str | None, files: list[Path]) -> "Vector":
+    import numpy as np
+
+    if departures is None:
+        return np.zeros(len(files))
+    try:
+        seconds = np.array([float(part) for part in departures.split(",")])
+    except ValueError:
+        raise BadInput(f"expected seconds, as 0,30, not {departures}", place="--departures") from None
+    if len(seconds) != len(files) or not np.isfinite(seconds).all() or (seconds < 0).any():
+        words = f"expected {len(files)} times of 0 s or more, one for each mission, not {departures}"
+        raise BadInput(words, place="--departures")
+    return seconds
+
+
+def _write(fleet: "Fleet", timetable: "Timetable", out: Path, force: bool | None, result: dict[str, Any]) -> list[Path]:
+    """Write all changed missions and the timetable, or nothing; never over a mission of the fleet."""
+    from ipoa_mission.files import write_together
+    from ipoa_mission.terminal import expect_free
+
+    contents: dict[Path, str | bytes | None] = {}
+    for slot, row in zip(timetable.slots, result["timetable"], strict=True):
+        if slot.vehicle.change:
+            name = _free_name(slot.vehicle.file.stem, out, contents)
+            row["file"] = str(out / f"{name}.plan")
+            contents |= {out / f"{name}{suffix}": text for suffix, text in slot.vehicle.written().items()}
+    read = {vehicle.file.resolve() for vehicle in fleet.vehicles}
+    for file in contents:
+        if file.resolve() in read:
+            words = "expected another folder than that of the missions: nothing is written over them"
+            raise BadInput(words, code="already-there", place=f"--out {out}")
+    contents[out / TIMETABLE] = json.dumps(result, indent=2) + "\n"
+    expect_free(contents, bool(force), ask=force is not None)
+    out.mkdir(parents=True, exist_ok=True)
+    write_together(contents)
+    return list(contents)
+
+
+def _free_name(stem: str, out: Path, taken: dict[Path, str | bytes | None]) -> str:
+    from itertools import count
+
+    names = (stem if n == 1 else f"{stem}-{n}" for n in count(1))
+    return next(name for name in names if out / f"{name}.plan" not in taken)
+
+
+def _row(conflict: "Conflict", frame: "LocalFrame") -> dict[str, Any]:
+    return {
+        "pair": list(conflict.pair),
+        "second": round(conflict.second, 1),
+        **_place_row(conflict.place, frame),
+        "expected_distance_m": round_finite(conflict.distance, 2),
+        "probability": float(f"{conflict.probability:.3g}"),
+    }
+
+
+def _contingency_row(meeting: "ContingencyConflict", frame: "LocalFrame") -> dict[str, Any]:
+    return {
+        "pair": list(meeting.pair),
+        "contingency": str(meeting.contingency),
+        "from_s": round(meeting.from_s, 1),
+        "to_s": round(meeting.to_s, 1),
+        **_place_row(meeting.place, frame),
+        "distance_m": round(meeting.distance, 1),
+    }
+
+
+def _place_row(place: "Vector", frame: "LocalFrame") -> dict[str, float]:
+    latitude, longitude, altitude = (float(axis[0]) for axis in frame.to_geodetic(place[None]))
+    return {
+        "latitude_deg": round(latitude, 7),
+        "longitude_deg": round(longitude, 7),
+        "altitude_amsl": round(altitude, 1),
+    }
+
+
+def _slot_row(slot: "TimetableSlot") -> dict[str, Any]:
+    return {
+        "mission": slot.vehicle.name,
+        "file": str(slot.vehicle.file),
+        "departs_s": round(slot.departure.second, 1),
+        "change": slot.vehicle.change,
+        "added_s": round(slot.added_s, 1),
+    }
+
+
+def _print(result: dict[str, Any], written: list[Path]) -> None:
+    columns = ["pair", "s after the\nfirst departure", "latitude", "longitude", "m AMSL", "expected\nm", "probability"]
+    rows = [
+        (
+            " and ".join(row["pair"]),
+            f"{row['second']:.0f}",
+            f"{row['latitude_deg']:.6f}",
+            f"{row['longitude_deg']:.6f}",
+            f"{row['altitude_amsl']:.0f}",
+            "" if row["expected_distance_m"] is None else f"{row['expected_distance_m']:.1f}",
+            f"{row['probability']:.2g}",
+        )
+        for row in result["conflicts"]
+    ]
+    if rows:
+        print_table(f"possible losses of a separation of {result['separation_m']:g} m", columns, rows)
+    else:
+        print_lines(f"no pair comes within {result['separation_m']:g} m")
+    if "blocking" in result:
+        print_lines(f"no departures, holds or heights keep {' and '.join(result['blocking'])} apart")
+    elif rows:
+        columns = ["mission", "departs\ns", "change", "added\ns"]
+        slots = [
+            (slot["mission"], f"{slot['departs_s']:.0f}", slot["change"], f"{slot['added_s']:.1f}")
+            for slot in result["timetable"]
+        ]
+        print_table("a timetable that keeps all pairs apart", columns, slots)
+    _print_contingencies(result)
+    for file in written:
+        print_lines(f"written: {file}")
+
+
+def _print_contingencies(result: dict[str, Any]) -> None:
+    columns = ["contingency of", "", "from\ns", "to\ns", "may meet", "latitude", "longitude", "m AMSL"]
+    rows = [
+        (
+            row["pair"][0],
+            row["contingency"],
+            f"{row['from_s']:.0f}",
+            f"{row['to_s']:.0f}",
+            row["pair"][1],
+            f"{row['latitude_deg']:.6f}",
+            f"{row['longitude_deg']:.6f}",
+            f"{row['altitude_amsl']:.0f}",
+        )
+        for row in result["contingencies"]
+    ]
+    if rows:
+        print_table(
+            "warning: contingencies that may meet another's planned flight, by second of the order", columns, rows
+        )
+    for each in result["unknown_contingencies"]:
+        print_lines(f"unknown: {each['contingency']} of {each['vehicle']}: {each['why']}")

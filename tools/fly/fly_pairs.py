@@ -1,0 +1,131 @@
+r"""Fly crossing pairs on two simulators of real autopilots at once, and record both true tracks.
+
+    python -m tools.fly.fly_pairs --count 10 --seed 1 --out DIR --speed 2 \
+        --px4 "START {latitude} {longitude} {altitude} {speed}" --px4-link udpin:127.0.0.1:14542 --px4-logs FOLDER \
+        --ardupilot "..." --ardupilot-link tcp:127.0.0.1:5780 --ardupilot-logs FOLDER [--repaired]
+
+Both vehicles are flown by `ipoa-mission fly`. `--repaired` flies them by the timetable of `deconflict`. DIR has
+N.json: missions, departures as planned and as flown, and tracks of seconds after arming, latitude, longitude, height.
+A pair that DIR has is not flown again.
+"""
+
+import json
+import math
+import subprocess
+import sys
+import time
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import ExitStack
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+from ipoa_mission import write_mission
+from ipoa_mission.wind import CALM
+from tools import command_line
+from tools.fly.crossing_pairs import AUTOPILOTS, crossing_pairs
+from tools.fly.simulators import connected, newest_log, set_up, simulation, true_track
+
+SEPARATION = 10.0  # [m]
+READY_S = 12.0  # until a simulator has a position, beyond its first message
+
+
+def program(*words: str) -> list[str]:
+    return [sys.executable, "-m", "ipoa_mission", *words]
+
+
+def timetable(files: list[Path], folder: Path) -> list[dict[str, Any]]:
+    out = folder / "repaired"
+    words = program("deconflict", *map(str, files), "--separation", f"{SEPARATION:g}", "--json", "--out", str(out))
+    ended = subprocess.run([*words, "--force"], capture_output=True, text=True, check=False)
+    slots: list[dict[str, Any]] = json.loads(ended.stdout)["timetable"]
+    return slots
+
+
+def begun(link: str) -> None:
+    with connected(link) as vehicle:
+        set_up(vehicle, CALM)
+
+
+def armed_at(log: Path) -> float:
+    """Return the wall time of the first armed heartbeat in a .tlog [s]; NaN: none."""
+    armed_flag = 128
+    read: Any = import_module("pymavlink.mavutil").mavlink_connection(str(log))
+    while (message := read.recv_match(type="HEARTBEAT")) is not None:
+        if message.get_srcComponent() == 1 and message.base_mode & armed_flag:
+            return float(message._timestamp)
+    return math.nan
+
+
+def fly_pair(n: int, files: list[Path], slots: list[dict[str, Any]], options: Any, folder: Path) -> dict[str, Any]:
+    """Fly both missions, each from its departure, and return what was planned and flown."""
+    from ipoa_mission import read_mission
+
+    links = [options.px4_link, options.ardupilot_link]
+    logs = [options.px4_logs, options.ardupilot_logs]
+    with ExitStack() as running:
+        for name, start, file in zip(AUTOPILOTS, (options.px4, options.ardupilot), files, strict=True):
+            home = read_mission(file).home
+            place = {"latitude": home.latitude_deg, "longitude": home.longitude_deg, "altitude": home.altitude}
+            running.enter_context(simulation(start.format(**place, speed=options.speed), folder / name))
+        for link in links:
+            begun(link)
+        time.sleep(READY_S)
+        began = time.time()
+
+        def fly(index: int) -> tuple[int, str]:
+            later_s = (0.0, options.ardupilot_later)[index]
+            time.sleep((slots[index]["departs_s"] + later_s) / options.speed)
+            log = folder / f"{AUTOPILOTS[index]}.tlog"
+            words = program("fly", slots[index]["file"], "--link", links[index], "--set-params", "--log", str(log))
+            ended = subprocess.run(words, capture_output=True, text=True, check=False, timeout=600)
+            return ended.returncode, ended.stdout + ended.stderr
+
+        with ThreadPoolExecutor(2) as pool:
+            ended = list(pool.map(fly, range(2)))
+        took = time.time() - began
+    tracks = [true_track(newest_log(Path(folder_of_logs))).round(7).tolist() for folder_of_logs in logs]
+    return {
+        "pair": n,
+        "files": [slot["file"] for slot in slots],
+        "departs_s": [slot["departs_s"] for slot in slots],
+        "change": [slot["change"] for slot in slots],
+        "ended": ended,
+        "took_s": round(took, 1),
+        "armed_s": [round((armed_at(folder / f"{name}.tlog") - began) * options.speed, 2) for name in AUTOPILOTS],
+        "tracks": tracks,
+    }
+
+
+def main() -> None:
+    parser = command_line(__doc__)
+    parser.add_argument("--count", type=int, default=10)
+    parser.add_argument("--first", type=int, default=0)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--out", type=Path, required=True)
+    parser.add_argument("--speed", type=float, default=1.0)
+    parser.add_argument("--repaired", action="store_true")
+    parser.add_argument("--ardupilot-later", type=float, default=0.0, help="it arms so much sooner after its start [s]")
+    for name in AUTOPILOTS:
+        for part in ("", "-link", "-logs"):
+            parser.add_argument(f"--{name}{part}", required=True)
+    options = parser.parse_args()
+    for n, pair in enumerate(crossing_pairs(options.first + options.count, options.seed)):
+        folder = options.out / str(n)
+        record = folder.with_suffix(".json")
+        if n < options.first or record.exists():
+            continue
+        folder.mkdir(parents=True, exist_ok=True)
+        files = [folder / f"{name}.plan" for name in AUTOPILOTS]
+        for mission, file in zip(pair.missions, files, strict=True):
+            write_mission(mission, file)
+        slots = timetable(files, folder)
+        if not options.repaired:
+            slots = [{"file": str(file), "departs_s": 0.0, "change": ""} for file in files]
+        flown = fly_pair(n, files, slots, options, folder)
+        record.write_text(json.dumps(flown), encoding="utf-8")
+        print(n, slots, [code for code, _ in flown["ended"]], flown["armed_s"], flown["took_s"], flush=True)
+
+
+if __name__ == "__main__":
+    main()
