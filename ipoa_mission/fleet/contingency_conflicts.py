@@ -3,29 +3,32 @@
 The paths are those over open, level ground at the height of home: no scenario is known.
 """
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
 
 from ipoa_mission import Forecast, MissionError, Scenario
-from ipoa_mission.errors import NotModeled
 from ipoa_mission.fleet.fleet import Fleet, FleetVehicle
 from ipoa_mission.fleet.timed_flight import STEP_S, TimedFlight, within_pad
 from ipoa_mission.fleet.traffic import PlannedDeparture
-from ipoa_mission.forecast.contingency.contingencies import TIMED, Contingencies, Contingency, contingencies_of
-from ipoa_mission.forecast.timing.flight_model import FlightModel
+from ipoa_mission.forecast.contingency.contingencies import Contingencies, contingencies_of
+from ipoa_mission.forecast.contingency.contingency_samples import ContingencySamples
+from ipoa_mission.forecast.timing.flight_model import FlightModel, Prediction
 from ipoa_mission.forecast.timing.track import interpolate
 from ipoa_mission.geodesy import LocalFrame
 from ipoa_mission.geometry import Matrix, Points, Vector, arc_lengths
 
 SPACING = 3.0  # of the points of a path [m]
 TIMED_EVERY_S = 10.0  # between orders whose progress is predicted
+UNTIMED = {"smart_rtl": "the way back along the flown path is not timed"}
+RETURN, HOLD = "rtl", "hold"
 
 
 class ContingencyConflict(NamedTuple):
-    """A contingency of `pair[0]`, ordered from `from_s` to `to_s` after the first departure, may meet `pair[1]`."""
+    """A contingency of `pair[0]`, ordered from `from_s` to `to_s` after the start of all, may meet `pair[1]`."""
 
     pair: tuple[str, str]
     contingency: str
@@ -64,7 +67,6 @@ def contingency_conflicts(
     """Return the contingencies that may meet a planned flight, and those of unknown path."""
     found = list[ContingencyConflict]()
     unknown = list[UnknownContingency]()
-    first_s = min(departure.second for departure in departures)
     for vehicle, departure in zip(fleet.vehicles, departures, strict=True):
         for points in contingency_points(vehicle, fleet.frame):
             if isinstance(points, UnknownContingency):
@@ -72,18 +74,29 @@ def contingency_conflicts(
                 continue
             for other in departures:
                 if other is not departure:
-                    found += _conflicts(points, departure, other, separation, first_s)
+                    found += _conflicts(points, departure, other, separation)
     return found, unknown
 
 
 def contingency_points(vehicle: FleetVehicle, frame: LocalFrame) -> Iterator[ContingencyPoints | UnknownContingency]:
     """Yield the contingencies that the vehicle's failsafes order, sampled in space and time."""
     forecast = open_air(vehicle)
+    model = forecast.mission.autopilot.part(FlightModel)
     for contingency in contingencies_of(forecast):
+        why = UNTIMED.get(contingency)
+        predict = partial(model.predict_contingency, forecast.itinerary, forecast.wind, contingency)
         try:
-            yield _points(forecast, contingency, frame)
+            contingencies = forecast.cached(Contingencies)
+            why = contingencies.paths.why_unknown() if contingency == RETURN else why
+            samples = contingencies.samples(contingency) if why is None else None
         except MissionError as error:
-            yield UnknownContingency(vehicle.name, contingency, str(error))
+            why = str(error)
+        if why is not None or samples is None:
+            yield UnknownContingency(vehicle.name, contingency, str(why))
+        else:
+            points = _points(contingency, samples, None if contingency == HOLD else predict)
+            latitude, longitude, altitude = forecast.frame.to_geodetic(points.places)
+            yield replace(points, places=frame.to_local(latitude, longitude, altitude))
 
 
 def open_air(vehicle: FleetVehicle) -> Forecast:
@@ -95,25 +108,23 @@ def open_air(vehicle: FleetVehicle) -> Forecast:
     return Forecast(vehicle.mission, scenario)
 
 
-def _points(forecast: Forecast, contingency: Contingency, frame: LocalFrame) -> ContingencyPoints:
-    contingencies = forecast.cached(Contingencies)
-    why = contingencies.paths.why_unknown() if contingency is Contingency.RTL else None
-    if contingency is Contingency.SMART_RTL:
-        why = "the way back along the flown path is not timed"
-    if why is not None:
-        raise NotModeled(why)
-    samples = contingencies.samples(contingency)
+def _points(
+    contingency: str, samples: ContingencySamples, predict: Callable[[float], Prediction] | None
+) -> ContingencyPoints:
+    """Return the points of all possible paths in their own frame; `predict`: the flight from an order on [s]."""
     paths = [
         (second, _along(path))
         for second, of_order, possible in zip(samples.times.tolist(), samples.paths, samples.possible, strict=True)
         for path in of_order[possible]
     ]
-    places = np.concatenate([points for _, (points, _) in paths])
-    shares = np.concatenate([shares for _, (_, shares) in paths])
     order_s = np.concatenate([np.full(len(shares), second) for second, (_, shares) in paths])
-    latitude, longitude, altitude = forecast.frame.to_geodetic(places)
-    earliest, latest = _window(forecast, contingency, order_s, shares)
-    return ContingencyPoints(contingency, frame.to_local(latitude, longitude, altitude), order_s, earliest, latest)
+    shares = np.concatenate([shares for _, (_, shares) in paths])
+    earliest, latest = _window(None if predict is None else _progress(predict, order_s), order_s, shares)
+    if contingency != RETURN:
+        latest = np.where(shares == 1.0, np.inf, latest)
+    return ContingencyPoints(
+        contingency, np.concatenate([points for _, (points, _) in paths]), order_s, earliest, latest
+    )
 
 
 def _along(path: Points) -> tuple[Points, Vector]:
@@ -123,48 +134,41 @@ def _along(path: Points) -> tuple[Points, Vector]:
     return interpolate(shares * along[-1], along, path), shares
 
 
-def _window(forecast: Forecast, contingency: Contingency, order_s: Vector, shares: Vector) -> tuple[Vector, Vector]:
+def _window(progress: tuple[Vector, Matrix] | None, order_s: Vector, shares: Vector) -> tuple[Vector, Vector]:
     """Return from when to when the vehicle may be at `shares` (n,) of its path, ordered at `order_s` (n,) [s]."""
-    progress = _progress(forecast, contingency, order_s)
     if progress is None:
         return order_s, np.full(len(order_s), np.inf)
     timed_s, seconds = progress
     nearest = np.abs(timed_s[:, None] - order_s).argmin(axis=0)
     after = seconds[nearest, np.rint(shares * (seconds.shape[1] - 1)).astype(int)]
     doubt = 3.0 + 0.15 * after  # [s]
-    stays = (contingency is not Contingency.RTL) & (shares == 1.0)
-    return order_s + np.maximum(after - doubt, 0.0), np.where(stays, np.inf, order_s + after + doubt)
+    return order_s + np.maximum(after - doubt, 0.0), order_s + after + doubt
 
 
-def _progress(forecast: Forecast, contingency: Contingency, order_s: Vector) -> tuple[Vector, Matrix] | None:
+def _progress(predict: Callable[[float], Prediction], order_s: Vector) -> tuple[Vector, Matrix] | None:
     """Return orders (m,) and when each reaches even shares of its path (m, k) [s after it]; None: not modeled."""
-    if contingency not in TIMED:
-        return None
     even = np.linspace(0.0, 1.0, 101)
-    model = forecast.mission.autopilot.part(FlightModel)
     timed_s = np.linspace(order_s[0], order_s[-1], 2 + int((order_s[-1] - order_s[0]) / TIMED_EVERY_S))
     seconds = list[Vector]()
     for second in timed_s.tolist():
         try:
-            prediction = model.predict_contingency(forecast.itinerary, forecast.wind, contingency, second)
+            track = predict(second).track.between(second, np.inf)
         except MissionError:
             return None
-        track = prediction.track.between(second, np.inf)
         along = arc_lengths(track.points)
         seconds.append(np.interp(even, along / max(along[-1], 1e-9), track.times - second))
     return timed_s, np.array(seconds)
 
 
 def _conflicts(
-    points: ContingencyPoints, of: PlannedDeparture, other: PlannedDeparture, reach: float, first_s: float
+    points: ContingencyPoints, of: PlannedDeparture, other: PlannedDeparture, separation: float
 ) -> Iterator[ContingencyConflict]:
-    """Yield the runs of orders after which the vehicle may come within `reach` [m] of the other's planned flight."""
+    """Yield the runs of orders after which the vehicle may come within the separation of the other's planned flight."""
     flight = other.flight
-    distances, _ = flight.tree.query(points.places, distance_upper_bound=reach + SPACING / 2)
+    reach = separation + SPACING / 2
+    distances, _ = flight.tree.query(points.places, distance_upper_bound=reach)
     near = np.flatnonzero(np.isfinite(distances))
-    if len(near) == 0:
-        return
-    samples = flight.tree.query_ball_point(points.places[near], reach + SPACING / 2)
+    samples = flight.tree.query_ball_point(points.places[near], reach) if len(near) else []
     begins, ends = _presence(flight, of.flight)
     later = other.second - of.second
     doubt = 2.0 * float(np.hypot(of.flight.time_deviations.max(), flight.time_deviations.max()) + 1.0)
@@ -172,32 +176,27 @@ def _conflicts(
         bool(np.any((begins[at] + later - doubt <= latest) & (ends[at] + later + doubt >= earliest)))
         for at, earliest, latest in zip(samples, points.earliest[near], points.latest[near], strict=True)
     ]
-    met = near[meets]
-    orders = np.unique(points.order_s)
-    ordered = np.searchsorted(orders, points.order_s[met])
-    for run in np.split(np.unique(ordered), np.flatnonzero(np.diff(np.unique(ordered)) > 1) + 1):
-        of_run = met[np.isin(ordered, run)]
-        if len(of_run) > 0:
+    met = near[np.array(meets, dtype=bool)]
+    orders, of_points = np.unique(points.order_s, return_inverse=True)
+    ordered = of_points[met]
+    numbers = np.unique(ordered)
+    for run in np.split(numbers, np.flatnonzero(np.diff(numbers) > 1) + 1):
+        if len(run) > 0:
+            of_run = met[np.isin(ordered, run)]
             nearest = of_run[np.argmin(distances[of_run])]
-            begin, end = (float(orders[n]) + of.second - first_s for n in (run[0], run[-1]))
-            yield ContingencyConflict(
-                (of.flight.name, flight.name),
-                points.contingency,
-                begin,
-                end,
-                points.places[nearest],
-                distances[nearest],
-            )
+            begin, end = (float(orders[n]) + of.second for n in (run[0], run[-1]))
+            pair = (of.flight.name, flight.name)
+            place = points.places[nearest]
+            yield ContingencyConflict(pair, points.contingency, begin, end, place, float(distances[nearest]))
 
 
 def _presence(flight: TimedFlight, by: TimedFlight) -> tuple[Vector, Vector]:
     """Return from when to when a vehicle is at each sample (n,) [s]: on its own pads before and after the flight."""
-    seconds = STEP_S * np.arange(len(flight.places))
-    begins = seconds - STEP_S
-    ends = seconds + STEP_S
+    begins = STEP_S * np.arange(-1.0, len(flight.places) - 1)
+    ends = begins + 2 * STEP_S
     pads = by.places[[0, -1]]
     if not within_pad(pads - flight.places[0]).any():
         begins[0] = -np.inf
     if not within_pad(pads - flight.places[-1]).any():
         ends[-1] = np.inf
-    return begins, ends
+    return np.asarray(begins), np.asarray(ends)

@@ -82,7 +82,7 @@ def deconflict(
         result["timetable"] = [_slot_row(slot) for slot in timetable.slots]
         result["added_s"] = round(timetable.added_s, 1)
         result["remaining"] = [_row(each, fleet.frame) for each in search.encounters.conflicts(timetable.departures)]
-        written = [] if out is None else _write(fleet, timetable, out, force or None, result)
+        written = [] if out is None else _write(fleet, timetable, out, force, result)
     if as_json:
         print_json(result | {"written": [str(file) for file in written]})
     else:
@@ -106,7 +106,7 @@ def _seconds(departures: str | None, files: list[Path]) -> "Vector":
     return seconds
 
 
-def _write(fleet: "Fleet", timetable: "Timetable", out: Path, force: bool | None, result: dict[str, Any]) -> list[Path]:
+def _write(fleet: "Fleet", timetable: "Timetable", out: Path, force: bool, result: dict[str, Any]) -> list[Path]:
     """Write all changed missions and the timetable, or nothing; never over a mission of the fleet."""
     from ipoa_mission.files import write_together
     from ipoa_mission.terminal import expect_free
@@ -114,26 +114,20 @@ def _write(fleet: "Fleet", timetable: "Timetable", out: Path, force: bool | None
     contents: dict[Path, str | bytes | None] = {}
     for slot, row in zip(timetable.slots, result["timetable"], strict=True):
         if slot.vehicle.change:
-            name = _free_name(slot.vehicle.file.stem, out, contents)
+            stem = slot.vehicle.file.stem
+            name = stem if out / f"{stem}.plan" not in contents else f"{stem}-{len(contents)}"
             row["file"] = str(out / f"{name}.plan")
-            contents |= {out / f"{name}{suffix}": text for suffix, text in slot.vehicle.written().items()}
+            contents |= {out / f"{name}{suffix}": text for suffix, text in slot.vehicle.written()[1].items()}
     read = {vehicle.file.resolve() for vehicle in fleet.vehicles}
     for file in contents:
         if file.resolve() in read:
             words = "expected another folder than that of the missions: nothing is written over them"
             raise BadInput(words, code="already-there", place=f"--out {out}")
     contents[out / TIMETABLE] = json.dumps(result, indent=2) + "\n"
-    expect_free(contents, bool(force), ask=force is not None)
+    expect_free(contents, force, ask=False)
     out.mkdir(parents=True, exist_ok=True)
     write_together(contents)
     return list(contents)
-
-
-def _free_name(stem: str, out: Path, taken: dict[Path, str | bytes | None]) -> str:
-    from itertools import count
-
-    names = (stem if n == 1 else f"{stem}-{n}" for n in count(1))
-    return next(name for name in names if out / f"{name}.plan" not in taken)
 
 
 def _row(conflict: "Conflict", frame: "LocalFrame") -> dict[str, Any]:
@@ -177,55 +171,24 @@ def _slot_row(slot: "TimetableSlot") -> dict[str, Any]:
 
 
 def _print(result: dict[str, Any], written: list[Path]) -> None:
-    columns = ["pair", "s after the\nfirst departure", "latitude", "longitude", "m AMSL", "expected\nm", "probability"]
-    rows = [
-        (
-            " and ".join(row["pair"]),
-            f"{row['second']:.0f}",
-            f"{row['latitude_deg']:.6f}",
-            f"{row['longitude_deg']:.6f}",
-            f"{row['altitude_amsl']:.0f}",
-            "" if row["expected_distance_m"] is None else f"{row['expected_distance_m']:.1f}",
-            f"{row['probability']:.2g}",
-        )
-        for row in result["conflicts"]
-    ]
-    if rows:
-        print_table(f"possible losses of a separation of {result['separation_m']:g} m", columns, rows)
+    if result["conflicts"]:
+        _print_rows(f"possible losses of a separation of {result['separation_m']:g} m", result["conflicts"])
     else:
         print_lines(f"no pair comes within {result['separation_m']:g} m")
     if "blocking" in result:
         print_lines(f"no departures, holds or heights keep {' and '.join(result['blocking'])} apart")
-    elif rows:
-        columns = ["mission", "departs\ns", "change", "added\ns"]
-        slots = [
-            (slot["mission"], f"{slot['departs_s']:.0f}", slot["change"], f"{slot['added_s']:.1f}")
-            for slot in result["timetable"]
-        ]
-        print_table("a timetable that keeps all pairs apart", columns, slots)
-    _print_contingencies(result)
+    elif result["conflicts"]:
+        _print_rows("a timetable that keeps all pairs apart", result["timetable"])
+    if result["contingencies"]:
+        title = "warning: the first one's contingency, ordered from one second to another, may meet the second one"
+        _print_rows(title, result["contingencies"])
+    for each in result["unknown_contingencies"]:
+        print_lines(f"unknown: {each['contingency']} of {each['vehicle']}: {each['why']}")
     for file in written:
         print_lines(f"written: {file}")
 
 
-def _print_contingencies(result: dict[str, Any]) -> None:
-    columns = ["contingency of", "", "from\ns", "to\ns", "may meet", "latitude", "longitude", "m AMSL"]
-    rows = [
-        (
-            row["pair"][0],
-            row["contingency"],
-            f"{row['from_s']:.0f}",
-            f"{row['to_s']:.0f}",
-            row["pair"][1],
-            f"{row['latitude_deg']:.6f}",
-            f"{row['longitude_deg']:.6f}",
-            f"{row['altitude_amsl']:.0f}",
-        )
-        for row in result["contingencies"]
-    ]
-    if rows:
-        print_table(
-            "warning: contingencies that may meet another's planned flight, by second of the order", columns, rows
-        )
-    for each in result["unknown_contingencies"]:
-        print_lines(f"unknown: {each['contingency']} of {each['vehicle']}: {each['why']}")
+def _print_rows(title: str, rows: list[dict[str, Any]]) -> None:
+    joined = [[" and ".join(value) if isinstance(value, list) else value for value in row.values()] for row in rows]
+    cells = [tuple("" if value is None else str(value) for value in row) for row in joined]
+    print_table(title, [key.replace("_", "\n") for key in rows[0]], cells)

@@ -8,13 +8,14 @@ A vehicle waits on its pad before its departure, and remains where it landed. A 
 the flight.
 """
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 
 import numpy as np
+from scipy.spatial import cKDTree
 
-from ipoa_mission.fleet.timed_flight import STEP_S, TimedFlight, within_pad
+from ipoa_mission.fleet.timed_flight import STEP_S, Indices, TimedFlight, within_pad
 from ipoa_mission.forecast.deviation.law import DeviationLaw, Quantiles
 from ipoa_mission.geometry import Points, Vector
 
@@ -36,7 +37,6 @@ class Encounter:
     """
 
     a: TimedFlight
-    b: TimedFlight
     first_offset: int
     separations: Vector
     of_a: Vector
@@ -63,7 +63,7 @@ class Encounter:
         reach = round(MOST_OFFSET * self.deviation_s / STEP_S)
         errors = STEP_S * np.arange(-reach, reach + 1)
         weights = np.exp(-0.5 * (errors / self.deviation_s) ** 2)
-        return errors, weights / weights.sum()
+        return np.asarray(errors), np.asarray(weights / weights.sum())
 
     def _samples(self, delays_s: Vector) -> Vector:
         return np.asarray(-delays_s / STEP_S - self.first_offset)
@@ -72,14 +72,16 @@ class Encounter:
 def encounters(a: TimedFlight, b: TimedFlight, separation: float) -> Iterator[Encounter]:
     """Yield where A and B may be nearer than `separation` [m], at whatever times they depart."""
     reach = separation + FARTHEST_DEVIATION + a.longest_step + b.longest_step
-    near_b = b.tree.query(a.places[:-1], distance_upper_bound=reach)[0]
-    for run in _runs(near_b):
-        yield _encounter(a, b, run, separation, reach)
-    for flying, standing in ((a, b), (b, a)):
-        yield from _over_pads(flying, standing, separation)
+    for rows in _runs(b.tree.query(a.places[:-1], distance_upper_bound=reach)[0]):
+        near_a = cKDTree(a.places[rows]).query(b.places[:-1], distance_upper_bound=reach)[0]
+        columns = np.flatnonzero(np.isfinite(near_a))
+        offsets = np.arange(columns[0] - rows[-1] - 1, columns[-1] - rows[0] + 2)
+        yield _encounter(a, b, rows, offsets, separation)
+    yield from _over_pads(a, b, separation)
+    yield from _over_pads(b, a, separation)
 
 
-def _runs(distances: Vector) -> Iterator[Vector]:
+def _runs(distances: Vector) -> Iterator[Indices]:
     """Yield the samples of each approach: those at a finite distance, and between them."""
     rows = np.flatnonzero(np.isfinite(distances))
     for run in np.split(rows, np.flatnonzero(np.diff(rows) > APART_S / STEP_S) + 1):
@@ -89,85 +91,50 @@ def _runs(distances: Vector) -> Iterator[Vector]:
 
 def _over_pads(a: TimedFlight, b: TimedFlight, separation: float) -> Iterator[Encounter]:
     """Yield where A flies near the pads of B while B waits for its departure, or after it has landed."""
-    steps = np.arange(len(a.places) - 1)
-    in_air = ~(a.on_ground(steps) & a.on_ground(steps + 1))
+    reach = separation + FARTHEST_DEVIATION + a.longest_step
     for sample in (0, len(b.places) - 1):
-        pad = b.places[sample]
-        if within_pad(a.places[[0, -1]] - pad).any():
-            continue
-        away = _closest(a.places[:-1] - pad, np.diff(a.places, axis=0))[0]
+        away = a.places[:-1] - b.places[sample]
         distances = np.linalg.norm(away, axis=1)
-        for run in _runs(np.where(in_air & (distances < separation + FARTHEST_DEVIATION), distances, np.inf)):
-            yield _over_pad(a, b, sample, _Approach(run, away[run], separation))
+        if not within_pad(a.places[[0, -1]] - b.places[sample]).any():
+            for rows in _runs(np.where(distances < reach, distances, np.inf)):
+                yield _over_pad(a, b, sample, rows, separation)
 
 
-@dataclass(frozen=True, eq=False)
-class _Approach:
-    """Samples (n,) of a flight near a place, and the way from that place (n, 3) [m]."""
-
-    samples: Vector
-    away: Points
-    separation: float
-
-
-def _over_pad(a: TimedFlight, b: TimedFlight, sample: int, approach: _Approach) -> Encounter:
-    """Return the encounter with B on its pad before its first sample, or after its last one.
-
-    With each further sample of offset, B leaves the pad one sample of A earlier, or is there one earlier.
-    """
-    waits = sample == 0
-    order = slice(None) if waits else slice(None, None, -1)
-    samples = approach.samples[order]
-    away = approach.away[order]
-    distances = np.linalg.norm(away, axis=1)
-    least = np.minimum.accumulate(distances)
-    nearest = np.maximum.accumulate(np.where(distances <= least, np.arange(len(least)), 0))
-    upright = np.abs(away[nearest, 2]) / np.maximum(least, 1e-9)
-    seconds = STEP_S * np.cumsum(distances < approach.separation + 1.0)
-    risks = _risks((a.law,), least - approach.separation, upright, seconds)
-    back = slice(None, None, -1) if waits else slice(None)
-    none = np.array([np.inf]), np.zeros(1), np.zeros(1)
-    parts = (least[back], samples[nearest][back], risks[back])
-    joined = [np.concatenate([part, end] if waits else [end, part]) for part, end in zip(parts, none, strict=True)]
-    last = approach.samples[-1] + 1
-    meets = samples[nearest[-1]]
-    return Encounter(
-        a=a,
-        b=b,
-        first_offset=int(-last if waits else len(b.places) - last),
-        separations=joined[0],
-        of_a=joined[1],
-        risks=joined[2],
-        deviation_s=_deviation_s((a, int(meets)), (b, sample)),
+def _over_pad(a: TimedFlight, b: TimedFlight, sample: int, rows: Indices, separation: float) -> Encounter:
+    """Return the encounter with B on its pad before its first sample, or after its last one."""
+    count = len(rows) + 1
+    parked = replace(
+        b,
+        places=np.repeat(b.places[[sample]], count + 1, axis=0),
+        lifts=count,
+        time_deviations=np.repeat(b.time_deviations[[sample]], count + 1),
+        law=None,
     )
+    if sample == 0:
+        offsets = np.arange(-rows[0], -rows[0] + count + 1)
+        first_offset = offsets[0] - count
+    else:
+        offsets = np.arange(-rows[-1] - 1, -rows[0] + 1)
+        first_offset = offsets[0] + sample
+    return replace(_encounter(a, parked, rows, offsets, separation), first_offset=int(first_offset))
 
 
-def _deviation_s(*met: tuple[TimedFlight, int]) -> float:
-    """Return the standard deviation of the offset of flights that meet at these samples [s]."""
-    return float(np.linalg.norm([(flight.time_deviations[n], flight.departure_deviation_s) for flight, n in met]))
-
-
-def _encounter(a: TimedFlight, b: TimedFlight, rows: Vector, separation: float, reach: float) -> Encounter:
-    near_a = a.part(rows).query(b.places[:-1], distance_upper_bound=reach)[0]
-    columns = np.flatnonzero(np.isfinite(near_a))
-    offsets = np.arange(columns[0] - rows[-1] - 1, columns[-1] - rows[0] + 2)
-    parts = [
-        _nearest(a, b, rows, batch, separation)
-        for batch in np.array_split(offsets, 1 + len(rows) * len(offsets) // BATCH)
-    ]
+def _encounter(a: TimedFlight, b: TimedFlight, rows: Indices, offsets: Indices, separation: float) -> Encounter:
+    """Return the encounter at A's samples `rows`, with B's clock `offsets` (k,) samples ahead."""
+    batches = np.array_split(offsets, 1 + len(rows) * len(offsets) // BATCH)
+    parts = [_nearest(a, b, rows, batch, separation) for batch in batches]
     separations, of_a, upright, seconds = map(np.concatenate, zip(*parts, strict=True))
-    meets = int(np.argmin(separations))
-    meets_b = int(np.clip(round(of_a[meets]) + offsets[meets], 0, len(b.places) - 1))
-    risks = _risks((a.law, b.law), separations - separation, upright, seconds)
-    risks[[0, -1]] = 0.0  # out of reach
+    nearest = int(np.argmin(separations))
+    meets = round(of_a[nearest])
+    meets_b = int(np.clip(meets + offsets[nearest], 0, len(b.places) - 1))
+    doubts = [a.time_deviations[meets], b.time_deviations[meets_b], a.departure_deviation_s, b.departure_deviation_s]
     return Encounter(
         a=a,
-        b=b,
         first_offset=int(offsets[0]),
         separations=separations,
         of_a=of_a,
-        risks=risks,
-        deviation_s=_deviation_s((a, round(of_a[meets])), (b, meets_b)),
+        risks=_risks(tuple(law for law in (a.law, b.law) if law), separations - separation, upright, seconds),
+        deviation_s=float(np.linalg.norm(doubts)),
     )
 
 
@@ -179,7 +146,7 @@ def _closest(away: Points, change: Points) -> tuple[Points, Vector]:
 
 
 def _nearest(
-    a: TimedFlight, b: TimedFlight, rows: Vector, offsets: Vector, separation: float
+    a: TimedFlight, b: TimedFlight, rows: Indices, offsets: Indices, separation: float
 ) -> tuple[Vector, Vector, Vector, Vector]:
     """Return by offset (k,): least distance [m], A's sample, vertical share of the distance, seconds so near.
 
@@ -198,15 +165,15 @@ def _nearest(
     separations = distances[chosen]
     upright = np.abs(nearest[chosen][:, 2]) / np.maximum(separations, 1e-9)
     seconds = STEP_S * (distances < separation + 1.0).sum(axis=0)
-    return separations, rows[least] + shares[chosen], upright, seconds
+    return np.asarray(separations), rows[least] + shares[chosen], upright, np.asarray(seconds)
 
 
-def _risks(laws: Sequence[DeviationLaw], room: Vector, upright: Vector, seconds: Vector) -> Vector:
+def _risks(laws: tuple[DeviationLaw, ...], room: Vector, upright: Vector, seconds: Vector) -> Vector:
     """Return the chance that deviations close `room` (k,) [m], of a line that is `upright` (0 to 1), for `seconds`."""
     angles = np.rint(np.where(np.isfinite(room), upright, 0.0) * (ANGLES - 1)).astype(int)
     chances = np.zeros(len(room))
     for angle in np.unique(angles).tolist():
-        closed, exceeded = _closing(tuple(laws), angle / (ANGLES - 1))
+        closed, exceeded = _closing(laws, angle / (ANGLES - 1))
         of_angle = angles == angle
         chances[of_angle] = np.interp(room[of_angle], closed, exceeded, right=0.0)
     moments = np.maximum(seconds / min(law.decorrelation_s for law in laws), 1.0)
@@ -226,7 +193,7 @@ def _closing(laws: tuple[DeviationLaw, ...], upright: float) -> tuple[Vector, Ve
             total = np.convolve(total, mass)
             least += begin
     distances = least + BIN * np.arange(len(total) + 1)
-    return distances, np.append(total[::-1].cumsum()[::-1], 0.0)
+    return np.asarray(distances), np.append(total[::-1].cumsum()[::-1], 0.0)
 
 
 def _density(spread: Quantiles, share: float) -> tuple[Vector, float]:

@@ -32,19 +32,14 @@ class FleetVehicle:
         flight = timed_flight(self.name, forecast, frame)
         return replace(self, mission=mission, forecast=forecast, flight=flight, change=change)
 
-    def written(self) -> dict[str, bytes]:
-        """Return the content of the mission's files by suffix: a `.plan`, and its parameters if it has any."""
-        with TemporaryDirectory() as folder:
-            write_mission(self.mission, Path(folder, "mission.plan"))
-            return {file.suffix: file.read_bytes() for file in Path(folder).iterdir()}
-
-    def as_written(self) -> Mission:
-        """Return the mission with the items and parameters that a reader of its files gets."""
+    def written(self) -> tuple[Mission, dict[str, bytes]]:
+        """Return the mission as a reader of its `.plan` gets it, and the content of its files by suffix."""
         with TemporaryDirectory() as folder:
             file = Path(folder, "mission.plan")
             write_mission(self.mission, file)
-            mission = read_mission(file)
-        return replace(self.mission, home=mission.home, items=mission.items, parameters=mission.parameters)
+            read = read_mission(file)
+            contents = {each.suffix: each.read_bytes() for each in Path(folder).iterdir()}
+        return replace(self.mission, home=read.home, items=read.items, parameters=read.parameters), contents
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,7 +9,6 @@ import numpy as np
 
 from ipoa_mission import Command, Item, Mission, MissionError, Severity, check_mission
 from ipoa_mission.fleet.fleet import Fleet, FleetVehicle
-from ipoa_mission.fleet.timed_flight import TimedFlight
 from ipoa_mission.fleet.traffic import Encounters, PlannedDeparture
 from ipoa_mission.geometry import Vector
 
@@ -99,8 +98,10 @@ class Deconfliction:
         numbers = list(range(len(self.planned)))
         yield numbers
         yield numbers[::-1]
+        flights = [departure.flight for departure in self.planned]
         met = {
-            n: sum(bool(self.encounters.of(*self._pair(n, other))) for other in numbers if other != n) for n in numbers
+            n: sum(bool(self.encounters.of(flights[n], other)) for other in flights[:n] + flights[n + 1 :])
+            for n in numbers
         }
         yield sorted(numbers, key=lambda n: -met[n])
         yield sorted(numbers, key=lambda n: met[n])
@@ -134,7 +135,7 @@ class Deconfliction:
             return None
         delay = float(self._delays[np.argmax(free)])
         longer = vehicle.flight.duration_s - self.fleet.vehicles[n].flight.duration_s
-        return TimetableSlot(vehicle, departure.delayed(delay), delay + longer)
+        return TimetableSlot(vehicle, replace(departure, second=departure.second + delay), delay + longer)
 
     def _higher(self, n: int, taken: Sequence[PlannedDeparture]) -> Iterator[TimetableSlot | None]:
         """Yield slots of the whole route raised, until one needs no delay."""
@@ -156,24 +157,21 @@ class Deconfliction:
         """Yield the vehicle with a hold of up to `most_s` before its first conflict, at up to two waypoints."""
         vehicle = self.fleet.vehicles[n]
         departure = self.planned[n]
-        conflict = min(
-            (
-                (second, other)
-                for other in taken
-                for second in self.encounters.meetings(other, departure, self.limits.chance)
-            ),
-            key=lambda met: met[0],
-            default=None,
-        )
-        if conflict is None:
+        met = [
+            (each.second, n)
+            for n, one in enumerate(taken)
+            for each in self.encounters.between(one, departure, self.limits.chance)
+        ]
+        if not met:
             return
-        second, other = conflict
+        second, blocking = min(met)
+        other = taken[blocking]
         longer = np.arange(1.0, min(self.limits.most_hold_s, most_s))
         free = self.encounters.probabilities(other, departure, longer) <= self.limits.chance
         if not free.any():
             return
         seconds = ceil(longer[np.argmax(free)])
-        for seq in holding_places(vehicle, second)[-2:]:
+        for seq in holding_places(vehicle, second - departure.second)[-2:]:
             for more in count():
                 hold = seconds + more * self.limits.hold_margin_s
                 mission = held(vehicle.mission, seq, hold)
@@ -191,17 +189,14 @@ class Deconfliction:
         return None if _errors(mission) - _errors(vehicle.mission) else changed
 
     def _as_written(self, timetable: Timetable) -> Timetable:
-        return Timetable(tuple(map(self._slot_as_written, timetable.slots)))
+        return Timetable(
+            tuple(self._slot_as_written(slot) if slot.vehicle.change else slot for slot in timetable.slots)
+        )
 
     def _slot_as_written(self, slot: TimetableSlot) -> TimetableSlot:
-        if not slot.vehicle.change:
-            return slot
-        mission = slot.vehicle.as_written()
+        mission, _ = slot.vehicle.written()
         vehicle = slot.vehicle.flying(mission, self.fleet.frame, slot.vehicle.change)
-        return TimetableSlot(vehicle, replace(slot.departure, flight=vehicle.flight), slot.added_s)
-
-    def _pair(self, n: int, other: int) -> tuple[TimedFlight, TimedFlight]:
-        return self.planned[n].flight, self.planned[other].flight
+        return replace(slot, vehicle=vehicle, departure=replace(slot.departure, flight=vehicle.flight))
 
 
 def _errors(mission: Mission) -> set[tuple[str, int | None]]:

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +13,7 @@ from ipoa_mission.forecast.deviation.law import DeviationLaw, law_of
 from ipoa_mission.geodesy import LocalFrame
 from ipoa_mission.geometry import Points, Vector
 
+Indices: TypeAlias = NDArray[np.intp]
 STEP_S = 0.25  # between samples; the motion between them counts as straight
 INTERVAL_DEVIATIONS = 1.645  # half of the 90 % interval of a forecast
 DEPARTURE_DEVIATION_S = 1.0  # of the time between the command to start and the order of it
@@ -31,7 +32,7 @@ class TimedFlight:
     lifts: int
     lands: int
     time_deviations: Vector
-    law: DeviationLaw
+    law: DeviationLaw | None  # None: parked
     departure_deviation_s: float = DEPARTURE_DEVIATION_S
 
     @cached_property
@@ -42,19 +43,12 @@ class TimedFlight:
     def longest_step(self) -> float:
         return float(np.linalg.norm(np.diff(self.places, axis=0), axis=1).max(initial=0.0))
 
-    def on_ground(self, samples: NDArray[np.integer[Any]]) -> NDArray[np.bool_]:
+    def on_ground(self, samples: Indices) -> NDArray[np.bool_]:
         return np.asarray((samples <= self.lifts) | (samples >= self.lands))
-
-    def part(self, samples: Vector) -> cKDTree:
-        return cKDTree(self.places[samples])
 
     @property
     def duration_s(self) -> float:
         return STEP_S * (len(self.places) - 1)
-
-    def place(self, sample: float) -> Vector:
-        numbers = np.arange(len(self.places))
-        return np.array([np.interp(sample, numbers, axis) for axis in self.places.T])
 
 
 def timed_flight(name: str, forecast: Forecast, frame: LocalFrame) -> TimedFlight:

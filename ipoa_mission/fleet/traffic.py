@@ -1,7 +1,7 @@
 """Flights with departure times, and the conflicts between them."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
@@ -15,7 +15,7 @@ SEEN = 1e-6  # a less probable conflict is not listed
 
 @dataclass(frozen=True, eq=False)
 class Conflict:
-    """Two flights that may lose separation: when after the first departure [s] and where most probably.
+    """Two flights that may lose separation: when [s after the start of all] and where most probably.
 
     `distance`: the least of the expected flights [m], infinite where one is on the ground then.
     """
@@ -33,9 +33,6 @@ class PlannedDeparture:
 
     flight: TimedFlight
     second: float
-
-    def delayed(self, by_s: float) -> "PlannedDeparture":
-        return replace(self, second=self.second + by_s)
 
 
 class Encounters:
@@ -59,16 +56,6 @@ class Encounters:
             kept *= 1.0 - encounter.probabilities(_delays(encounter, a, b, delays))
         return np.asarray(1.0 - kept)
 
-    def meetings(self, a: PlannedDeparture, b: PlannedDeparture, chance: float) -> Iterator[float]:
-        """Yield the second of B's flight in each encounter that is more probable than `chance`."""
-        now = np.zeros(1)
-        for encounter in self.of(a.flight, b.flight):
-            delays = _delays(encounter, a, b, now)
-            if encounter.probabilities(delays)[0] > chance:
-                _, sample = encounter.likeliest(float(delays[0]))
-                begins = a.second if encounter.a is a.flight else b.second
-                yield begins + STEP_S * sample - b.second
-
     def pairs(self, departures: Iterable[PlannedDeparture]) -> Mapping[tuple[str, str], float]:
         """Return the probability of each pair, by names."""
         now = np.zeros(1)
@@ -77,20 +64,20 @@ class Encounters:
             for a, b in combinations(departures, 2)
         }
 
+    def between(self, a: PlannedDeparture, b: PlannedDeparture, seen: float = SEEN) -> Iterator[Conflict]:
+        """Yield each possible conflict of a pair that is more probable than `seen`."""
+        for encounter in self.of(a.flight, b.flight):
+            delays = _delays(encounter, a, b, np.zeros(1))
+            probability = float(encounter.probabilities(delays)[0])
+            if probability > seen:
+                distance, sample = encounter.likeliest(float(delays[0]))
+                second = (a if encounter.a is a.flight else b).second + STEP_S * sample
+                pair = (a.flight.name, b.flight.name)
+                yield Conflict(pair, second, encounter.a.places[round(sample)], distance, probability)
+
     def conflicts(self, departures: Sequence[PlannedDeparture]) -> list[Conflict]:
-        """Return the possible conflicts, most probable first."""
-        first = min(departure.second for departure in departures)
-        found = list[Conflict]()
-        for a, b in combinations(departures, 2):
-            for encounter in self.of(a.flight, b.flight):
-                delays = _delays(encounter, a, b, np.zeros(1))
-                probability = float(encounter.probabilities(delays)[0])
-                if probability > SEEN:
-                    distance, sample = encounter.likeliest(float(delays[0]))
-                    begins = (a if encounter.a is a.flight else b).second
-                    second = begins + STEP_S * sample - first
-                    pair = (a.flight.name, b.flight.name)
-                    found.append(Conflict(pair, second, encounter.a.place(sample), distance, probability))
+        """Return the possible conflicts of all pairs, most probable first."""
+        found = [conflict for a, b in combinations(departures, 2) for conflict in self.between(a, b)]
         return sorted(found, key=lambda conflict: -conflict.probability)
 
 
