@@ -21,8 +21,9 @@ from ipoa_mission.forecast.timing.track import interpolate
 from ipoa_mission.geodesy import LocalFrame
 from ipoa_mission.geometry import Matrix, Points, Vector, arc_lengths
 
-SPACING = 3.0  # of the points of a path [m]
-TIMED_EVERY_S = 10.0  # between orders whose progress is predicted
+SPACING = 4.0  # of the points of a path [m]
+ORDERED_EVERY_S = 0.5  # at the most; orders are up to 1 s apart
+TIMED_EVERY_S = 20.0  # between orders whose progress is predicted
 UNTIMED = {"smart_rtl": "the way back along the flown path is not timed"}
 RETURN, HOLD = "rtl", "hold"
 
@@ -112,11 +113,8 @@ def _points(
     contingency: str, samples: ContingencySamples, predict: Callable[[float], Prediction] | None
 ) -> ContingencyPoints:
     """Return the points of all possible paths in their own frame; `predict`: the flight from an order on [s]."""
-    paths = [
-        (second, _along(path))
-        for second, of_order, possible in zip(samples.times.tolist(), samples.paths, samples.possible, strict=True)
-        for path in of_order[possible]
-    ]
+    kept = np.flatnonzero(np.diff(np.floor(samples.times / ORDERED_EVERY_S), prepend=-1.0))
+    paths = [(float(samples.times[n]), _along(path)) for n in kept for path in samples.paths[n][samples.possible[n]]]
     order_s = np.concatenate([np.full(len(shares), second) for second, (_, shares) in paths])
     shares = np.concatenate([shares for _, (_, shares) in paths])
     earliest, latest = _window(None if predict is None else _progress(predict, order_s), order_s, shares)
@@ -165,7 +163,8 @@ def _conflicts(
 ) -> Iterator[ContingencyConflict]:
     """Yield the runs of orders after which the vehicle may come within the separation of the other's planned flight."""
     flight = other.flight
-    reach = separation + SPACING / 2
+    speed = of.flight.longest_step / STEP_S
+    reach = separation + SPACING / 2 + 0.5 * speed  # of orders between the sampled ones
     distances, _ = flight.tree.query(points.places, distance_upper_bound=reach)
     near = np.flatnonzero(np.isfinite(distances))
     samples = flight.tree.query_ball_point(points.places[near], reach) if len(near) else []

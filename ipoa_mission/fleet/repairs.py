@@ -206,7 +206,7 @@ def _errors(mission: Mission) -> set[tuple[str, int | None]]:
 
 def raised(mission: Mission, by: float, most_height: float) -> Mission | None:
     """Return the mission with all between take-off and landing `by` [m] higher; None above `most_height` or unclear."""
-    items = [_raised(item, by) for item in mission.items]
+    items = [None if item.is_as_high_as_now(mission.autopilot) else _raised(item, by) for item in mission.items]
     flown = [item for item in items if item is not None]
     heights = [item.height(mission.home) for item in flown if item.moves and item.command not in LANDS]
     if len(flown) < len(items) or max(heights, default=0.0) > most_height:

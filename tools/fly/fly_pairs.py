@@ -20,10 +20,14 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
-from ipoa_mission import write_mission
+import numpy as np
+
+from ipoa_mission import Forecast, read_mission, write_mission
+from ipoa_mission.fleet.timed_flight import timed_flight
+from ipoa_mission.fleet.traffic import Encounters, PlannedDeparture
 from ipoa_mission.wind import CALM
 from tools import command_line
-from tools.fly.crossing_pairs import AUTOPILOTS, crossing_pairs
+from tools.fly.crossing_pairs import AUTOPILOTS, FRAME, CrossingPair, crossing_pairs
 from tools.fly.simulators import connected, newest_log, set_up, simulation, true_track
 
 SEPARATION = 10.0  # [m]
@@ -40,6 +44,17 @@ def timetable(files: list[Path], folder: Path) -> list[dict[str, Any]]:
     ended = subprocess.run([*words, "--force"], capture_output=True, text=True, check=False)
     slots: list[dict[str, Any]] = json.loads(ended.stdout)["timetable"]
     return slots
+
+
+def meeting_departures(pair: CrossingPair) -> tuple[float, float]:
+    """Return the departures at which a loss of separation is most probable [s]."""
+    a, b = (
+        PlannedDeparture(timed_flight(name, Forecast(mission), FRAME), 0.0)
+        for name, mission in zip(AUTOPILOTS, pair.missions, strict=True)
+    )
+    delays = np.arange(-30.0, 31.0)
+    delay = float(delays[np.argmax(Encounters(SEPARATION).probabilities(a, b, delays))])
+    return max(-delay, 0.0), max(delay, 0.0)
 
 
 def begun(link: str) -> None:
@@ -59,8 +74,6 @@ def armed_at(log: Path) -> float:
 
 def fly_pair(n: int, files: list[Path], slots: list[dict[str, Any]], options: Any, folder: Path) -> dict[str, Any]:
     """Fly both missions, each from its departure, and return what was planned and flown."""
-    from ipoa_mission import read_mission
-
     links = [options.px4_link, options.ardupilot_link]
     logs = [options.px4_logs, options.ardupilot_logs]
     with ExitStack() as running:
@@ -105,6 +118,7 @@ def main() -> None:
     parser.add_argument("--out", type=Path, required=True)
     parser.add_argument("--speed", type=float, default=1.0)
     parser.add_argument("--repaired", action="store_true")
+    parser.add_argument("--meet", action="store_true", help="depart so that a loss of separation is most probable")
     parser.add_argument("--ardupilot-later", type=float, default=0.0, help="it arms so much sooner after its start [s]")
     for name in AUTOPILOTS:
         for part in ("", "-link", "-logs"):
@@ -121,7 +135,11 @@ def main() -> None:
             write_mission(mission, file)
         slots = timetable(files, folder)
         if not options.repaired:
-            slots = [{"file": str(file), "departs_s": 0.0, "change": ""} for file in files]
+            departs_s = meeting_departures(pair) if options.meet else (0.0, 0.0)
+            slots = [
+                {"file": str(file), "departs_s": second, "change": ""}
+                for file, second in zip(files, departs_s, strict=True)
+            ]
         flown = fly_pair(n, files, slots, options, folder)
         record.write_text(json.dumps(flown), encoding="utf-8")
         print(n, slots, [code for code, _ in flown["ended"]], flown["armed_s"], flown["took_s"], flush=True)
