@@ -25,7 +25,8 @@ SPACING = 4.0  # of the points of a path [m]
 ORDERED_EVERY_S = 0.5  # at the most; orders are up to 1 s apart
 TIMED_EVERY_S = 20.0  # between orders whose progress is predicted
 UNTIMED = {"smart_rtl": "the way back along the flown path is not timed"}
-RETURN, HOLD = "rtl", "hold"
+RETURN = "rtl"
+HOLD = "hold"
 
 
 class ContingencyConflict(NamedTuple):

@@ -38,10 +38,11 @@ def program(*words: str) -> list[str]:
     return [sys.executable, "-m", "ipoa_mission", *words]
 
 
-def timetable(files: list[Path], folder: Path) -> list[dict[str, Any]]:
+def timetable(files: list[Path], folder: Path, most_delay_s: float) -> list[dict[str, Any]]:
     out = folder / "repaired"
     words = program("deconflict", *map(str, files), "--separation", f"{SEPARATION:g}", "--json", "--out", str(out))
-    ended = subprocess.run([*words, "--force"], capture_output=True, text=True, check=False)
+    words += ["--most-delay", f"{most_delay_s:g}", "--force"]
+    ended = subprocess.run(words, capture_output=True, text=True, check=False)
     slots: list[dict[str, Any]] = json.loads(ended.stdout)["timetable"]
     return slots
 
@@ -118,6 +119,7 @@ def main() -> None:
     parser.add_argument("--out", type=Path, required=True)
     parser.add_argument("--speed", type=float, default=1.0)
     parser.add_argument("--repaired", action="store_true")
+    parser.add_argument("--most-delay", type=float, default=600.0, help="of a timetable; 0: holds and heights only [s]")
     parser.add_argument("--meet", action="store_true", help="depart so that a loss of separation is most probable")
     parser.add_argument("--ardupilot-later", type=float, default=0.0, help="it arms so much sooner after its start [s]")
     for name in AUTOPILOTS:
@@ -133,7 +135,7 @@ def main() -> None:
         files = [folder / f"{name}.plan" for name in AUTOPILOTS]
         for mission, file in zip(pair.missions, files, strict=True):
             write_mission(mission, file)
-        slots = timetable(files, folder)
+        slots = timetable(files, folder, options.most_delay)
         if not options.repaired:
             departs_s = meeting_departures(pair) if options.meet else (0.0, 0.0)
             slots = [

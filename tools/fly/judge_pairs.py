@@ -50,7 +50,8 @@ class FlownPair(NamedTuple):
             PlannedDeparture(replace(flight, departure_deviation_s=departure_deviation_s), 0.0)
             for flight in self.flights
         ]
-        return Encounters(SEPARATION).probabilities(planned[0], planned[1], np.array(delays_s)).tolist()
+        probabilities = Encounters(SEPARATION).probabilities(planned[0], planned[1], np.array(delays_s))
+        return [float(probability) for probability in probabilities]
 
 
 def read_pair(file: Path) -> FlownPair:
