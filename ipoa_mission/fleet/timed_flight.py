@@ -64,7 +64,7 @@ def timed_flight(name: str, forecast: Forecast, frame: LocalFrame) -> TimedFligh
     sampled = track.without_repeated_times().at(seconds)
     moving = np.flatnonzero(np.linalg.norm(np.diff(sampled, axis=0), axis=1) > 1e-3)
     if len(moving) == 0:
-        raise MissionError("the vehicle stays where it is", code="no-flight", place=name)
+        raise MissionError("the vehicle stays where it is", code="nothing-flown", place=name)
     half = (prediction.high - prediction.low) / 2
     latitude, longitude, altitude = forecast.frame.to_geodetic(sampled)
     return TimedFlight(
