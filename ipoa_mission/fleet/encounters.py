@@ -24,7 +24,7 @@ MOST_OFFSET = 6.0  # standard deviations
 APART_S = 20.0  # between two encounters
 BATCH = 200_000  # pairs of samples
 BIN = 0.05  # of closing distances [m]
-ANGLES = 9  # of the line between two vehicles, from level to upright
+ANGLES = 9  # of the line between two vehicles, from horizontal to upright
 
 
 @dataclass(frozen=True, eq=False)
@@ -183,11 +183,11 @@ def _risks(laws: tuple[DeviationLaw, ...], room: Vector, upright: Vector, second
 @lru_cache(maxsize=64)
 def _closing(laws: tuple[DeviationLaw, ...], upright: float) -> tuple[Vector, Vector]:
     """Return distances [m] and the chance that all vehicles together close more than each, the first from above."""
-    level = float(np.sqrt(1.0 - upright**2))
+    horizontal = float(np.sqrt(1.0 - upright**2))
     total = np.ones(1)
     least = 0.0
     heights = (law.up if n else law.down for n, law in enumerate(laws))
-    for spread, share in (*((law.level, level) for law in laws), *((height, upright) for height in heights)):
+    for spread, share in (*((law.lateral, horizontal) for law in laws), *((height, upright) for height in heights)):
         if share > 0.0:
             mass, begin = _density(spread, share)
             total = np.convolve(total, mass)
