@@ -4,6 +4,7 @@ from ipoa_mission.autopilot.autopilot import Autopilot as Autopilot
 from ipoa_mission.autopilot.commands import Command as Command
 from ipoa_mission.autopilot.commands import Frame as Frame
 from ipoa_mission.autopilot.energy import NotEnoughBattery as NotEnoughBattery
+from ipoa_mission.autopilot.returning import Contingency as Contingency
 from ipoa_mission.checks.check import check_mission as check_mission
 from ipoa_mission.checks.unsafe import NotAtStart as NotAtStart
 from ipoa_mission.errors import BadInput as BadInput
@@ -22,6 +23,8 @@ from ipoa_mission.flight.preflight import OutsideOwnFence as OutsideOwnFence
 from ipoa_mission.flight.preflight import expect_fit as expect_fit
 from ipoa_mission.flight.procedure import fly_mission as fly_mission
 from ipoa_mission.flight.procedure import upload_mission as upload_mission
+from ipoa_mission.forecast.contingency.contingencies import contingency_paths as contingency_paths
+from ipoa_mission.forecast.deviation.law import DeviationLaw as DeviationLaw
 from ipoa_mission.forecast.forecast import Forecast as Forecast
 from ipoa_mission.forecast.forecast import estimate as estimate
 from ipoa_mission.forecast.timing.estimate import Estimate as Estimate

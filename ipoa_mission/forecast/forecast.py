@@ -10,9 +10,10 @@ from numpy.typing import NDArray
 
 from ipoa_mission.autopilot.known_parameters import expect_known
 from ipoa_mission.autopilot.parameters import NO_PARAMETERS, Parameters
-from ipoa_mission.autopilot.returning import FlightStage
+from ipoa_mission.autopilot.returning import TIMED, Contingency, FlightStage
 from ipoa_mission.autopilot.version import Version
 from ipoa_mission.errors import MissionError, NotModeled
+from ipoa_mission.forecast.deviation.law import DeviationLaw, law_of
 from ipoa_mission.forecast.itinerary.flown_legs import Leg, flown_legs, join, trace_returns
 from ipoa_mission.forecast.itinerary.itinerary import Itinerary, Unknown, find_unknown, itinerary, past_jumps
 from ipoa_mission.forecast.timing.estimate import Estimate, times_of
@@ -183,6 +184,21 @@ class Forecast:
         if noise_free and fast is None and model.is_always_noise_free:
             return self.expected  # a long flight is large
         return model.predicted(self.itinerary, self.wind, fast, noise_free)
+
+    def predicted_with(self, contingency: Contingency, time: float) -> Prediction:
+        """Predict the flight until `contingency` is ordered at `time` [s], then that until it disarms.
+
+        Raises:
+            MissionError: as `predicted`; or the contingency is not `TIMED`.
+        """
+        if contingency not in TIMED:
+            raise NotModeled(f"the duration of {contingency} is not modeled")
+        model = self.mission.autopilot.part(FlightModel)
+        return model.predict_contingency(self.itinerary, self.wind, contingency, time)
+
+    @property
+    def deviation_law(self) -> DeviationLaw:
+        return law_of(self.mission.autopilot, self.wind.speed)
 
     def timed(self, fast: bool | None = None) -> Estimate:
         times = times_of(self.itinerary, self.expected if fast is None else self.predicted(noise_free=False, fast=fast))

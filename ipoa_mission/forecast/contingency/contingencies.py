@@ -14,13 +14,12 @@ from numpy.typing import NDArray
 from ipoa_mission.autopilot.failsafe import Failsafe
 from ipoa_mission.autopilot.returning import COMPUTED, TIMED, Contingency
 from ipoa_mission.centimeters import ceil_cm, floor_cm
-from ipoa_mission.errors import MissionError, NotModeled
+from ipoa_mission.errors import MissionError
 from ipoa_mission.forecast.contingency.contingency_paths import ContingencyPaths
 from ipoa_mission.forecast.contingency.contingency_samples import GROUND, ContingencySamples, StoppingPoints
 from ipoa_mission.forecast.flight_energy import Consumption
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.forecast.timing.flight_model import FlightModel
-from ipoa_mission.geometry import Vector
+from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.world.airspace import Clearance
 
 GROUND_NAME, NO_GOAL = "the ground", "unknown"
@@ -157,11 +156,8 @@ class PredictedContingency(NamedTuple):
 
 
 def predict_contingency(forecast: Forecast, contingency: Contingency, time: float) -> PredictedContingency:
-    """Predict a contingency ordered at a time [s]; raise NotModeled unless it is `TIMED`."""
-    if contingency not in TIMED:
-        raise NotModeled(f"the duration of {contingency} is not modeled")
-    model = forecast.mission.autopilot.part(FlightModel)
-    prediction = model.predict_contingency(forecast.itinerary, forecast.wind, contingency, time)
+    """Predict a contingency ordered at a time [s]; raises as `Forecast.predicted_with`."""
+    prediction = forecast.predicted_with(contingency, time)
     lasts = max(float(prediction.low[-1]) - time, 0.0), max(float(prediction.high[-1]) - time, 0.0)
     touches = None
     if prediction.touched is not None and np.isfinite(prediction.touched[0]):
@@ -337,6 +333,38 @@ class Contingencies:
             return predict_contingency(self.forecast, contingency, float(np.clip(time, *self.in_air)))
         except MissionError:
             return None
+
+
+def contingency_paths(forecast: Forecast) -> dict[Contingency, list[tuple[float, Points]] | str]:
+    """Return the paths of the contingencies that the vehicle's failsafes order.
+
+    Args:
+        forecast: of a mission in a scenario.
+
+    Returns:
+        By contingency: orders [s after arming], at most 1 s apart, each with a possible path (n, 3) [m], or why the
+        paths are unknown.
+
+    Example:
+        >>> from ipoa_mission import Forecast, contingency_paths, read_mission, read_scenario
+        >>> forecast = Forecast(read_mission("missions/sitl.plan"), read_scenario("missions/sitl.toml"))
+        >>> {str(contingency): len(paths) > 50 for contingency, paths in contingency_paths(forecast).items()}
+        {'rtl': True, 'land': True, 'hold': True}
+    """
+    found = dict[Contingency, list[tuple[float, Points]] | str]()
+    for contingency in contingencies_of(forecast):
+        try:
+            contingencies = forecast.cached(Contingencies)
+            unknown = contingencies.paths.why_unknown() if contingency is Contingency.RTL else None
+            if contingency is Contingency.SMART_RTL:
+                unknown = "the way back along the flown path is not timed"
+            samples = contingencies.samples(contingency)
+            steps = zip(samples.times.tolist(), samples.paths, samples.possible, strict=True)
+            orders = [(time, path) for time, paths, possible in steps for path in paths[possible]]
+            found[contingency] = unknown or orders
+        except MissionError as error:
+            found[contingency] = str(error)
+    return found
 
 
 def _widest(intervals: Sequence[tuple[float, float]]) -> tuple[float, float] | None:

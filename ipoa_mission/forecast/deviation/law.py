@@ -52,16 +52,24 @@ class Quantiles:
 
 @dataclass(frozen=True)
 class DeviationLaw:
-    """Quantiles of the measured deviation; `lateral`: to one side at a moment of a straight flight.
+    """Quantiles of the measured deviation from the predicted path.
 
-    It doubles at the lateral `doubling_acceleration` [m/s^2]. After the last waypoint it is `after_cruise_factor` times
-    as large. It is independent after `decorrelation_s`.
+    Attributes:
+        lateral: to one side at a moment of a straight flight.
+        down, up: height at a moment.
+        lowest, highest: of a whole flight, as a height error persists.
+        farthest: to one side, where it does not grow with time.
+        doubling_acceleration: lateral acceleration at which `lateral` doubles [m/s^2].
+        after_cruise_factor: of the lateral deviation after the last waypoint.
+        decorrelation_s, height_decorrelation_s: after which it is independent.
+        growth: in wind [m for each m/s, to the side, down, up].
+        source: the flights measured.
+        strongest: greatest verified wind with gusts [m/s].
 
-    `down`, `up`: height at a moment, independent after `height_decorrelation_s`. `lowest`, `highest`: of a whole
-    flight, as a height error persists. `farthest`: to one side, where it does not grow with time. `growth`: in wind [m
-    for each m/s, to the side, down, up].
-
-    `source`: the flights measured. `strongest`: greatest verified wind with gusts [m/s].
+    Example:
+        >>> from ipoa_mission import Forecast, read_mission
+        >>> Forecast(read_mission("missions/sitl.plan")).deviation_law.lateral_bound(0.01) > 0.5
+        True
     """
 
     lateral: Quantiles
