@@ -8,17 +8,14 @@ import typer
 
 from ipoa_mission.errors import BadInput, OptionConflict
 from ipoa_mission.options import ForceOption, JsonOption
-from ipoa_mission.terminal import print_json, print_lines, print_table, round_finite
+from ipoa_mission.terminal import expect_folder, expect_free, picked, print_json, print_lines, print_table, round_finite
 
 if TYPE_CHECKING:
     from ipoa_mission.fleet.contingency_conflicts import ContingencyConflict
-    from ipoa_mission.fleet.fleet import Fleet
-    from ipoa_mission.fleet.repairs import Timetable, TimetableSlot
-    from ipoa_mission.fleet.traffic import Conflict
+    from ipoa_mission.fleet.encounters import Conflict
+    from ipoa_mission.fleet.repairs import TimetableSlot
     from ipoa_mission.geodesy import LocalFrame
     from ipoa_mission.geometry import Vector
-
-TIMETABLE = "timetable.json"
 
 
 def deconflict(
@@ -46,16 +43,15 @@ def deconflict(
     The probability counts early and late flights and their deviations, as measured on real autopilots, and a second of
     doubt for each departure. Vehicles on their pads count. A pad of two missions is used by one after the other.
 
-    A repair is the one found with the least sum of added time. It is forecast again as its missions are written. Exit
-    code 1 if none keeps all pairs apart.
+    A repair is the one found with the least sum of added time. It is forecast as its missions are written. Exit code 1
+    if none keeps all pairs apart.
 
     Example: `ipoa-mission deconflict north.plan south.plan --separation 15`
     """
     from ipoa_mission.fleet.contingency_conflicts import contingency_conflicts
+    from ipoa_mission.fleet.encounters import Encounters
     from ipoa_mission.fleet.fleet import read_fleet
     from ipoa_mission.fleet.repairs import Deconfliction, RepairLimits
-    from ipoa_mission.fleet.traffic import Encounters
-    from ipoa_mission.terminal import expect_folder
 
     if len(files) < 2:
         raise OptionConflict("expected two missions or more", place="FILE")
@@ -63,26 +59,34 @@ def deconflict(
     if out is not None:
         expect_folder(out)
     fleet = read_fleet(files)
-    search = Deconfliction(fleet, earliest, Encounters(separation), RepairLimits(1.0 - confidence, most_delay))
+    encounters = Encounters(separation)
+    search = Deconfliction(fleet, earliest, encounters, RepairLimits(1.0 - confidence, most_delay))
+
+    def conflicts(slots: "list[TimetableSlot]") -> list[dict[str, Any]]:
+        return [_row(each, fleet.frame) for each in encounters.conflicts([slot.departure for slot in slots])]
+
     timetable = search.timetable()
+    slots = search.planned if timetable is None else timetable
+    meetings, unknown = contingency_conflicts(slots, fleet.frame, separation)
     result: dict[str, Any] = {
         "separation_m": separation,
         "confidence": confidence,
-        "conflicts": [_row(conflict, fleet.frame) for conflict in search.encounters.conflicts(search.planned)],
+        "conflicts": conflicts(search.planned),
+        "contingencies": [_row(meeting, fleet.frame) for meeting in meetings],
+        "unknown_contingencies": [each._asdict() for each in unknown],
     }
-    planned = search.fleet if timetable is None else timetable.fleet(fleet)
-    departures_s = search.planned if timetable is None else timetable.departures
-    meetings, unknown = contingency_conflicts(planned, departures_s, separation)
-    result["contingencies"] = [_contingency_row(meeting, fleet.frame) for meeting in meetings]
-    result["unknown_contingencies"] = [each._asdict() for each in unknown]
     written: list[Path] = []
     if timetable is None:
         result["blocking"] = search.blocking_pair()
     else:
-        result["timetable"] = [_slot_row(slot) for slot in timetable.slots]
-        result["added_s"] = round(timetable.added_s, 1)
-        result["remaining"] = [_row(each, fleet.frame) for each in search.encounters.conflicts(timetable.departures)]
-        written = [] if out is None else _write(fleet, timetable, out, force, result)
+        result["timetable"] = [
+            {"mission": slot.vehicle.flight.name, "file": str(slot.vehicle.file), "change": slot.vehicle.change}
+            | picked(slot, "departs_s", "added_s", digits=1)
+            for slot in timetable
+        ]
+        result["added_s"] = round(sum(slot.added_s for slot in timetable), 1)
+        result["remaining"] = conflicts(timetable)
+        written = [] if out is None else _write(timetable, out, force, result)
     if as_json:
         print_json(result | {"written": [str(file) for file in written]})
     else:
@@ -94,80 +98,46 @@ def deconflict(
 def _seconds(departures: str | None, files: list[Path]) -> "Vector":
     import numpy as np
 
-    if departures is None:
-        return np.zeros(len(files))
+    parts = ["0"] * len(files) if departures is None else departures.split(",")
     try:
-        seconds = np.array([float(part) for part in departures.split(",")])
+        seconds = np.array([float(part) for part in parts])
     except ValueError:
-        raise BadInput(f"expected seconds, as 0,30, not {departures}", place="--departures") from None
-    if len(seconds) != len(files) or not np.isfinite(seconds).all() or (seconds < 0).any():
-        words = f"expected {len(files)} times of 0 s or more, one for each mission, not {departures}"
+        seconds = np.empty(0)
+    if len(seconds) != len(files) or not (np.isfinite(seconds) & (seconds >= 0.0)).all():
+        words = f"expected {len(files)} times of 0 s or more, as 0,30, not {departures}"
         raise BadInput(words, place="--departures")
     return seconds
 
 
-def _write(fleet: "Fleet", timetable: "Timetable", out: Path, force: bool, result: dict[str, Any]) -> list[Path]:
+def _write(timetable: "list[TimetableSlot]", out: Path, force: bool, result: dict[str, Any]) -> list[Path]:
     """Write all changed missions and the timetable, or nothing; never over a mission of the fleet."""
     from ipoa_mission.files import write_together
-    from ipoa_mission.terminal import expect_free
 
     contents: dict[Path, str | bytes | None] = {}
-    for slot, row in zip(timetable.slots, result["timetable"], strict=True):
+    for slot, row in zip(timetable, result["timetable"], strict=True):
         if slot.vehicle.change:
             stem = slot.vehicle.file.stem
             name = stem if out / f"{stem}.plan" not in contents else f"{stem}-{len(contents)}"
             row["file"] = str(out / f"{name}.plan")
-            contents |= {out / f"{name}{suffix}": text for suffix, text in slot.vehicle.written()[1].items()}
-    read = {vehicle.file.resolve() for vehicle in fleet.vehicles}
-    for file in contents:
-        if file.resolve() in read:
-            words = "expected another folder than that of the missions: nothing is written over them"
-            raise BadInput(words, code="already-there", place=f"--out {out}")
-    contents[out / TIMETABLE] = json.dumps(result, indent=2) + "\n"
+            contents |= {out / f"{name}{suffix}": content for suffix, content in slot.vehicle.contents.items()}
+    read = {slot.vehicle.file.resolve() for slot in timetable}
+    if any(file.resolve() in read for file in contents):
+        words = "expected another folder than that of the missions: nothing is written over them"
+        raise BadInput(words, code="already-there", place=f"--out {out}")
+    contents[out / "timetable.json"] = json.dumps(result, indent=2) + "\n"
     expect_free(contents, force, ask=False)
     out.mkdir(parents=True, exist_ok=True)
     write_together(contents)
     return list(contents)
 
 
-def _row(conflict: "Conflict", frame: "LocalFrame") -> dict[str, Any]:
-    return {
-        "pair": list(conflict.pair),
-        "second": round(conflict.second, 1),
-        **_place_row(conflict.place, frame),
-        "expected_distance_m": round_finite(conflict.distance, 2),
-        "probability": float(f"{conflict.probability:.3g}"),
-    }
-
-
-def _contingency_row(meeting: "ContingencyConflict", frame: "LocalFrame") -> dict[str, Any]:
-    return {
-        "pair": list(meeting.pair),
-        "contingency": str(meeting.contingency),
-        "from_s": round(meeting.from_s, 1),
-        "to_s": round(meeting.to_s, 1),
-        **_place_row(meeting.place, frame),
-        "distance_m": round(meeting.distance, 1),
-    }
-
-
-def _place_row(place: "Vector", frame: "LocalFrame") -> dict[str, float]:
-    latitude, longitude, altitude = (float(axis[0]) for axis in frame.to_geodetic(place[None]))
-    return {
-        "latitude_deg": round(latitude, 7),
-        "longitude_deg": round(longitude, 7),
-        "altitude_amsl": round(altitude, 1),
-    }
-
-
-def _slot_row(slot: "TimetableSlot") -> dict[str, Any]:
-    return {
-        "mission": slot.vehicle.name,
-        "file": str(slot.vehicle.file),
-        "departs_s": round(slot.departure.second, 1),
-        "change": slot.vehicle.change,
-        "added_s": round(slot.added_s, 1),
-    }
+def _row(met: "Conflict | ContingencyConflict", frame: "LocalFrame") -> dict[str, Any]:
+    digits = {"latitude_deg": 7, "longitude_deg": 7, "altitude_amsl": 1, "probability": 6}
+    row: dict[str, Any] = met._asdict()
+    axes = frame.to_geodetic(row.pop("place")[None])
+    row |= {name: float(axis[0]) for name, axis in zip(digits, axes, strict=False)}
+    floats = {name: value for name, value in row.items() if isinstance(value, float)}
+    return row | {name: round_finite(value, digits.get(name, 1)) for name, value in floats.items()}
 
 
 def _print(result: dict[str, Any], written: list[Path]) -> None:
@@ -189,6 +159,6 @@ def _print(result: dict[str, Any], written: list[Path]) -> None:
 
 
 def _print_rows(title: str, rows: list[dict[str, Any]]) -> None:
-    joined = [[" and ".join(value) if isinstance(value, list) else value for value in row.values()] for row in rows]
+    joined = [[" and ".join(value) if isinstance(value, tuple) else value for value in row.values()] for row in rows]
     cells = [tuple("" if value is None else str(value) for value in row) for row in joined]
     print_table(title, [key.replace("_", "\n") for key in rows[0]], cells)

@@ -1,179 +1,172 @@
-"""Find the encounters of two flights, and the probability that they lose separation.
+"""Encounters of two flights, and the probability that they lose separation.
 
 A vehicle is early or late, and off its path. With B later than A by an offset, the least distance of the expected
-flights is a function of that offset. The probability is the mean, over the normally distributed offset, of the chance
+flights is a function of that offset. The probability is the mean, over the distribution of the offset, of the chance
 that both deviations close the rest of the distance.
 
 A vehicle waits on its pad before its departure, and remains where it landed. A pad that both use is free outside of
 the flight.
 """
 
-from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from enum import Enum
 from functools import cached_property, lru_cache
+from itertools import combinations, product
+from typing import NamedTuple
 
 import numpy as np
 from scipy.spatial import cKDTree
 
-from ipoa_mission.fleet.timed_flight import STEP_S, Indices, TimedFlight, within_pad
-from ipoa_mission.forecast.deviation.law import DeviationLaw, Quantiles
-from ipoa_mission.geometry import Points, Vector
+from ipoa_mission import DeviationLaw
+from ipoa_mission.fleet.fleet import STEP_S, Indices, TimedFlight, within_pad
+from ipoa_mission.geometry import Vector
 
-FARTHEST_DEVIATION = 8.0  # of both vehicles towards each other [m]
-MOST_OFFSET = 6.0  # standard deviations
-APART_S = 20.0  # between two encounters
-BATCH = 200_000  # pairs of samples
-BIN = 0.05  # of closing distances [m]
-ANGLES = 9  # of the line between two vehicles, from horizontal to upright
+#: Shares of flights, and their standard deviation of time, in that of the forecast's interval.
+TIME_SPREADS = ((1.0, 1.0),)
+
+
+class Phase(Enum):
+    """Of the second vehicle of an encounter."""
+
+    WAITING = 0
+    FLYING = 1
+    LANDED = 2
 
 
 @dataclass(frozen=True, eq=False)
 class Encounter:
     """Two flights near to each other.
 
-    B's clock is `first_offset` + k samples ahead of A's. The expected flights are `separations` (k,) [m] apart then, at
+    With B's clock `offsets` (k,) samples ahead of A's, the expected flights are `separations` (k,) [m] apart, at
     samples `of_a` (k,) of A. They lose separation with the chances `risks` (k,), constant beyond both ends.
-    `deviation_s`: standard deviation of the offset [s].
+    `deviations_s`: standard deviations of the departures, and of A's and B's time, as in `TimedFlight` [s].
     """
 
     a: TimedFlight
-    first_offset: int
+    offsets: Indices
     separations: Vector
     of_a: Vector
     risks: Vector
-    deviation_s: float
+    deviations_s: tuple[float, float, float]
 
     def probabilities(self, delays_s: Vector) -> Vector:
         """Return the probability of a loss of separation, with B departing `delays_s` (m,) [s] after A."""
         errors, weights = self._errors
-        samples = self._samples(delays_s[:, None] + errors)
-        risks = np.interp(samples, np.arange(len(self.risks)), self.risks)
-        return np.asarray(risks @ weights)
+        offsets = -(delays_s[:, None] + errors) / STEP_S
+        return np.asarray(np.interp(offsets, self.offsets, self.risks) @ weights)
 
     def likeliest(self, delay_s: float) -> tuple[float, float]:
         """Return the expected least distance [m], and A's sample at the likeliest loss, with B `delay_s` [s] later."""
         errors, weights = self._errors
-        numbers = np.rint(self._samples(delay_s + errors)).clip(0, len(self.risks) - 1).astype(int)
+        numbers = np.rint(-(delay_s + errors) / STEP_S - self.offsets[0]).clip(0, len(self.risks) - 1).astype(int)
         likeliest = numbers[np.argmax(weights * self.risks[numbers])]
         return float(self.separations[numbers[len(errors) // 2]]), float(self.of_a[likeliest])
 
     @cached_property
     def _errors(self) -> tuple[Vector, Vector]:
         """Return errors of the offset, and their probabilities, (k,) each [s]."""
-        reach = round(MOST_OFFSET * self.deviation_s / STEP_S)
+        departures_s, a_s, b_s = self.deviations_s
+        most = 6.0  # standard deviations
+        mixed = [
+            (p * q, float(np.linalg.norm([departures_s, of_a * a_s, of_b * b_s])))
+            for (p, of_a), (q, of_b) in product(TIME_SPREADS, TIME_SPREADS)
+        ]
+        reach = round(most * max(width_s for _, width_s in mixed) / STEP_S)
         errors = STEP_S * np.arange(-reach, reach + 1)
-        weights = np.exp(-0.5 * (errors / self.deviation_s) ** 2)
+        densities = [share * np.exp(-0.5 * (errors / width_s) ** 2) / width_s for share, width_s in mixed]
+        weights = np.sum(densities, axis=0)
         return np.asarray(errors), np.asarray(weights / weights.sum())
-
-    def _samples(self, delays_s: Vector) -> Vector:
-        return np.asarray(-delays_s / STEP_S - self.first_offset)
 
 
 def encounters(a: TimedFlight, b: TimedFlight, separation: float) -> Iterator[Encounter]:
     """Yield where A and B may be nearer than `separation` [m], at whatever times they depart."""
-    reach = separation + FARTHEST_DEVIATION + a.longest_step + b.longest_step
-    for rows in _runs(b.tree.query(a.places[:-1], distance_upper_bound=reach)[0]):
-        near_a = cKDTree(a.places[rows]).query(b.places[:-1], distance_upper_bound=reach)[0]
-        columns = np.flatnonzero(np.isfinite(near_a))
-        offsets = np.arange(columns[0] - rows[-1] - 1, columns[-1] - rows[0] + 2)
-        yield _encounter(a, b, rows, offsets, separation)
-    yield from _over_pads(a, b, separation)
-    yield from _over_pads(b, a, separation)
+    for phase in Phase:
+        yield from _Approach(a, b, phase, separation).encounters()
+    for phase in (Phase.WAITING, Phase.LANDED):
+        yield from _Approach(b, a, phase, separation).encounters()
 
 
-def _runs(distances: Vector) -> Iterator[Indices]:
-    """Yield the samples of each approach: those at a finite distance, and between them."""
-    rows = np.flatnonzero(np.isfinite(distances))
-    for run in np.split(rows, np.flatnonzero(np.diff(rows) > APART_S / STEP_S) + 1):
-        if len(run) > 0:
-            yield np.arange(run[0], run[-1] + 1)
+@dataclass(frozen=True, eq=False)
+class _Approach:
+    """A in flight near B, at one phase of B."""
+
+    a: TimedFlight
+    b: TimedFlight
+    phase: Phase
+    separation: float
+
+    def encounters(self) -> Iterator[Encounter]:
+        a, b = self.a, self.b
+        of_phase = {Phase.WAITING: [0], Phase.FLYING: range(len(b.places) - 1), Phase.LANDED: [len(b.places) - 1]}
+        columns = np.array(of_phase[self.phase])
+        if self.phase is not Phase.FLYING and a.uses_pad(b.places[columns[0]]):
+            return
+        farthest_deviations = 8.0  # of both towards each other [m]
+        apart_s = 20.0  # between two encounters
+        reach = self.separation + farthest_deviations + a.longest_step + b.longest_step
+        distances, _ = cKDTree(b.places[columns]).query(a.places[:-1], distance_upper_bound=reach)
+        near = np.flatnonzero(np.isfinite(distances))
+        for run in np.split(near, np.flatnonzero(np.diff(near) > apart_s / STEP_S) + 1):
+            if len(run) > 0:
+                rows = np.arange(run[0], run[-1] + 1)
+                away, _ = cKDTree(a.places[rows]).query(b.places[columns], distance_upper_bound=reach)
+                met = columns[np.isfinite(away)]
+                yield self._encounter(rows, np.arange(met[0] - rows[-1] - 1, met[-1] - rows[0] + 2))
+
+    def _encounter(self, rows: Indices, offsets: Indices) -> Encounter:
+        """Return the encounter at A's samples `rows`, with B's clock `offsets` (k,) samples ahead."""
+        a, b = self.a, self.b
+        batch_size = 200_000  # pairs of samples, limited by memory
+        batches = np.array_split(offsets, 1 + len(rows) * len(offsets) // batch_size)
+        parts = [self._nearest(rows, batch) for batch in batches]
+        separations, of_a, above, seconds = map(np.concatenate, zip(*parts, strict=True))
+        closest = int(np.argmin(separations))
+        meets = round(of_a[closest])
+        meets_b = int(np.clip(meets + offsets[closest], 0, len(b.places) - 1))
+        departures_s = float(np.hypot(a.departure_deviation_s, b.departure_deviation_s))
+        laws = (a.law, b.law) if self.phase is Phase.FLYING else (a.law,)
+        return Encounter(
+            a=a,
+            offsets=offsets,
+            separations=separations,
+            of_a=of_a,
+            risks=_risks(laws, separations - self.separation, above, seconds),
+            deviations_s=(departures_s, float(a.time_deviations[meets]), float(b.time_deviations[meets_b])),
+        )
+
+    def _nearest(self, rows: Indices, offsets: Indices) -> tuple[Vector, Vector, Vector, Vector]:
+        """Return by offset (k,): least distance [m], A's sample, how far A is above B, seconds so near.
+
+        The height is a share of the distance. Two vehicles on the ground are apart, unless on one pad.
+        """
+        a, b = self.a, self.b
+        last = len(b.places) - 1
+        of_b = rows[:, None] + offsets
+        present = (of_b >= 0).astype(int) + (of_b >= last) == self.phase.value
+        of_b = of_b.clip(0, last)
+        away = a.places[rows][:, None] - b.places[of_b]
+        present &= ~(a.on_ground(rows)[:, None] & b.on_ground(of_b)) | within_pad(away)
+        moved_b = b.places[np.minimum(of_b + 1, last)] - b.places[of_b]
+        change = (a.places[rows + 1] - a.places[rows])[:, None] - moved_b * (self.phase is Phase.FLYING)
+        shares = np.clip(-(away * change).sum(axis=2) / np.maximum((change**2).sum(axis=2), 1e-12), 0.0, 1.0)
+        nearest = away + shares[..., None] * change
+        distances = np.where(present, np.linalg.norm(nearest, axis=2), np.inf)
+        least = distances.argmin(axis=0)
+        chosen = least, np.arange(len(offsets))
+        separations = distances[chosen]
+        above = nearest[chosen][:, 2] / np.maximum(separations, 1e-9)
+        seconds = STEP_S * (distances < self.separation + 1.0).sum(axis=0)
+        return np.asarray(separations), rows[least] + shares[chosen], np.asarray(above), np.asarray(seconds)
 
 
-def _over_pads(a: TimedFlight, b: TimedFlight, separation: float) -> Iterator[Encounter]:
-    """Yield where A flies near the pads of B while B waits for its departure, or after it has landed."""
-    reach = separation + FARTHEST_DEVIATION + a.longest_step
-    for sample in (0, len(b.places) - 1):
-        away = a.places[:-1] - b.places[sample]
-        distances = np.linalg.norm(away, axis=1)
-        if not within_pad(a.places[[0, -1]] - b.places[sample]).any():
-            for rows in _runs(np.where(distances < reach, distances, np.inf)):
-                yield _over_pad(a, b, sample, rows, separation)
-
-
-def _over_pad(a: TimedFlight, b: TimedFlight, sample: int, rows: Indices, separation: float) -> Encounter:
-    """Return the encounter with B on its pad before its first sample, or after its last one."""
-    count = len(rows) + 1
-    parked = replace(
-        b,
-        places=np.repeat(b.places[[sample]], count + 1, axis=0),
-        lifts=count,
-        time_deviations=np.repeat(b.time_deviations[[sample]], count + 1),
-        law=None,
-    )
-    if sample == 0:
-        offsets = np.arange(-rows[0], -rows[0] + count + 1)
-        first_offset = offsets[0] - count
-    else:
-        offsets = np.arange(-rows[-1] - 1, -rows[0] + 1)
-        first_offset = offsets[0] + sample
-    return replace(_encounter(a, parked, rows, offsets, separation), first_offset=int(first_offset))
-
-
-def _encounter(a: TimedFlight, b: TimedFlight, rows: Indices, offsets: Indices, separation: float) -> Encounter:
-    """Return the encounter at A's samples `rows`, with B's clock `offsets` (k,) samples ahead."""
-    batches = np.array_split(offsets, 1 + len(rows) * len(offsets) // BATCH)
-    parts = [_nearest(a, b, rows, batch, separation) for batch in batches]
-    separations, of_a, upright, seconds = map(np.concatenate, zip(*parts, strict=True))
-    nearest = int(np.argmin(separations))
-    meets = round(of_a[nearest])
-    meets_b = int(np.clip(meets + offsets[nearest], 0, len(b.places) - 1))
-    doubts = [a.time_deviations[meets], b.time_deviations[meets_b], a.departure_deviation_s, b.departure_deviation_s]
-    return Encounter(
-        a=a,
-        first_offset=int(offsets[0]),
-        separations=separations,
-        of_a=of_a,
-        risks=_risks(tuple(law for law in (a.law, b.law) if law), separations - separation, upright, seconds),
-        deviation_s=float(np.linalg.norm(doubts)),
-    )
-
-
-def _closest(away: Points, change: Points) -> tuple[Points, Vector]:
-    """Return the closest point of approach to the origin on segments (..., 3) [m], and its share (...) of each."""
-    squared = np.maximum((change**2).sum(axis=-1), 1e-12)
-    shares = np.clip(-(away * change).sum(axis=-1) / squared, 0.0, 1.0)
-    return np.asarray(away + shares[..., None] * change), np.asarray(shares)
-
-
-def _nearest(
-    a: TimedFlight, b: TimedFlight, rows: Indices, offsets: Indices, separation: float
-) -> tuple[Vector, Vector, Vector, Vector]:
-    """Return by offset (k,): least distance [m], A's sample, vertical share of the distance, seconds so near.
-
-    Two vehicles on the ground are apart, unless on one pad.
-    """
-    of_b = rows[:, None] + offsets
-    flown = (of_b >= 0) & (of_b < len(b.places) - 1)
-    of_b = np.where(flown, of_b, 0)
-    away = a.places[rows][:, None] - b.places[of_b]
-    flown &= ~(a.on_ground(rows)[:, None] & b.on_ground(of_b)) | within_pad(away)
-    change = (a.places[rows + 1] - a.places[rows])[:, None] - (b.places[of_b + 1] - b.places[of_b])
-    nearest, shares = _closest(away, change)
-    distances = np.where(flown, np.linalg.norm(nearest, axis=2), np.inf)
-    least = distances.argmin(axis=0)
-    chosen = least, np.arange(len(offsets))
-    separations = distances[chosen]
-    upright = np.abs(nearest[chosen][:, 2]) / np.maximum(separations, 1e-9)
-    seconds = STEP_S * (distances < separation + 1.0).sum(axis=0)
-    return np.asarray(separations), rows[least] + shares[chosen], upright, np.asarray(seconds)
-
-
-def _risks(laws: tuple[DeviationLaw, ...], room: Vector, upright: Vector, seconds: Vector) -> Vector:
-    """Return the chance that deviations close `room` (k,) [m], of a line that is `upright` (0 to 1), for `seconds`."""
-    angles = np.rint(np.where(np.isfinite(room), upright, 0.0) * (ANGLES - 1)).astype(int)
+def _risks(laws: tuple[DeviationLaw, ...], room: Vector, above: Vector, seconds: Vector) -> Vector:
+    """Return the chance that deviations close `room` (k,) [m] for `seconds`, the first `above` (-1 to 1) the second."""
+    steps = 8  # from horizontal to upright
+    angles = np.rint(np.where(np.isfinite(room), above, 0.0) * steps).astype(int)
     chances = np.zeros(len(room))
     for angle in np.unique(angles).tolist():
-        closed, exceeded = _closing(laws, angle / (ANGLES - 1))
+        closed, exceeded = _closing(laws, angle / steps)
         of_angle = angles == angle
         chances[of_angle] = np.interp(room[of_angle], closed, exceeded, right=0.0)
     moments = np.maximum(seconds / min(law.decorrelation_s for law in laws), 1.0)
@@ -181,25 +174,85 @@ def _risks(laws: tuple[DeviationLaw, ...], room: Vector, upright: Vector, second
 
 
 @lru_cache(maxsize=64)
-def _closing(laws: tuple[DeviationLaw, ...], upright: float) -> tuple[Vector, Vector]:
+def _closing(laws: tuple[DeviationLaw, ...], above: float) -> tuple[Vector, Vector]:
     """Return distances [m] and the chance that all vehicles together close more than each, the first from above."""
-    horizontal = float(np.sqrt(1.0 - upright**2))
+    width = 0.05  # of the distances [m]
+    horizontal = float(np.sqrt(1.0 - above**2))
     total = np.ones(1)
     least = 0.0
-    heights = (law.up if n else law.down for n, law in enumerate(laws))
-    for spread, share in (*((law.lateral, horizontal) for law in laws), *((height, upright) for height in heights)):
-        if share > 0.0:
-            mass, begin = _density(spread, share)
-            total = np.convolve(total, mass)
-            least += begin
-    distances = least + BIN * np.arange(len(total) + 1)
+    for law, height in zip(laws, (above, -above), strict=False):
+        for near, share in ((law.lateral, horizontal), (law.down if height > 0.0 else law.up, abs(height))):
+            if share > 0.0:
+                begin = share * near.distances[0]
+                edges = np.arange(begin, share * near.distance(1e-7) + width, width)
+                exceeded = near.chance(edges / share)
+                exceeded[-1] = 0.0
+                total = np.convolve(total, -np.diff(exceeded))
+                least += begin
+    distances = least + width * np.arange(len(total) + 1)
     return np.asarray(distances), np.append(total[::-1].cumsum()[::-1], 0.0)
 
 
-def _density(spread: Quantiles, share: float) -> tuple[Vector, float]:
-    """Return the probability of each bin of `share` of a deviation, and the first bin's begin [m]."""
-    begin = share * spread.distances[0]
-    edges = np.arange(begin, share * spread.distance(1e-7) + BIN, BIN)
-    exceeded = spread.chance(edges / share)
-    exceeded[-1] = 0.0
-    return -np.diff(exceeded), begin
+class Conflict(NamedTuple):
+    """Two flights that may lose separation: when [s after the start of all] and where most probably.
+
+    `distance_m`: the least of the expected flights, infinite where one is on the ground then.
+    """
+
+    pair: tuple[str, str]
+    second: float
+    place: Vector  # (3,) east, north, up [m]
+    distance_m: float
+    probability: float
+
+
+@dataclass(frozen=True, eq=False)
+class PlannedDeparture:
+    """A flight and the second at which it departs."""
+
+    flight: TimedFlight
+    second: float
+
+
+class Encounters:
+    """The encounters of any two flights at a required `separation` [m], each pair computed once."""
+
+    def __init__(self, separation: float) -> None:
+        self.separation = separation
+        self._met = dict[tuple[TimedFlight, TimedFlight], tuple[Encounter, ...]]()
+
+    def of(self, a: TimedFlight, b: TimedFlight) -> tuple[Encounter, ...]:
+        if (b, a) in self._met:
+            return self._met[b, a]
+        if (a, b) not in self._met:
+            self._met[a, b] = tuple(encounters(a, b, self.separation))
+        return self._met[a, b]
+
+    def probabilities(self, a: PlannedDeparture, b: PlannedDeparture, delays: Vector) -> Vector:
+        """Return the probability (m,) that the pair loses separation, with B `delays` (m,) [s] later than planned."""
+        kept = np.ones(len(delays))
+        for encounter in self.of(a.flight, b.flight):
+            kept *= 1.0 - encounter.probabilities(_delays(encounter, a, b, delays))
+        return np.asarray(1.0 - kept)
+
+    def between(self, a: PlannedDeparture, b: PlannedDeparture, seen: float = 1e-6) -> Iterator[Conflict]:
+        """Yield each possible conflict of a pair that is more probable than `seen`."""
+        for encounter in self.of(a.flight, b.flight):
+            delays = _delays(encounter, a, b, np.zeros(1))
+            probability = float(encounter.probabilities(delays)[0])
+            if probability > seen:
+                distance, sample = encounter.likeliest(float(delays[0]))
+                second = (a if encounter.a is a.flight else b).second + STEP_S * sample
+                pair = (a.flight.name, b.flight.name)
+                yield Conflict(pair, second, encounter.a.places[round(sample)], distance, probability)
+
+    def conflicts(self, departures: Sequence[PlannedDeparture]) -> list[Conflict]:
+        """Return the possible conflicts of all pairs, most probable first."""
+        found = [conflict for a, b in combinations(departures, 2) for conflict in self.between(a, b)]
+        return sorted(found, key=lambda conflict: -conflict.probability)
+
+
+def _delays(encounter: Encounter, a: PlannedDeparture, b: PlannedDeparture, later: Vector) -> Vector:
+    """Return by how much the encounter's B departs after its A (m,) [s], with b `later` (m,) [s] than planned."""
+    delays = b.second + later - a.second
+    return np.asarray(delays if encounter.a is a.flight else -delays)

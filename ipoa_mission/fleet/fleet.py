@@ -1,49 +1,120 @@
-"""Read the missions of several vehicles as flights in one frame."""
+"""Missions of several vehicles as flights in time, in one frame."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import NamedTuple, TypeAlias
 
-from ipoa_mission import BadInput, Forecast, Mission, MissionError, read_mission, write_mission
-from ipoa_mission.fleet.timed_flight import TimedFlight, timed_flight
+import numpy as np
+from numpy.typing import NDArray
+
+from ipoa_mission import BadInput, DeviationLaw, Forecast, Mission, MissionError, read_mission, write_mission
 from ipoa_mission.geodesy import LocalFrame, apart
+from ipoa_mission.geometry import Points, Vector
 
-FARTHEST_HOME = 50_000.0  # where a plane frame still serves [m]
+Indices: TypeAlias = NDArray[np.intp]
+STEP_S = 0.25  # between samples; the motion between them counts as straight
+
+
+@dataclass(frozen=True, eq=False)
+class TimedFlight:
+    """The expected flight of one vehicle in the frame of all.
+
+    `places` (n, 3): east, north, up [m], `STEP_S` apart, from the departure (arming) until it disarms. It is in the air
+    from sample `lifts` to sample `lands`. `time_deviations` (n,): standard deviation of the time at each place, as if
+    the forecast's 90 % interval were normal [s].
+    """
+
+    name: str
+    places: Points
+    lifts: int
+    lands: int
+    time_deviations: Vector
+    law: DeviationLaw
+    departure_deviation_s: float = 1.0
+
+    @cached_property
+    def longest_step(self) -> float:
+        return float(np.linalg.norm(np.diff(self.places, axis=0), axis=1).max(initial=0.0))
+
+    def on_ground(self, samples: Indices) -> NDArray[np.bool_]:
+        return np.asarray((samples <= self.lifts) | (samples >= self.lands))
+
+    def uses_pad(self, pad: Vector) -> bool:
+        """Return whether it takes off from a pad (3,) or lands on it."""
+        return bool(np.any(within_pad(self.places[[0, -1]] - pad)))
+
+    @property
+    def duration_s(self) -> float:
+        return STEP_S * (len(self.places) - 1)
+
+
+def within_pad(away: Points) -> NDArray[np.bool_]:
+    """Return whether two places on the ground, `away` (..., 3) [m], are one pad."""
+    width = 2.0  # [m]
+    return np.asarray(np.linalg.norm(away, axis=-1) < width)
+
+
+def timed_flight(name: str, forecast: Forecast, frame: LocalFrame) -> TimedFlight:
+    """Sample the expected flight of a forecast in another local frame.
+
+    Raises:
+        MissionError: the mission has no end, or its path or time is unknown.
+    """
+    forecast.expect_known_path()
+    prediction = forecast.expected
+    track = prediction.track.local()
+    seconds = np.arange(0.0, track.times[-1] + STEP_S, STEP_S)
+    sampled = track.without_repeated_times().at(seconds)
+    moving = np.flatnonzero(np.linalg.norm(np.diff(sampled, axis=0), axis=1) > 1e-3)
+    if len(moving) == 0:
+        raise MissionError("the vehicle stays where it is", code="nothing-flown")
+    deviations = (prediction.high - prediction.low) / (2 * 1.645)
+    latitude, longitude, altitude = forecast.frame.to_geodetic(sampled)
+    return TimedFlight(
+        name=name,
+        places=frame.to_local(latitude, longitude, altitude),
+        lifts=int(moving[0]),
+        lands=int(moving[-1]) + 1,
+        time_deviations=np.interp(seconds, prediction.done, deviations, left=0.0),
+        law=forecast.deviation_law,
+    )
 
 
 @dataclass(frozen=True, eq=False)
 class FleetVehicle:
-    """A vehicle with its mission, and the forecast of it in the frame of all. `change`: of the mission as read."""
+    """A vehicle with its mission, and the flight of it in the frame of all.
+
+    `change`: of the mission as read; `contents`: of the changed mission's files, by suffix.
+    """
 
     file: Path
     mission: Mission
     forecast: Forecast
     flight: TimedFlight
     change: str = ""
-
-    @property
-    def name(self) -> str:
-        return self.flight.name
+    contents: Mapping[str, bytes] = field(default_factory=dict)
 
     def flying(self, mission: Mission, frame: LocalFrame, change: str) -> "FleetVehicle":
-        """Return the vehicle with a changed mission; raise MissionError if its path or time is unknown."""
-        forecast = Forecast(mission)
-        flight = timed_flight(self.name, forecast, frame)
-        return replace(self, mission=mission, forecast=forecast, flight=flight, change=change)
+        """Return the vehicle with a changed mission, as a reader of its `.plan` gets that.
 
-    def written(self) -> tuple[Mission, dict[str, bytes]]:
-        """Return the mission as a reader of its `.plan` gets it, and the content of its files by suffix."""
+        Raises:
+            MissionError: its path or time is unknown.
+        """
         with TemporaryDirectory() as folder:
             file = Path(folder, "mission.plan")
-            write_mission(self.mission, file)
+            write_mission(mission, file)
             read = read_mission(file)
             contents = {each.suffix: each.read_bytes() for each in Path(folder).iterdir()}
-        return replace(self.mission, home=read.home, items=read.items, parameters=read.parameters), contents
+        mission = replace(mission, home=read.home, items=read.items, parameters=read.parameters)
+        forecast = Forecast(mission)
+        flight = timed_flight(self.flight.name, forecast, frame)
+        return FleetVehicle(self.file, mission, forecast, flight, change, contents)
 
 
-@dataclass(frozen=True, eq=False)
-class Fleet:
+class Fleet(NamedTuple):
     """Vehicles in the frame of the first one's home."""
 
     frame: LocalFrame
@@ -57,12 +128,18 @@ def read_fleet(files: Sequence[Path]) -> Fleet:
         BadInput: a file is no mission, is named twice, has no home, or is of another place than the first.
         MissionError: the path or time of a mission is unknown; it names the file.
     """
-    missions = {file: read_mission(file) for file in _once(files)}
+    missions = dict[Path, Mission]()
+    for file in files:
+        if any(file.resolve() == other.resolve() for other in missions):
+            hint = "copy the mission for a second vehicle"
+            raise BadInput("expected each vehicle once, not twice", hint, code="option-conflict", place=file)
+        missions[file] = read_mission(file)
     first = missions[files[0]]
+    farthest = 50_000.0  # where a plane frame still serves [m]
     for file, mission in missions.items():
         away = apart(first.home, mission.home)
-        if away > FARTHEST_HOME:
-            words = f"expected a home within {FARTHEST_HOME / 1000:g} km of {files[0]}'s, not {away / 1000:.0f} km away"
+        if away > farthest:
+            words = f"expected a home within {farthest / 1000:g} km of {files[0]}'s, not {away / 1000:.0f} km away"
             raise BadInput(words, code="far-from-home", place=file)
         if mission.home.altitude == 0.0 and any(other.home.altitude for other in missions.values()):
             words = "expected the altitude of home, as other missions have, not 0 m AMSL"
@@ -71,16 +148,6 @@ def read_fleet(files: Sequence[Path]) -> Fleet:
     names = {file: file.stem if stems.count(file.stem) == 1 else str(file) for file in files}
     vehicles = tuple(_vehicle(names[file], file, mission, first.frame) for file, mission in missions.items())
     return Fleet(first.frame, vehicles)
-
-
-def _once(files: Sequence[Path]) -> Sequence[Path]:
-    seen = set[Path]()
-    for file in files:
-        if file.resolve() in seen:
-            hint = "copy the mission for a second vehicle"
-            raise BadInput("expected each vehicle once, not twice", hint=hint, code="option-conflict", place=file)
-        seen.add(file.resolve())
-    return files
 
 
 def _vehicle(name: str, file: Path, mission: Mission, frame: LocalFrame) -> FleetVehicle:

@@ -89,7 +89,10 @@ FAR = Geodetic(40.0, 8.5, 100.0)
         ("east.plan north.plan --departures 0", "--departures: expected 2 times of 0 s or more"),
         ("east.plan north.plan --departures 0,-1", "--departures: expected 2 times of 0 s or more"),
         ("east.plan north.plan --departures 0,nan", "--departures: expected 2 times of 0 s or more"),
-        ("east.plan north.plan --departures 0,soon", "--departures: expected seconds, as 0,30, not 0,soon"),
+        (
+            "east.plan north.plan --departures 0,soon",
+            "expected 2 times of 0 s or more, as 0,30, not 0,soon",
+        ),
         ("east.plan none.plan", "none.plan"),
     ],
 )

@@ -3,9 +3,8 @@
 import numpy as np
 import pytest
 
-from ipoa_mission.fleet.encounters import encounters
-from ipoa_mission.fleet.timed_flight import STEP_S, TimedFlight
-from ipoa_mission.fleet.traffic import Encounters, PlannedDeparture
+from ipoa_mission.fleet.encounters import TIME_SPREADS, Encounters, PlannedDeparture, encounters
+from ipoa_mission.fleet.fleet import STEP_S, TimedFlight
 from ipoa_mission.forecast.deviation.law import DeviationLaw, Quantiles
 from ipoa_mission.geometry import Points
 
@@ -36,10 +35,13 @@ NORTHWARD = flight("north", np.array([over(0, -60, 0), over(0, -60), over(0, 60)
 
 
 def sampled(a: TimedFlight, b: TimedFlight, delay: float, seed: int = 0) -> float:
-    """Return the share of flights, moved in time by normal deviations, that lose separation."""
+    """Return the share of flights, moved in time by random deviations, that lose separation."""
     chance = np.random.default_rng(seed)
-    width = float(np.sqrt(a.time_deviations[0] ** 2 + b.time_deviations[0] ** 2 + 2.0))
-    offsets = delay + width * chance.standard_normal(2000)
+    offsets = delay + np.sqrt(2.0) * chance.standard_normal(2000)
+    shares, widths = zip(*TIME_SPREADS, strict=True)
+    for each in (a, b):
+        of_each = chance.choice(widths, size=2000, p=shares)
+        offsets += each.time_deviations[0] * of_each * chance.standard_normal(2000)
     fine = np.arange(-20.0, 120.0, 0.05)
     of_a, of_b = (np.arange(len(each.places)) * STEP_S for each in (a, b))
     lost = 0
@@ -67,7 +69,7 @@ def test_conflict_has_the_place_and_time_of_the_closest_approach() -> None:
     assert conflict.pair == ("east", "north")
     assert conflict.place == pytest.approx([0.0, 0.0, 20.0], abs=2.0)
     assert conflict.second == pytest.approx(100.0 + second_over_origin, abs=0.5)
-    assert conflict.distance < 2.0
+    assert conflict.distance_m < 2.0
     assert conflict.probability > 0.5
 
 
@@ -94,8 +96,9 @@ def test_a_vehicle_that_has_landed_conflicts_with_one_that_flies_over(delay: flo
 
 def test_one_pad_is_used_by_one_vehicle_after_the_other() -> None:
     """The second is brought to the pad after the first has left it."""
-    first = flight("first", np.array([over(0, 0, 0), over(0, 0, 30), over(0, 90, 30), over(0, 90, 0)]))
-    second = flight("second", np.array([over(0.5, 0, 0), over(0.5, 0, 30), over(90, 0, 30), over(90, 0, 0)]))
+    first = flight("first", np.array([over(0, 0, 0), over(0, 0, 30), over(0, 90, 30), over(0, 90, 0)]), 5.0, 0.5)
+    corners = np.array([over(0.5, 0, 0), over(0.5, 0, 30), over(90, 0, 30), over(90, 0, 0)])
+    second = flight("second", corners, 5.0, 0.5)
     delays = np.array([0.0, 5.0, 60.0])
     lost = Encounters(SEPARATION).probabilities(PlannedDeparture(first, 0.0), PlannedDeparture(second, 0.0), delays)
     assert lost[0] == pytest.approx(1.0, abs=1e-3)

@@ -23,8 +23,8 @@ from typing import Any
 import numpy as np
 
 from ipoa_mission import Forecast, read_mission, write_mission
-from ipoa_mission.fleet.timed_flight import timed_flight
-from ipoa_mission.fleet.traffic import Encounters, PlannedDeparture
+from ipoa_mission.fleet.encounters import Encounters, PlannedDeparture
+from ipoa_mission.fleet.fleet import timed_flight
 from ipoa_mission.wind import CALM
 from tools import command_line
 from tools.fly.crossing_pairs import AUTOPILOTS, FRAME, CrossingPair, crossing_pairs

@@ -18,12 +18,12 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ipoa_mission import Forecast, read_mission
-from ipoa_mission.fleet.timed_flight import DEPARTURE_DEVIATION_S, TimedFlight, timed_flight
-from ipoa_mission.fleet.traffic import Encounters, PlannedDeparture
+from ipoa_mission.fleet.encounters import Encounters, PlannedDeparture
+from ipoa_mission.fleet.fleet import TimedFlight, timed_flight
 from ipoa_mission.geometry import Matrix
 from tools import command_line
 from tools.fly.crossing_pairs import FRAME, HOME
-from tools.fly.separation_check import DELAYS_S, SEPARATION, Sample, least_distance, reliability
+from tools.fly.separation_check import DELAYS_S, DEPARTURE_DEVIATION_S, SEPARATION, Sample, least_distance, reliability
 
 DRAWS = 12  # errors of the departures
 

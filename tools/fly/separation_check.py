@@ -15,8 +15,8 @@ from typing import NamedTuple
 import numpy as np
 
 from ipoa_mission import Forecast, Mission
-from ipoa_mission.fleet.timed_flight import DEPARTURE_DEVIATION_S, timed_flight
-from ipoa_mission.fleet.traffic import Encounters, PlannedDeparture
+from ipoa_mission.fleet.encounters import Encounters, PlannedDeparture
+from ipoa_mission.fleet.fleet import timed_flight
 from ipoa_mission.geodesy import LocalFrame
 from ipoa_mission.geometry import Matrix
 from ipoa_mission.simulator.simulated_flight import SimulatedFlight
@@ -26,6 +26,7 @@ from tools import command_line
 from tools.fly.crossing_pairs import FRAME, crossing_pairs
 
 SEPARATION = 10.0  # [m]
+DEPARTURE_DEVIATION_S = 1.0
 EVERY_S = 0.1  # between samples of a track
 COMBINATIONS = (("px4", "ardupilot"), ("px4", "px4"), ("ardupilot", "ardupilot"))
 DELAYS_S = (-12.0, -8.0, -6.0, -4.0, -3.0, -2.0, -1.0, 0.0, 1.0, 2.0, 3.0, 4.0, 6.0, 8.0, 12.0)
