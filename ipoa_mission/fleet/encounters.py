@@ -22,8 +22,8 @@ from ipoa_mission import DeviationLaw
 from ipoa_mission.fleet.fleet import STEP_S, Indices, TimedFlight, within_pad
 from ipoa_mission.geometry import Vector
 
-#: Shares of flights, and their standard deviation of time, in that of the forecast's interval.
-TIME_SPREADS = ((1.0, 1.0),)
+#: Shares of flights, and their standard deviation of time, in that of the forecast's interval, as flown.
+TIME_SPREADS = ((0.75, 0.55), (0.25, 1.8))
 
 
 class Phase(Enum):
@@ -175,18 +175,23 @@ def _risks(laws: tuple[DeviationLaw, ...], room: Vector, above: Vector, seconds:
 
 @lru_cache(maxsize=64)
 def _closing(laws: tuple[DeviationLaw, ...], above: float) -> tuple[Vector, Vector]:
-    """Return distances [m] and the chance that all vehicles together close more than each, the first from above."""
+    """Return distances [m] and the chance that all vehicles together close more than each, the first from above.
+
+    A law's quantiles were measured for deviations towards a thing: those away from it are of the opposite side.
+    """
     width = 0.05  # of the distances [m]
     horizontal = float(np.sqrt(1.0 - above**2))
     total = np.ones(1)
     least = 0.0
     for law, height in zip(laws, (above, -above), strict=False):
-        for near, share in ((law.lateral, horizontal), (law.down if height > 0.0 else law.up, abs(height))):
+        towards, away = (law.down, law.up) if height > 0.0 else (law.up, law.down)
+        for near, far, share in ((law.lateral, law.lateral, horizontal), (towards, away, abs(height))):
             if share > 0.0:
-                begin = share * near.distances[0]
+                begin = -share * far.distance(1e-7)
                 edges = np.arange(begin, share * near.distance(1e-7) + width, width)
-                exceeded = near.chance(edges / share)
-                exceeded[-1] = 0.0
+                opened = np.where(edges < 0.0, 1.0 - far.chance(-edges / share), 0.0)
+                exceeded = np.maximum(near.chance(np.maximum(edges, 0.0) / share), opened)
+                exceeded[[0, -1]] = [1.0, 0.0]
                 total = np.convolve(total, -np.diff(exceeded))
                 least += begin
     distances = least + width * np.arange(len(total) + 1)

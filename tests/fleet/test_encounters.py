@@ -1,5 +1,7 @@
 """Probabilities of a loss of separation, against sampled flights."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -115,3 +117,18 @@ def test_vehicles_on_pads_side_by_side_conflict_when_one_takes_off() -> None:
 def test_flights_apart_have_no_encounter() -> None:
     far = flight("far", EASTWARD.places[[0, 40, -40, -1]] + [0.0, 300.0, 0.0])
     assert not list(encounters(EASTWARD, far, SEPARATION))
+
+
+SPREAD = Quantiles((0.0, 1.0, 2.0), (0.5, 0.1, 0.01))
+NARROW = Quantiles((0.0, 1e-6), (0.5, 1e-6))
+
+
+@pytest.mark.parametrize(("up", "down", "too_near"), [(SPREAD, NARROW, 1.0 - 0.05**0.5), (NARROW, SPREAD, 1.0)])
+def test_deviations_away_from_the_other_open_the_distance(up: Quantiles, down: Quantiles, too_near: float) -> None:
+    """A vehicle that passes 9.5 m above another is too near, unless it deviates upwards by more than 0.5 m."""
+    low = replace(flight("low", np.array([over(-60), over(60)]), 8.0, 1e-3), departure_deviation_s=1e-3)
+    high = flight("high", np.array([over(0, -60, 29.5), over(0, 60, 29.5)]), 8.0, 1e-3)
+    wide = replace(high, law=replace(EXACT, up=up, down=down), departure_deviation_s=1e-3)
+    for pair in ((wide, low), (low, wide)):
+        first, second = (PlannedDeparture(each, 0.0) for each in pair)
+        assert Encounters(SEPARATION).probabilities(first, second, np.zeros(1))[0] == pytest.approx(too_near, abs=0.03)

@@ -23,7 +23,14 @@ from ipoa_mission.fleet.fleet import TimedFlight, timed_flight
 from ipoa_mission.geometry import Matrix
 from tools import command_line
 from tools.fly.crossing_pairs import FRAME, HOME
-from tools.fly.separation_check import DELAYS_S, DEPARTURE_DEVIATION_S, SEPARATION, Sample, least_distance, reliability
+from tools.fly.separation_check import (
+    DEPARTURE_DEVIATION_S,
+    SEPARATION,
+    Sample,
+    delays_about_losses,
+    least_distance,
+    reliability,
+)
 
 DRAWS = 12  # errors of the departures
 
@@ -45,13 +52,9 @@ class FlownPair(NamedTuple):
     flights: tuple[TimedFlight, TimedFlight]
     tracks: tuple[Matrix, Matrix]
 
-    def probability(self, delays_s: tuple[float, ...], departure_deviation_s: float) -> list[float]:
-        planned = [
-            PlannedDeparture(replace(flight, departure_deviation_s=departure_deviation_s), 0.0)
-            for flight in self.flights
-        ]
-        probabilities = Encounters(SEPARATION).probabilities(planned[0], planned[1], np.array(delays_s))
-        return [float(probability) for probability in probabilities]
+    def departures(self, deviation_s: float) -> tuple[PlannedDeparture, PlannedDeparture]:
+        first, second = (replace(flight, departure_deviation_s=deviation_s) for flight in self.flights)
+        return PlannedDeparture(first, 0.0), PlannedDeparture(second, 0.0)
 
 
 def read_pair(file: Path) -> FlownPair:
@@ -69,13 +72,14 @@ def as_flown(pair: FlownPair, folder: str) -> RealPair:
     """Judge a pair at its departures as flown."""
     first, second = pair.record["armed_s"]
     planned = pair.record["departs_s"]
+    predicted = Encounters(SEPARATION).probabilities(*pair.departures(1e-3), np.array([second - first]))
     return RealPair(
         folder=folder,
         pair=pair.record["pair"],
         change=", ".join(filter(None, pair.record["change"])),
         planned_delay_s=planned[1] - planned[0],
         delay_s=second - first,
-        predicted=pair.probability((second - first,), 1e-3)[0],
+        predicted=float(predicted[0]),
         least_m=least_distance(*pair.tracks, second - first),
     )
 
@@ -83,9 +87,12 @@ def as_flown(pair: FlownPair, folder: str) -> RealPair:
 def at_delays(pairs: list[FlownPair]) -> Iterator[Sample]:
     """Yield samples of every two flights of the same missions at several delays."""
     chance = np.random.default_rng(pairs[0].record["pair"])
-    predicted = pairs[0].probability(DELAYS_S, DEPARTURE_DEVIATION_S)
+    met = Encounters(SEPARATION)
+    planned = pairs[0].departures(DEPARTURE_DEVIATION_S)
+    delays = delays_about_losses(*planned, met)
+    predicted = met.probabilities(*planned, delays)
     firsts, seconds = zip(*(pair.tracks for pair in pairs), strict=True)
-    for delay, probability in zip(DELAYS_S, predicted, strict=True):
+    for delay, probability in zip(delays.tolist(), predicted.tolist(), strict=True):
         lost = [
             least_distance(a, b, delay + np.sqrt(2.0) * DEPARTURE_DEVIATION_S * chance.standard_normal()) < SEPARATION
             for a, b in product(firsts, seconds)

@@ -3,7 +3,8 @@
 python -m tools.fly.separation_check --pairs 60 --flights 8 --out FILE.csv
 
 Each of a pair's two missions is flown several times. Every two of these flights, at several delays and with normally
-distributed errors of the departures, are one sample. Prints a reliability table.
+distributed errors of the departures, are one sample. The delays lie evenly about the middle of the predicted losses.
+Prints a reliability table.
 """
 
 import csv
@@ -18,7 +19,7 @@ from ipoa_mission import Forecast, Mission
 from ipoa_mission.fleet.encounters import Encounters, PlannedDeparture
 from ipoa_mission.fleet.fleet import timed_flight
 from ipoa_mission.geodesy import LocalFrame
-from ipoa_mission.geometry import Matrix
+from ipoa_mission.geometry import Matrix, Vector
 from ipoa_mission.simulator.simulated_flight import SimulatedFlight
 from ipoa_mission.simulator.situation import Conditions
 from ipoa_mission.terminal import progress_bar
@@ -71,6 +72,13 @@ def least_distance(a: Matrix, b: Matrix, delay_s: float) -> float:
     return float(np.linalg.norm(next(places) - next(places), axis=1).min())
 
 
+def delays_about_losses(a: PlannedDeparture, b: PlannedDeparture, met: Encounters) -> Vector:
+    """Return the delays of B to judge at [s]."""
+    tried = np.arange(-60.0, 60.0, 0.5)
+    lost = met.probabilities(a, b, tried)
+    return np.asarray(np.round((lost * tried).sum() / lost.sum()) + np.array(DELAYS_S))
+
+
 def samples_of(
     n: int, autopilots: tuple[str, str], missions: tuple[Mission, Mission], flights: int
 ) -> Iterator[Sample]:
@@ -81,8 +89,9 @@ def samples_of(
     ]
     tracks = [[flown(mission, 100 * n + seed) for seed in range(flights)] for mission in missions]
     chance = np.random.default_rng(n)
-    predicted = met.probabilities(planned[0], planned[1], np.array(DELAYS_S))
-    for delay, probability in zip(DELAYS_S, predicted.tolist(), strict=True):
+    delays = delays_about_losses(planned[0], planned[1], met)
+    predicted = met.probabilities(planned[0], planned[1], delays)
+    for delay, probability in zip(delays.tolist(), predicted.tolist(), strict=True):
         errors = np.sqrt(2.0) * DEPARTURE_DEVIATION_S * chance.standard_normal(flights**2)
         lost = [
             least_distance(a, b, delay + error) < SEPARATION
