@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from ipoa_mission.errors import BadInput, OptionConflict
-from ipoa_mission.options import ForceOption, JsonOption
+from ipoa_mission.options import ForceOption, JsonOption, expect_mission
 from ipoa_mission.terminal import expect_folder, expect_free, picked, print_json, print_lines, print_table, round_finite
 
 if TYPE_CHECKING:
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 def deconflict(
     files: Annotated[list[Path], typer.Argument(metavar="FILE...", help="Missions: .plan or .waypoints.")],
     separation: Annotated[
-        float, typer.Option("--separation", metavar="M", min=0.1, help="Least distance of two vehicles.")
+        float, typer.Option("--separation", metavar="M", min=0.1, max=1e4, help="Least distance of two vehicles.")
     ] = 10.0,
     confidence: Annotated[
         float, typer.Option("--confidence", min=0.5, max=0.999999, help="Probability that a pair keeps it.")
@@ -30,7 +30,7 @@ def deconflict(
         str | None, typer.Option("--departures", metavar="S,S,...", help="When each may depart; default all at 0 s.")
     ] = None,
     most_delay: Annotated[
-        float, typer.Option("--most-delay", metavar="S", min=0.0, help="The longest delay of a departure.")
+        float, typer.Option("--most-delay", metavar="S", min=0.0, max=1e5, help="The longest delay of a departure.")
     ] = 600.0,
     out: Annotated[
         Path | None, typer.Option("--out", metavar="DIR", help="Write changed missions and timetable.json to it.")
@@ -58,7 +58,7 @@ def deconflict(
     earliest = _seconds(departures, files)
     if out is not None:
         expect_folder(out)
-    fleet = read_fleet(files)
+    fleet = read_fleet([expect_mission(file) for file in files])
     encounters = Encounters(separation)
     search = Deconfliction(fleet, earliest, encounters, RepairLimits(1.0 - confidence, most_delay))
 

@@ -125,8 +125,8 @@ def read_fleet(files: Sequence[Path]) -> Fleet:
     """Return the vehicles, named by their files.
 
     Raises:
-        BadInput: a file is no mission, is named twice, has no home, or is of another place than the first.
-        MissionError: the path or time of a mission is unknown; it names the file.
+        BadInput: a file is no mission of a multicopter, is named twice, has no home, is of another place than the
+            first, or its path or time is unknown.
     """
     missions = dict[Path, Mission]()
     for file in files:
@@ -141,8 +141,8 @@ def read_fleet(files: Sequence[Path]) -> Fleet:
         if away > farthest:
             words = f"expected a home within {farthest / 1000:g} km of {files[0]}'s, not {away / 1000:.0f} km away"
             raise BadInput(words, code="far-from-home", place=file)
-        if mission.home.altitude == 0.0 and any(other.home.altitude for other in missions.values()):
-            words = "expected the altitude of home, as other missions have, not 0 m AMSL"
+        if mission.home.altitude == 0.0 and any(other.home != mission.home for other in missions.values()):
+            words = "expected the altitude of home, not 0 m AMSL, as homes differ"
             raise BadInput(words, hint="set the planned home position", code="home-missing", place=file)
     stems = [file.stem for file in files]
     names = {file: file.stem if stems.count(file.stem) == 1 else str(file) for file in files}
@@ -151,8 +151,11 @@ def read_fleet(files: Sequence[Path]) -> Fleet:
 
 
 def _vehicle(name: str, file: Path, mission: Mission, frame: LocalFrame) -> FleetVehicle:
+    if mission.other_vehicle:
+        words = f"expected a mission of a multicopter, not of {mission.other_vehicle}"
+        raise BadInput(words, code="other-vehicle", place=file)
     forecast = Forecast(mission)
     try:
         return FleetVehicle(file, mission, forecast, timed_flight(name, forecast, frame))
     except MissionError as error:
-        raise error.at(file) from None
+        raise BadInput(error.args[0], error.hint, code=error.code, place=error.at(file).place) from None

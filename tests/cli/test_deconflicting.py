@@ -78,32 +78,72 @@ def test_one_pad_is_used_by_one_mission_after_the_other(run: Run) -> None:
 FAR = Geodetic(40.0, 8.5, 100.0)
 
 
+def edited(name: str, **changes: object) -> None:
+    """Write `east.plan` with other values of its mission; None: without the key."""
+    plan = json.loads(Path("east.plan").read_text())
+    changed = plan["mission"] | changes
+    plan["mission"] = {key: value for key, value in changed.items() if value is not None}
+    Path(f"{name}.plan").write_text(json.dumps(plan))
+
+
+@pytest.fixture
+def bad_files(crossing: None) -> None:
+    east = eastward()
+    low = replace(east, home=replace(east.home, altitude=0.0))
+    north = northward()
+    write(
+        far=replace(east, home=FAR, items=tuple(replace(item, latitude_deg=40.0) for item in east.items)),
+        low=low,
+        low_too=replace(north, home=replace(north.home, altitude=0.0)),
+        endless=replace(east, items=tuple(replace(item, command=17) for item in east.items if item.is_waypoint)),
+        waiting=replace(east, items=()),
+    )
+    edited("homeless", plannedHomePosition=None)
+    edited("nowhere", plannedHomePosition=[None, None, None])
+    edited("plane", vehicleType=1, firmwareType=3)
+    edited("rover", vehicleType=10)
+    edited("vtol", vehicleType=20)
+    Path("alias.plan").symlink_to("east.plan")
+    Path("folder.plan").mkdir()
+    Path("empty.plan").touch()
+
+
+@pytest.mark.usefixtures("bad_files")
 @pytest.mark.parametrize(
     ("words", "message"),
     [
         ("east.plan", "FILE: expected two missions or more"),
         ("east.plan ./east.plan", "expected each vehicle once"),
+        ("east.plan north.plan alias.plan", "alias.plan: expected each vehicle once"),
         ("east.plan far.plan", "far.plan: expected a home within 50 km of east.plan's, not 822 km away"),
-        ("east.plan low.plan", "low.plan: expected the altitude of home, as other missions have, not 0 m AMSL"),
+        ("east.plan low.plan", "low.plan: expected the altitude of home, not 0 m AMSL, as homes differ"),
+        ("low_too.plan low.plan", "low_too.plan: expected the altitude of home, not 0 m AMSL, as homes differ"),
         ("east.plan homeless.plan", 'homeless.plan: mission: expected "plannedHomePosition"'),
+        ("east.plan nowhere.plan", "nowhere.plan: mission.plannedHomePosition[0]: expected degrees"),
+        ("east.plan plane.plan", "plane.plan: expected a mission of a multicopter, not of a plane"),
+        ("east.plan rover.plan", "rover.plan: expected a mission of a multicopter, not of a rover"),
+        ("east.plan vtol.plan", "vtol.plan: expected a mission of a multicopter, not of a VTOL"),
+        ("east.plan endless.plan", "endless.plan: item 1: "),
+        ("east.plan waiting.plan", "waiting.plan: the vehicle stays where it is"),
+        ("east.plan fleet.toml", "fleet.toml: expected a mission (.plan, .waypoints), not a scenario"),
+        ("east.plan folder.plan", "folder.plan"),
+        ("east.plan empty.plan", "empty.plan"),
+        ("east.plan none.plan", "none.plan"),
         ("east.plan north.plan --departures 0", "--departures: expected 2 times of 0 s or more"),
+        ("east.plan north.plan --departures 0,", "--departures: expected 2 times of 0 s or more"),
         ("east.plan north.plan --departures 0,-1", "--departures: expected 2 times of 0 s or more"),
         ("east.plan north.plan --departures 0,nan", "--departures: expected 2 times of 0 s or more"),
-        (
-            "east.plan north.plan --departures 0,soon",
-            "expected 2 times of 0 s or more, as 0,30, not 0,soon",
-        ),
-        ("east.plan none.plan", "none.plan"),
+        ("east.plan north.plan --departures 0,inf", "--departures: expected 2 times of 0 s or more"),
+        ("east.plan north.plan --departures 0,soon", "expected 2 times of 0 s or more, as 0,30, not 0,soon"),
+        ("east.plan north.plan --separation 0", "--separation"),
+        ("east.plan north.plan --separation nan", "--separation"),
+        ("east.plan north.plan --separation inf", "--separation"),
+        ("east.plan north.plan --confidence 1", "--confidence"),
+        ("east.plan north.plan --most-delay -1", "--most-delay"),
+        ("east.plan north.plan --most-delay inf", "--most-delay"),
     ],
 )
 def test_bad_input_is_named_and_nothing_is_written(words: str, message: str, run: Run) -> None:
-    east = eastward()
-    low = replace(east, home=replace(east.home, altitude=0.0))
-    far = replace(east, home=FAR, items=tuple(replace(item, latitude_deg=40.0) for item in east.items))
-    write(far=far, low=low)
-    plan = json.loads(Path("east.plan").read_text())
-    del plan["mission"]["plannedHomePosition"]
-    Path("homeless.plan").write_text(json.dumps(plan))
     before = sorted(Path().iterdir())
     ended = run(f"deconflict {words} --out repaired")
     assert (ended.code, ended.out) == (2, "")
