@@ -97,7 +97,8 @@ class _Approach:
     separation: float
 
     def encounters(self) -> Iterator[Encounter]:
-        a, b = self.a, self.b
+        a = self.a
+        b = self.b
         of_phase = {Phase.WAITING: [0], Phase.FLYING: range(len(b.places) - 1), Phase.LANDED: [len(b.places) - 1]}
         columns = np.array(of_phase[self.phase])
         if self.phase is not Phase.FLYING and a.uses_pad(b.places[columns[0]]):
@@ -116,7 +117,8 @@ class _Approach:
 
     def _encounter(self, rows: Indices, offsets: Indices) -> Encounter:
         """Return the encounter at A's samples `rows`, with B's clock `offsets` (k,) samples ahead."""
-        a, b = self.a, self.b
+        a = self.a
+        b = self.b
         batch_size = 200_000  # pairs of samples, limited by memory
         batches = np.array_split(offsets, 1 + len(rows) * len(offsets) // batch_size)
         parts = [self._nearest(rows, batch) for batch in batches]
@@ -140,7 +142,8 @@ class _Approach:
 
         The height is a share of the distance. Two vehicles on the ground are apart, unless on one pad.
         """
-        a, b = self.a, self.b
+        a = self.a
+        b = self.b
         last = len(b.places) - 1
         of_b = rows[:, None] + offsets
         present = (of_b >= 0).astype(int) + (of_b >= last) == self.phase.value
