@@ -44,7 +44,6 @@ class AdaptivePelican:
             n, d = x.shape
             each = np.arange(n)
 
-            # Moving towards prey, then crossover
             scale = _cauchy(scales.draw(n, rng), rng)
             crossing = np.clip(crossings.draw(n, rng) + 0.1 * rng.standard_normal(n), 0, 1)
             prey = x[rng.integers(max(2, round(self.prey_share * n)), size=n)]
@@ -64,7 +63,6 @@ class AdaptivePelican:
             displaced = np.concatenate([displaced, x[:m][gain > 0]])
             x, f = _keep_not_worse(x, f, trial, g)
 
-            # Winging
             order = np.argsort(f, kind="stable")
             x, f = x[order], f[order]
             surface = x[: max(2, round(self.surface_share * n))]

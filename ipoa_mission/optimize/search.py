@@ -74,7 +74,7 @@ class Optimum:
 
 
 class CountedCost:
-    """A cost that counts its evaluations, keeps the best candidate, and is infinite beyond a budget."""
+    """A cost that keeps its best candidate, and is infinite beyond a budget of evaluations."""
 
     def __init__(self, cost: Callable[[Candidates], Costs], box: Box, budget: int | None = None) -> None:
         self.spent = 0

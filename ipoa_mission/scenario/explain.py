@@ -11,8 +11,8 @@ from ipoa_mission.errors import BadInput, MissionError
 
 
 def explained(error: ValidationError, table: Mapping[str, Any], model: type[BaseModel], source: str = "") -> BadInput:
-    """Return pydantic's errors as one, a line each with `source` as prefix."""
-    most = 20  # for speed
+    """Return pydantic's errors as one, a line each after `source`; at most 20, for speed."""
+    most = 20
     problems = [problem for problem in error.errors(include_url=False) if not _is_consequence(problem)]
     lines = [f"{source}{_explain(problem, table, model)}" for problem in problems[:most]]
     if len(problems) > most:
@@ -84,7 +84,7 @@ def _explain(problem: Any, table: Mapping[str, Any], model: type[BaseModel]) -> 
 
 
 def _is_consequence(problem: Any) -> bool:
-    """Return whether a list is too short only for invalid entries."""
+    """Return whether a list is too short only by its invalid entries."""
     return bool(problem["type"] == "too_short" and len(problem["input"]) >= problem["ctx"]["min_length"])
 
 

@@ -25,7 +25,6 @@ class MapFile(Section):
     suffixes: ClassVar[tuple[str, ...]] = READERS
 
     def differences(self) -> Iterator[Finding]:
-        """Compare two readers' shapes."""
         return compare_with_gdal(self.file)
 
 

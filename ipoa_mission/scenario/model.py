@@ -197,7 +197,6 @@ class Scenario(Section):
         return self.model_copy(update={"vehicle": self.vehicle.flown_by(autopilot)})
 
     def why_elsewhere(self, home: Geodetic) -> BadInput | None:
-        """Return an error if `home` is far from this scenario's."""
         if not (abs(home.latitude_deg) <= 90 and abs(home.longitude_deg) <= 360):
             return None
         away = apart(home, self.frame.home)
@@ -243,7 +242,7 @@ class Scenario(Section):
 
     @cached_property
     def known(self) -> dict[Any, Any]:
-        """Return what added tables have computed in this world."""
+        """Return the results that added tables have computed in this world."""
         return {}
 
     @property

@@ -188,7 +188,6 @@ def _ends(
 
 
 def _ground_under(terrain: Terrain, box: Box) -> tuple[float, float]:
-    """Return least and greatest height; of a grid, at its nodes."""
     if isinstance(terrain, Grid):
         rows, columns = terrain.heights.shape
         origin = np.array([terrain.east, terrain.north])
@@ -207,6 +206,6 @@ def on_lines(terrain: Terrain, box: Box) -> NDArray[np.float64]:
 
 
 def meets(boxes: NDArray[np.float64], box: Box, reach: float) -> NDArray[np.bool_]:
-    """Return which boxes (n, 4) are within `reach`."""
+    """Return which boxes (n, 4) are within `reach` [m]."""
     boxes = boxes.reshape(-1, 4)
     return np.asarray((boxes[:, :2] <= box[1] + reach).all(axis=1) & (boxes[:, 2:] >= box[0] - reach).all(axis=1))

@@ -1,4 +1,4 @@
-"""Limits of a path. A low start, goal or via point lowers the required height around it."""
+"""Limits of a path."""
 
 from dataclasses import dataclass, replace
 
@@ -80,7 +80,7 @@ def without_repeats(start: Vector, via: Points, goal: Vector) -> Points:
 
 
 def low_zones(spots: Points, airspace: Airspace, least: float, angle: float) -> tuple[LowZone, ...]:
-    """Return circles around places (k, 3) below `least` [m]."""
+    """Return circles that lower the required height around places (k, 3) below `least` [m]."""
     heights = spots[:, 2] - airspace.ground(spots)
     slope = min(0.5, float(np.tan(min(angle, 1.5))))  # of the climb-out
     return tuple(

@@ -16,7 +16,7 @@ class Section(BaseModel):
 
     @classmethod
     def __get_pydantic_json_schema__(cls, core_schema: Any, handler: GetJsonSchemaHandler) -> dict[str, Any]:
-        """Describe fields by the strings after them; pydantic's own way slows each import."""
+        """Describe fields by the strings after them; pydantic's own way slows imports."""
         schema = handler(core_schema)
         properties = handler.resolve_ref_schema(schema).get("properties", {})
         for kind in cls.__mro__:

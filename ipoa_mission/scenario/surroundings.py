@@ -110,7 +110,7 @@ class Surroundings:
 
 
 class _MapZones(NamedTuple):
-    """Zones by number of the map; the flight area, and areas that do not touch it."""
+    """Zones by map number, the flight area, and the areas that do not touch it."""
 
     by_map: Mapping[int, Zones]
     no_fly: Sequence[NoFlyZone]
@@ -181,7 +181,7 @@ def _read_zones(scenario: Site) -> _MapZones:
 
 
 def _read_buildings(scenario: Site, area: Any | None, allowed: Any | None) -> tuple[dict[int, Buildings], Box]:
-    """Return buildings by map number, and the bounds; buildings may extend these, then maps are read again."""
+    """Return buildings by map number, and the bounds, which buildings may extend."""
 
     def read(within: Box) -> dict[int, Buildings]:
         sections = ((n, section) for n, section in enumerate(scenario.maps) if isinstance(section, BuildingsMap))
@@ -270,7 +270,6 @@ def _boxes(obstacles: Sequence[tuple[Path, MapObstacle]]) -> NDArray[np.float64]
 def _near(
     obstacles: Sequence[tuple[Path, MapObstacle]], no_fly: Sequence[NoFlyZone], corners: Box
 ) -> tuple[list[MapObstacle], list[NoFlyZone], list[PassedOver]]:
-    """Return those within `MARGIN` of the bounds, and the others."""
     zone_boxes = shapely.bounds([zone.shape for _, zone in no_fly])
     is_near = meets(_boxes(obstacles), corners, MARGIN)
     is_zone_near = meets(zone_boxes, corners, MARGIN)
