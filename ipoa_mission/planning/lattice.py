@@ -124,7 +124,7 @@ def guesses(problem: PreparedProblem, coarsest: int, strategy: LatticeStrategy =
 
 
 def _climbing(routes: list[Points], inner: int, problem: PreparedProblem, step: float, both: bool) -> Iterator[Guess]:
-    """Yield guesses that climb within limits; as steep as the route if a detour is long or blocked, or `both`."""
+    """Yield guesses within slope limits; as steep as the route if a detour is long or blocked, or `both`."""
     for route in routes:
         detour = np.inf
         if problem.climbs_limited:
@@ -164,7 +164,6 @@ def lift_to_slopes(way: Points, problem: PreparedProblem, step: float) -> tuple[
 
 
 def _without_detours(way: Points, problem: PreparedProblem) -> Points:
-    """Return the route without nodes next to places, which may be behind them."""
     stops = {tuple(place) for place in problem.task.places}
     kept = np.ones(len(way), bool)
     for k in range(1, len(way) - 1):
@@ -246,7 +245,7 @@ def _centered(nodes: Points, spacing: Vector, problem: PreparedProblem) -> Point
 
 
 def _mend(routes: list[Points], lattice: Lattice, problem: PreparedProblem) -> list[Points]:
-    """Mend legs that cut an obstacle by extra points; if the cheapest route is not repairable, add others."""
+    """Mend legs that cut an obstacle by extra points; add routes if the cheapest is not repairable."""
     mended = list[Points]()
     closed = list[Points]()
     for route in routes:
@@ -259,7 +258,7 @@ def _mend(routes: list[Points], lattice: Lattice, problem: PreparedProblem) -> l
         closed.append(route[np.union1d(narrow, narrow + 1)])
     if not len(closed[0]):
         return mended
-    nodes = np.ascontiguousarray(lattice.places).view("V24").ravel()  # rows compared as 24-byte values
+    nodes = np.ascontiguousarray(lattice.places).view("V24").ravel()  # 24-byte rows
     is_narrow = np.isin(nodes, np.vstack(closed).view("V24").ravel()).reshape(lattice.price.shape)
     price = np.where(is_narrow, np.inf, lattice.price)
     return mended + find_routes(replace(lattice, price=price), problem, lattice.strategy.max_routes_beside)
@@ -294,7 +293,7 @@ def _occupy_gaps(
 
 
 def _end_node(lattice: Lattice, problem: PreparedProblem, place: Vector) -> int | None:
-    """Return the nearest node with a clear leg to a place, if any."""
+    """Return the index of the nearest node with a clear leg to a place."""
     free = np.nonzero(np.isfinite(lattice.price.ravel()))[0]
     away = ((lattice.places[free] - place) ** 2).sum(axis=1)
     most = DETAILS.end_nodes
@@ -384,7 +383,7 @@ def _count_turns(route: Points, tolerance: float) -> int:
 
 
 def _region(problem: PreparedProblem) -> tuple[Vector, Vector]:
-    """Return the bounds up to just above all obstacles and ground."""
+    """Return the corners of the bounds, cut just above all obstacles and ground."""
     task, limits = problem.task, problem.limits
     airspace = task.airspace
     stops = task.places

@@ -1,8 +1,4 @@
-"""Explain why there is no path.
-
-In plan view, obstacles as high as the airspace, grown by their required distance, leave start and goal in one piece or
-not. The gap that opens first is the widest.
-"""
+"""Explain why there is no path: in plan view, walls as high as the airspace separate start and goal."""
 
 from collections.abc import Iterator
 from itertools import pairwise
@@ -75,14 +71,13 @@ class _View:
         return self.gap(low)
 
     def piece(self, share: float, sides: int = QUARTER_SEGMENTS) -> shapely.Geometry | None:
-        """Return the piece that joins both ends at a share of the distance."""
         for piece in self._pieces(share, sides):
             if shapely.dwithin(piece, self.ends, DISTANCE_TOLERANCE / 10).all():
                 return piece
         return None
 
     def walled_in(self) -> Closure | None:
-        """Return the obstacles around the end in the smaller piece."""
+        """Return the obstacles around the end in the smaller piece; None if it is open."""
         pieces = [p for p in self._pieces(0.0, QUARTER_SEGMENTS) if shapely.intersects(p, self.ends).any()]
         if len(pieces) < 2:
             return None
@@ -93,7 +88,7 @@ class _View:
         return Closure(tuple(np.array(self.names)[near]), (float(place[0]), float(place[1])), 0.0, 0.0)
 
     def gap(self, share: float) -> Closure | None:
-        """Return the pair that closes at a share of the distance; the edge of the area is one more shape."""
+        """Return the pair that closes at a share of the distance; the area's edge is a shape too."""
         piece = self.piece(share)
         names = [*self.names, "the edge of the area"]
         shapes = np.append(self.shapes, self.area.exterior)

@@ -90,7 +90,6 @@ class SearchStrategy:
 
 
 USUAL = SearchStrategy()
-# Each of many legs is short and has fewer options.
 MANY_LEGS = SearchStrategy(
     lattice=LatticeStrategy(nodes=30_000, max_routes=8, max_routes_climbing=4),
     lattice_starts=1,
@@ -276,14 +275,14 @@ def _rivals(candidates: list[Candidate], searcher: Searcher) -> list[tuple[Candi
 
 
 def _approach(candidate: Candidate, problem: PreparedProblem) -> Candidate:
-    """Polish roughly; with limited climbs until all limits hold: a shortcut must be climbed."""
+    """Polish roughly; with limited climbs, until all limits hold."""
     if not problem.climbs_limited:
         return polish(candidate, problem)
     return polish_until_proved(candidate, problem, replace(ROUGH_DESCENT, steps=60))[0]
 
 
 def _improve(candidates: list[Candidate], searcher: Searcher, progress: Progress) -> list[Candidate]:
-    """Search the curves again piece by piece; return all, cheapest first."""
+    """Return all curves, searched again piece by piece, cheapest first."""
     problem = searcher.problem
     rng = searcher.rng
     strategy = searcher.strategy
@@ -306,7 +305,7 @@ def _improve(candidates: list[Candidate], searcher: Searcher, progress: Progress
 
 
 def _polish_and_prove(candidate: Candidate, searcher: Searcher, enough: float = 1e-7) -> ProvedCurve:
-    """Polish; if clustered control points hide a loop, again evenly."""
+    """Polish, and again evenly if clustered control points hide a loop."""
     task = searcher.problem.task
 
     def polished(rough: Candidate) -> ProvedCurve:
@@ -334,7 +333,7 @@ SKETCH = SketchEffort()
 
 
 class Sketch(NamedTuple):
-    """A quick, unsearched path for interactive editing."""
+    """A path without search, for interactive editing."""
 
     curve: Spline
     proof: Proof
@@ -342,9 +341,9 @@ class Sketch(NamedTuple):
 
 
 def sketch_path(task: PathTask) -> Sketch:
-    """Return the best of a few routes, deterministic for a task, usually in some tens of milliseconds.
+    """Return the best of a few routes, deterministic for a task, in some tens of milliseconds.
 
-    If its proof does not hold, this quick look found no route within limits; one may exist all the same.
+    If its proof does not hold, another route may.
 
     Raises:
         NoPath: a given place breaks a limit.

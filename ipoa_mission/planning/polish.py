@@ -95,7 +95,7 @@ def polish_until_proved(
 ) -> tuple[Candidate, Proof]:
     """Polish the curve until its proof holds, or nearly; return it unpolished if only that proof holds.
 
-    With limited climbs it restarts for more room: a curve that must become longer at once would turn in circles.
+    With limited climbs it restarts for more room: else the curve would turn in circles.
     """
     rough = candidate
     more = dict.fromkeys(("aside", "above", "flatter"), 0.0)
@@ -119,7 +119,7 @@ def polish_until_proved(
 
 
 def _hopeless(check: Check, problem: PreparedProblem) -> float:
-    """Return the slack that more room does not mend: lower over steep ground."""
+    """Return the slack that more room does not mend [m or degrees]."""
     ground = check.limit == "ground" and problem.climbs_limited
     return HOPELESS_SLACK[check.unit] * (1 + problem.task.airspace.terrain.steepness if ground else 1)
 
@@ -135,7 +135,6 @@ _REMEDY = {
 
 
 def _prepare(candidate: Candidate, problem: PreparedProblem, part: slice, nodes: int) -> tuple[slice, Bench]:
-    """Return the control points that are seen, and what they are moved by."""
     n = len(candidate.curve.control)
     varied = np.arange(1, n - 1)[part]
     low = max(int(varied[0]) - CHANGE_REACH, 0)

@@ -1,7 +1,6 @@
 """Map a decision vector to control points and cost.
 
-In `chord` and `sine` the origin is a good path: pelicans multiply coordinates, which draws them to it. The cost is that
-of eqs. (4)-(10). The threat is integrated over arc length; with `form = "nodes"` it is summed as in the paper.
+The cost is that of eqs. (4)-(10), with the threat integrated over arc length; `form = "nodes"` sums it as in the paper.
 """
 
 from collections.abc import Callable
@@ -69,7 +68,7 @@ def curve_cost(curve: Spline, task: PathTask) -> CostTerms:
 
 
 def _doublings(nodes: Points, velocity: Points, between: Points) -> int:
-    """Count how often a curve doubles back within legs between `nodes` (k, 3); `between` (k-1, 3): mid-leg velocity."""
+    """Count doublings back within legs between `nodes` (k, 3); `between` (k-1, 3): mid-leg velocity."""
     legs = np.diff(nodes, axis=0)
     start, middle, end = (np.einsum("kj,kj->k", at, legs) for at in (velocity[:-1], between, velocity[1:]))
     slope = 4 * middle - 3 * start - end
@@ -83,7 +82,7 @@ def _doublings(nodes: Points, velocity: Points, between: Points) -> int:
 
 
 def even_cost(curve: Spline, task: PathTask) -> CostTerms:
-    """Return the cost by equal steps only: less where the curve turns within a step."""
+    """Return the cost by equal steps only: too little where the curve turns within a step."""
     return path_cost(curve.sample(_steps(curve)), task) if task.cost.form != "nodes" else curve_cost(curve, task)
 
 
@@ -111,7 +110,7 @@ def node_weights(nodes: Points, per_node: bool) -> Vector:
 
 
 def rules_of(task: PathTask) -> Rules:
-    """Return limits and weights for the kernels. A broken limit costs more with depth: a search can escape."""
+    """Return limits and weights for the kernels."""
     cost = task.cost
     limits = task.limits
     direct = float(np.linalg.norm(task.places[-1] - task.places[0]))
@@ -197,7 +196,7 @@ class PreparedProblem:
         return survey(np.ascontiguousarray(points), self.grid, self.rules)  # type: ignore[no-any-return]
 
     def cost(self, candidate: Candidate) -> float:
-        """Return the cost of one finely sampled curve; slight breaches are forgiven."""
+        """Return the cost of one finely sampled curve; breaches below `LENIENCE` are forgiven."""
         from ipoa_mission.planning._kernels import path_costs
 
         nodes = candidate.curve.even_points(COMPARING_FACTOR * self.nodes)
@@ -310,7 +309,7 @@ def _by_axis(points: NDArray[np.float64]) -> Matrix:
 
 @lru_cache(maxsize=64)
 def _greville(n: int) -> Vector:
-    """Return the Greville abscissae: a straight guide gives an even curve."""
+    """Return the Greville abscissae, (n,)."""
     return np.lib.stride_tricks.sliding_window_view(knots_of(n)[1:-1], DEGREE).mean(axis=1)  # type: ignore[no-any-return]
 
 
@@ -331,7 +330,7 @@ def _waves(inner: int) -> Matrix:
 
 
 def via_indices(guide: Points, via: Points) -> list[int]:
-    """Return ascending indices of inner points (n, 3) that are nearest to places (m, 3) in the sum of distances."""
+    """Return ascending indices of inner points (n, 3) with the least sum of distances to places (m, 3)."""
     least = np.zeros(len(guide) - 2)
     sums = list[Vector]()
     for place in via:

@@ -1,4 +1,4 @@
-"""Prove that a path keeps its limits: lower bounds of distances, exact for legs; nothing is sampled."""
+"""Prove that a path keeps its limits: lower bounds of distances, exact for legs."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace

@@ -42,7 +42,7 @@ def assemble_mission(plan: Plan, scenario: Scenario) -> Mission:
 
 
 def choose_route(plan: Plan, scenario: Scenario, mode: str) -> Attempt:
-    """Return the route of one mode that keeps the required clearance; raise NoRoute if no tried route does."""
+    """Return the route of a mode; raise NoRoute if no tried one keeps the required clearance."""
     attempt = _routes(plan, scenario, mode)[0]
     if attempt.keeps_limits:
         return attempt
@@ -69,7 +69,7 @@ def _routes(plan: Plan, scenario: Scenario, mode: str) -> list[Attempt]:
 
 
 def narrowed_route(plan: Plan, scenario: Scenario, mode: str) -> Attempt:
-    """Return the widest route of a mode that keeps the limits, or the narrowest."""
+    """Return the widest route of a mode that keeps the limits, else the narrowest."""
     expect_mode(mode, scenario.vehicle.autopilot)
     attempts = (_route(plan, scenario, mode, halvings) for halvings in range(HALVINGS))
     kept = next((attempt for attempt in attempts if attempt.keeps_limits), None)
@@ -105,7 +105,7 @@ def expect_mode(mode: str, autopilot: Autopilot) -> None:
 
 
 def _route(plan: Plan, scenario: Scenario, mode: str, halvings: int) -> Attempt:
-    """Return a cleared route: as wide as asked, or half as wide for each of `halvings`."""
+    """Return a cleared route, narrowed to half as often as `halvings`."""
     via = scenario.via_points
     if mode == "corridor":
         points, _ = corridor(plan.curve, scenario.route.tolerance / 2**halvings, via=via)

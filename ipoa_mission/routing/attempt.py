@@ -35,7 +35,6 @@ class Attempt:
 
     @cached_property
     def draft(self) -> Forecast:
-        """Forecast without the legs from and to home."""
         return Forecast(draft_mission(self.route, self.scenario), self.scenario)
 
     @cached_property
@@ -97,7 +96,7 @@ class Attempt:
     @cached_property
     def is_fit(self) -> bool:
         quick = self.quick_prediction
-        max_overrun = 0.5  # beyond the goal [m]
+        max_overrun = 0.5  # [m]
         if quick.overrun > max_overrun or strays(quick.path, self.plan.curve, self.scenario.route.tolerance):
             return False
         return self.keeps_limits
@@ -112,16 +111,12 @@ class Attempt:
 
     @cached_property
     def quick_prediction(self) -> "RoutePrediction":
-        """Fly without noise, only to the goal."""
         mission = self.draft.mission_as_read
         forecast = Forecast(replace(mission, items=mission.items[:-1]), self.scenario)
         return _predict(self, forecast, forecast.predicted(noise_free=True, fast=True))
 
     def seconds_until(self, waypoint: int) -> float:
-        """Fly without noise until a waypoint; return its time from the start [s].
-
-        The mission ends two waypoints later: the time depends on no later one.
-        """
+        """Return a waypoint's time from the start in a flight without noise [s]; later waypoints do not change it."""
         items = items_of_waypoints(self.route)
         mission = self.draft.mission_as_read
         begun = replace(mission, items=mission.items[: items[waypoint + 2] + 1])

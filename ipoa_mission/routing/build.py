@@ -49,7 +49,7 @@ def build_mission(route: Route, scenario: Scenario) -> Mission:
 
 
 def draft_mission(route: Route, scenario: Scenario) -> Mission:
-    """Build the mission without a check of the ways from home and back; raise BadInput for a start that is too low."""
+    """Build the mission without proving the ways from home and back; raise BadInput for a low start."""
     frame = scenario.frame
     home = frame.home
     first, *onward = [(place, round(place.altitude - home.altitude, 3)) for place in _geodetic(route.points, frame)]

@@ -37,7 +37,7 @@ from ipoa_mission.scenario import Scenario
 
 
 class Composition(NamedTuple):
-    """Each level has its width as a share of the tolerance, PX4's acceptance radius [m], and expected tight places."""
+    """Each level: width as a share of the tolerance, PX4's acceptance radius [m], expected tight places."""
 
     levels: tuple[tuple[float, float, float], ...] = (
         (1.0, 10.0, 0.5), (0.6, 10.0, 0.5), (0.3, 7.0, 1.0), (0.3, 4.0, 10.0), (0.1, 2.0, 100.0), (0.03, 0.0, 100.0),
@@ -54,10 +54,10 @@ COMPOSITION = Composition()
 def composed_route(plan: Plan, scenario: Scenario) -> Attempt:
     """Return the first route that is fit and guaranteed, or the best fit one, or the last.
 
-    Each round predicts the flight, and approximates the curve tighter at the legs that break a limit.
+    Each round approximates the curve tighter at the legs that break a limit.
     """
     fit, levels = list[Attempt](), _approximations(plan, scenario)
-    chosen = np.zeros(1 + int(max(level.stations[-1] for level in levels)), int)  # by meter along the curve
+    chosen = np.zeros(1 + int(max(level.stations[-1] for level in levels)), int)  # by meter
     remaining = COMPOSITION.remaining_risk
     for _ in range(COMPOSITION.max_rounds):
         points, stations, radii = _composed(levels, chosen)
@@ -175,10 +175,7 @@ def relaxed(curve: Spline, room: float, via: Points) -> Points:
 
 
 def _least_squares(system: Matrix, wanted: Vector, room: float) -> Vector:
-    """Solve for x (n,), |x| <= `room`, that minimizes |`system` x - `wanted`|, by projected Newton.
-
-    Normal equations couple each x with two neighbors on either side only (Bertsekas 1982).
-    """
+    """Solve for x (n,), |x| <= `room`, that minimizes |`system` x - `wanted`|, by projected Newton (Bertsekas 1982)."""
     from ipoa_mission.planning.banded import solve_banded
 
     hessian, toward = system.T @ system, system.T @ wanted
@@ -275,7 +272,7 @@ SEARCH = RouteSearch()
 
 
 def fastest_routes(plan: Plan, scenario: Scenario) -> list[Attempt]:
-    """Return the quickest routes within all limits, best first: fewest missed waypoints, then greatest margin."""
+    """Return the quickest routes within all limits: fewest missed waypoints, then greatest margin, first."""
     drawn = [Attempt(plan, route, scenario) for route in candidates(plan.curve, scenario)]
     quickest = _quickest(drawn, scenario)
     most = SEARCH.max_behind * min(attempt.quick_prediction.seconds for attempt in drawn)
@@ -292,7 +289,7 @@ def fastest_routes(plan: Plan, scenario: Scenario) -> list[Attempt]:
 
 
 def _best_of_equal(attempts: list[Attempt]) -> Attempt:
-    """Return the best of the routes that are as quick as the first with sensor noise, which is costly to predict."""
+    """Return the best of the routes that are as quick as the first with sensor noise."""
     most = SEARCH.max_delay * attempts[0].quick_prediction.seconds
     equal = [attempt for attempt in attempts if attempt.quick_prediction.seconds <= most]
     if len(equal) == 1:
@@ -357,7 +354,6 @@ def _improve(attempt: Attempt) -> Attempt:
 
 
 def _is_open(candidate: Attempt, attempt: Attempt) -> bool:
-    """Return whether the changed legs are proved, if they are straight."""
     points = candidate.route.points
     start, end = common_ends(attempt.route.points, points)
     legs = points[start - 1 : len(points) - end + 1]
@@ -365,7 +361,7 @@ def _is_open(candidate: Attempt, attempt: Attempt) -> bool:
 
 
 def _may_gain(candidate: Attempt, attempt: Attempt) -> bool:
-    """Return whether a flight that ends where it has settled behind the change gains enough."""
+    """Return whether the gain is enough in a flight that ends where it has settled behind the change."""
     points = attempt.route.points
     others = candidate.route.points
     behind = len(points) - common_ends(points, others)[1]
@@ -395,5 +391,4 @@ def _changes(points: Points, step: float, via: Points, tried: set[bytes]) -> Ite
 
 
 def _free(points: Points, via: Points) -> list[int]:
-    """Return the inner waypoints that are no via point."""
     return [i for i in range(1, len(points) - 1) if (np.linalg.norm(via - points[i], axis=1) > VISITED).all()]

@@ -120,13 +120,12 @@ def _growth(spots: np.ndarray, numbers: list[int], missing: float, scenario: Sce
 
 
 def approximation_growth(scenario: Scenario) -> ObstacleGrowth:
-    """Return the needs of straight legs, which approximate the path."""
     none = initial_growth(scenario)
     return replace(none, growth=none.growth + 2 * GROWTH_MARGIN, above=2 * GROWTH_MARGIN)
 
 
 def initial_growth(scenario: Scenario) -> ObstacleGrowth:
-    """Return no growth, but above landings if the vehicle may land by choice."""
+    """Return no growth, but tightening above landings if the vehicle may land by choice."""
     none = np.full(len(scenario.airspace.obstacles), -1.0)
     vehicle = scenario.vehicle
     failsafes = vehicle.autopilot.failsafes(vehicle.autopilot_parameters(), vehicle.version)

@@ -50,7 +50,7 @@ def choose_returns(forecast: Forecast) -> tuple[Forecast, tuple[Shortfall, ...]]
     if paths.why_unknown() is not None:
         return forecast, tuple(braking)
     short = find_return_shortfalls(paths)
-    if braking or any(shortfall.part < ReturnLeg.CLIMBS for shortfall in short):  # needs another path
+    if braking or any(shortfall.part < ReturnLeg.CLIMBS for shortfall in short):
         return forecast, (*braking, *(shortfall for shortfall in short if shortfall.part < ReturnLeg.RETURNS))
     tried = [(forecast, short)]
     if not names_return_altitude(forecast.world) and (short or return_altitude(forecast) > highest_return(forecast)):
@@ -67,7 +67,6 @@ def choose_returns(forecast: Forecast) -> tuple[Forecast, tuple[Shortfall, ...]]
 
 
 def _of_returns(shortfalls: list[Shortfall]) -> list[Shortfall]:
-    """Return those that another altitude or goal may mend."""
     return [shortfall for shortfall in shortfalls if shortfall.part >= ReturnLeg.RETURNS]
 
 
@@ -175,7 +174,7 @@ EFFORT = RallyEffort()
 
 
 class _RallySearch:
-    """A search for the fewest rally points by which returns from sampled instants are clear."""
+    """Search the fewest rally points that make returns from sampled instants clear."""
 
     _margins: NDArray[np.float64]  # of returns from each instant to each goal [m]
     _away: NDArray[np.float64]  # horizontal distances of goals [m]
@@ -206,7 +205,7 @@ class _RallySearch:
         self._away = np.linalg.norm(stopped[:, None, :2] - self._goals[None, :, :2], axis=2)
 
     def propose(self) -> tuple[Geodetic, ...] | None:
-        """Return the smallest set not yet proposed, then that with the greatest least margin, by beam search."""
+        """Return the smallest new set with the greatest least margin, by beam search."""
         beam: list[tuple[int, ...]] = [(0,)]
         for _ in range(min(EFFORT.max_points, len(self._goals) - 1)):
             ranks = dict[tuple[int, ...], tuple[int, float]]()

@@ -1,7 +1,4 @@
-"""Refuse a plan, with its tightest place and a change that helps, or fly single legs slower.
-
-Slower flights stray less; no straight gap becomes wider.
-"""
+"""Refuse a plan, with its tightest place and a change that helps, or fly single legs slower."""
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
@@ -29,7 +26,7 @@ ROUNDS = 20
 
 @dataclass(frozen=True, eq=False)
 class ChangeTrials:
-    """Changes of a scenario, each planned once; `plan` returns None without a valid plan."""
+    """Changes of a scenario, each planned once."""
 
     scenario: Scenario
     plan: Callable[[Scenario], Attempt | None]
@@ -153,7 +150,6 @@ def _try_changes(otherwise: str, trials: ChangeTrials) -> tuple[str, str, tuple[
 
 
 def slowed_where_needed(nearest: Attempt, trials: ChangeTrials) -> Attempt | None:
-    """Return the quickest acceptable attempt with slow legs."""
     changes = dict(_slower(trials.scenario))
     speeds = [changed.vehicle.cruise_speed for changed in changes.values()]
     speeds = [speed for speed in speeds if speed < trials.scenario.vehicle.cruise_speed]
@@ -209,7 +205,6 @@ def _legs_too_near(attempt: Attempt) -> Iterator[int]:
 
 
 def _next_fast(slow: frozenset[int], leg: int) -> int:
-    """Return the last fast leg until `leg`, else the first after it."""
     before = next(n for n in range(leg, -2, -1) if n not in slow)
     return before if before >= 0 else next(n for n in count(leg) if n not in slow)
 

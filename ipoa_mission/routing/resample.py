@@ -1,4 +1,4 @@
-"""Place waypoints on or near a curve, and move them until the legs between keep the required clearance."""
+"""Place waypoints on a curve, and move them until the legs keep the required clearance."""
 
 import math
 from dataclasses import dataclass
@@ -78,7 +78,7 @@ def push_clear(waypoints: Points, task: PathTask) -> Points:
 
 
 def _doubtful_legs(waypoints: Points, task: PathTask) -> NDArray[np.intp]:
-    """Return the legs that may break a limit, by bounds of all legs at once."""
+    """Return the legs that may break a limit."""
     starts = waypoints[:-1]
     ends = waypoints[1:]
     airspace = task.airspace
@@ -91,7 +91,6 @@ def _doubtful_legs(waypoints: Points, task: PathTask) -> NDArray[np.intp]:
 
 
 def _is_clear(ends: Points, task: PathTask) -> bool:
-    """Return whether bounds show that a leg (2, 3) keeps all limits."""
     airspace = task.airspace
     height = airspace.terrain.legs_height(ends[:1], ends[1:])[0]
     return bool(
@@ -103,7 +102,7 @@ def _is_clear(ends: Points, task: PathTask) -> bool:
 
 
 def _broken(legs: Points, task: PathTask) -> list[Check]:
-    """Return the broken limits that moving may repair."""
+    """Return the broken limits that moving waypoints may repair."""
     checks = prove(legs, task, spare=0.0).checks
     return [check for check in checks if check.slack < 0 and check.limit in ("obstacles", "ground", "bounds")]
 

@@ -215,7 +215,7 @@ def _as_printed(scenario: Scenario) -> bool:
 
 
 def _move_until_safe(plan: Plan, margins: _Margins, scenario: Scenario) -> tuple[Attempt, float]:
-    """Return the best attempt after moving the plan aside, and its delay to the first."""
+    """Return the best attempt after moving the plan aside, and its flight time over the first's."""
     latest = best = first = best_route(plan, scenario, EFFORT.hopeless_slack)
     growth = margins.growth
     in_vain = 0
@@ -256,7 +256,7 @@ def expect_way_home(attempt: Attempt) -> None:
 
 
 def by_way_of_the_goal(scenario: Scenario) -> Scenario:
-    """Return the scenario with its goal as a via point, and a new one over home."""
+    """Return the scenario with its goal as a via point, and a goal over home."""
     over_home = type(scenario.goal)(east=0.0, north=0.0, up=float(scenario.start_point[2]))
     return scenario.model_copy(update={"via": (*scenario.via, scenario.goal), "goal": over_home})
 
