@@ -1,6 +1,6 @@
 """QGroundControl's complex items (surveys, scans).
 
-One is written back only with exactly its items in a row, and no jump into them.
+One is written back only with exactly its items in a row, and without a jump into them.
 """
 
 import json
@@ -34,7 +34,7 @@ def complex_items_in(parts: Sequence[Node | None], items: Sequence[Item]) -> tup
 
 
 def entries(items: Sequence[Item], complexes: Sequence[ComplexItem]) -> Iterator[tuple[range, ComplexItem | None]]:
-    """Yield the index of each plain item, and the indices of each complex item's items."""
+    """Yield a range of item indices for each plain item (None) and each complex item."""
     targets = {int(item.params[0]) - 1 for item in items if item.command == Command.DO_JUMP}
     first = 0
     while first < len(items):

@@ -99,7 +99,7 @@ class FlightRecord:
 
     @property
     def heights(self) -> list[float]:
-        """Return the height of each sample above home as set at arming [m]."""
+        """Return each sample's height above home as set at arming [m]."""
         return [sample.altitude - self.home_altitude for sample in self.path]
 
     @property

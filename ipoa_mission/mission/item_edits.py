@@ -29,7 +29,7 @@ def with_inserted(mission: Mission, seq: int, item: Item) -> Mission:
 
 
 def without_item(mission: Mission, seq: int) -> Mission:
-    """Remove an item outside surveys and scans that is no jump's target."""
+    """Remove an item outside surveys and scans that no jump leads to."""
     _expect_alone(mission, seq)
     removed = mission.items[seq - 1]
     for number, item in enumerate(mission.items, start=1):
@@ -43,7 +43,6 @@ def without_item(mission: Mission, seq: int) -> Mission:
 
 
 def _renumbered(mission: Mission, first: int, by: int) -> Mission:
-    """Return the mission with jumps to items from `first` on moved."""
 
     def moved(number: int) -> int:
         return number + by if number >= first else number
@@ -116,7 +115,7 @@ def text_with(mission: Mission, file: MissionFile, path: Path) -> str:
 
 
 def _merged(source: Table, old: Table, new: Table) -> Table:
-    """Return `new` with differences of `source` from `old`, our text of the unchanged mission."""
+    """Return `new`, with the changes that `source` has from `old`."""
     merged: Table = dict(new)
     for key, value in source.items():
         if key == "items" and isinstance(value, list) and key in old and key in new:

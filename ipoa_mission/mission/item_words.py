@@ -14,7 +14,7 @@ def hold_of(item: Item) -> float | None:
 
 
 def details_of(item: Item) -> str:
-    """Return what the command name, hold and speed leave out."""
+    """Return params in words, without hold and speed."""
     first, second = item.params[:2]
     match item.command:
         case Command.DO_JUMP | Command.DO_JUMP_TAG:

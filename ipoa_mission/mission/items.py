@@ -1,4 +1,4 @@
-"""A mission: items, fence, rally points and home, which is no item (`stored_mission` adds ArduPilot's)."""
+"""A mission: items, fence, rally points and home, which is no item."""
 
 import math
 from dataclasses import dataclass, field, replace
@@ -263,7 +263,7 @@ class MissionFile:
     taken_for: str | None = None
 
     def still_holds(self, mission: Mission) -> bool:
-        """Compare all but the parameters."""
+        """Return whether all but the parameters is equal."""
         ours, other = (replace(each, parameters={}) for each in (self.mission, mission))
         return repr(ours) == repr(other)  # repr: NaN equals NaN
 

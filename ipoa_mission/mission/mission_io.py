@@ -101,7 +101,7 @@ def parse_mission(
 
 
 def read_by_items(path: Path, file: MissionFile) -> MissionFile:
-    """Choose the autopilot of a `.waypoints` file that names none by its items."""
+    """Let the items choose the autopilot of a `.waypoints` file that names none."""
     taker = None if file.taken_for is None else only_taker(file.mission.items)
     if taker is None:
         return file
@@ -154,7 +154,7 @@ def mission_text(mission: Mission, suffix: str, read_from: MissionFile | None = 
 
 
 def only_taker(items: Sequence[Item]) -> tuple[Autopilot, str] | None:
-    """Return the one autopilot that takes all items, and why."""
+    """Return the one autopilot that takes all items, and the reason against another."""
     reasons = {autopilot: next(_reasons_against(items, autopilot), None) for autopilot in registered()}
     takers = [autopilot for autopilot, reason in reasons.items() if reason is None]
     return (takers[0], next(filter(None, reasons.values()))) if len(takers) == 1 else None
@@ -182,7 +182,7 @@ def digest(text: str) -> str:
 def write_files(
     mission: Mission, folder: Path, name: str, about: Mapping[str, Any], pages: Mapping[Path, str] | None = None
 ) -> tuple[Path, ...]:
-    """Write a mission's files, NAME.json of `about`, and the pages together; return them."""
+    """Write a mission's files, NAME.json of `about` and the pages together; return the paths."""
     contents, _ = _mission_contents(mission, folder, name, about)
     return _write({**contents, **(pages or {})})
 
@@ -194,7 +194,7 @@ def write_several(
     about: Mapping[str, Any],
     pages: Mapping[Path, str] | None = None,
 ) -> tuple[Path, ...]:
-    """Write the files of all missions, the pages and NAME.json of `about` together."""
+    """Write the files of all missions, the pages and NAME.json of `about` together; return the paths."""
     contents = Contents()
     digests = dict[str, str]()
     for part, mission, about_part in missions:
@@ -266,7 +266,7 @@ class MissionRecord(NamedTuple):
 
 
 def mission_record(path: Path, text: str) -> MissionRecord:
-    """Return the data of the NAME.json next to `path`, if its digest matches `text`."""
+    """Return the data of the NAME.json next to `path` if its digest matches `text`."""
     same_name = path.with_suffix(".json")
     for about in (same_name, path.with_name(f"{path.stem.rpartition('-')[0]}.json")):
         record = _read(about)

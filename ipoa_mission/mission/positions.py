@@ -57,7 +57,7 @@ def _wrong_corner(home: Geodetic, latitude_deg: float, longitude_deg: float) -> 
 
 
 def home_elsewhere(mission: Mission) -> str | None:
-    """Report a far home in an ArduPilot file; ArduCopter takes the place where it is armed."""
+    """Report a far home in an ArduPilot file: ArduCopter replaces it where it is armed."""
     placed = [item for item in mission.items if item.has_position and item.command != Command.NAV_TAKEOFF]
     places = [(item.latitude_deg, item.longitude_deg) for item in placed]
     home = (mission.home.latitude_deg, mission.home.longitude_deg)

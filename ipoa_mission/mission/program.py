@@ -101,7 +101,7 @@ def onward(items: Sequence[Item], n: int, autopilot: Autopilot, later: Iterable[
 def next_navigated(
     items: Sequence[Item], n: int, autopilot: Autopilot, later: Iterable[int] | None = None
 ) -> int | None:
-    """Return the item that the autopilot looks ahead to from item n; None for a hold.
+    """Return the item looked ahead to from item n; None for a hold.
 
     `later`: the following items in the order of flight, if not of numbers.
     """
@@ -112,7 +112,7 @@ def next_navigated(
 
 
 def stays_at(mission: Mission) -> list[Numbered]:
-    """Return the items at which the vehicle stays until an operator goes on."""
+    """Return the items at which the vehicle waits for an operator."""
     listed = numbered_items(mission)
     last = max((at.seq for at in listed if at.item.command <= LAST_NAV), default=0)
     ignored = not mission.firmware.keeps_autocontinue
@@ -122,7 +122,7 @@ def stays_at(mission: Mission) -> list[Numbered]:
 
 
 def behind_landing(mission: Mission) -> tuple[Numbered, Numbered] | None:
-    """Return the landing that ends the mission, and the item that follows; None also for a mission with jumps."""
+    """Return the landing that ends the mission and the item behind; None also with jumps."""
     flies_on = mission.autopilot.command_effects.flies_on
     listed = (at for at in numbered_items(mission) if at.item.command <= LAST_NAV)
     moving = [at for at in listed if at.item.command != Command.NAV_DELAY]
@@ -134,7 +134,7 @@ def behind_landing(mission: Mission) -> tuple[Numbered, Numbered] | None:
 
 @dataclass
 class Program:
-    """Items around home, with the count of each jump; indices from 0.
+    """Items with the count of each jump; indices from 0.
 
     `first` is the number of the first item for a jump: 1 in a mission file, 0 in the store of PX4.
     """
@@ -229,7 +229,7 @@ class Program:
             self.jumped[index] = 0
 
     def advance(self, index: int) -> tuple[list[int], int | None]:
-        """Return the items done in passing after `index`, and the next that moves the vehicle."""
+        """Return the items done in passing after `index`, and the next flown one."""
         passed: list[int] = []
         at = self.after(index)
         while at is not None and not self.items[at].moves:
@@ -249,7 +249,7 @@ class Program:
         return done, at
 
     def followed(self) -> tuple[Steps, dict[int, int]]:
-        """Return passed items and the next one by step; and wrong next items."""
+        """Return the items passed and the next one by step, and wrong next items."""
         steps = Steps()
         elsewhere = dict[int, int]()
         at: int | None = -1

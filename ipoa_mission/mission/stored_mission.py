@@ -49,7 +49,7 @@ def from_wire(items: Sequence[Item], autopilot: Autopilot, home: Geodetic | None
 
 
 def resolve_frames(items: Sequence[Item], autopilot: Autopilot) -> tuple[Item, ...]:
-    """Return frames as in files: no `_INT`, and frame 2 without a position."""
+    """Return items in the frames of files: no `_INT`, and frame 2 without a position."""
     firmware = autopilot.firmware()
     return tuple(replace(item, frame=_plain_frame(item, firmware)) for item in items)
 
@@ -81,7 +81,7 @@ class Difference:
 def compare(
     sent: Sequence[Item], got: Sequence[Item], autopilot: Autopilot, version: Version | None = None
 ) -> Difference | None:
-    """Return the first difference that the firmware of `version` (None: any) does not make; home is not compared."""
+    """Return the first difference that the firmware of `version` (None: any) does not make, home aside."""
     versions = (version,) if version else [Version(*series) for series in reversed(autopilot.tables.series)]
     newest, *older = map(autopilot.firmware, versions)
     if len(sent) != len(got):
@@ -113,7 +113,6 @@ def _sent(item: Item, firmware: Firmware) -> Item:
 
 
 def _jumping(item: Item, farther: float, firmware: Firmware) -> Item:
-    """Return a jump with its target on the wire, or in a file: PX4 counts from 0 on the wire."""
     if item.command != Command.DO_JUMP or firmware.home_is_item_0:
         return item
     return replace(item, params=(item.params[0] + farther, *item.params[1:]))

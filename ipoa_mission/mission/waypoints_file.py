@@ -125,7 +125,7 @@ def _value(word: str) -> float | str:
 
 
 def _check_numbers(rows: Sequence[tuple[Node, Item]]) -> Iterator[Finding]:
-    """Refuse wrong line numbers in a file with jumps, else report them."""
+    """Refuse wrong line numbers if there are jumps, else report them."""
     has_jump = any(item.command == Command.DO_JUMP for _, item in rows)
     for count, (row, _) in enumerate(rows):
         seq = _whole(row["seq"], 65535)

@@ -1,4 +1,4 @@
-"""Charts as SVG stretched to their box, below HTML labels that keep their size on a phone and on paper."""
+"""Charts as SVG stretched to their box, below HTML labels of constant size."""
 
 import math
 from collections.abc import Sequence
@@ -44,7 +44,7 @@ def axis_over(label: str, *values: Vector, room: float = 0.06, floor: float | No
 
 @dataclass(frozen=True)
 class Graph:
-    """Two axes that draw layers of SVG, in classes of the page's style sheet."""
+    """Two axes that draw layers of SVG, by classes of the page's style sheet."""
 
     x: GraphAxis
     y: GraphAxis
@@ -68,7 +68,7 @@ class Graph:
         return self.curve(np.array([self.x.low, self.x.high]), np.array([y, y]), look)
 
     def html(self, name: str, layers: Sequence[str], over: str = "", tall: str = "", along: str = "") -> str:
-        """Stack layers, the lowest first, and HTML `over` them; the cursor follows the series `along`."""
+        """Stack layers, the lowest first, with HTML `over` them; the cursor follows the series `along`."""
         grid = "".join(self.level(y, "grid") for y in self.y.ticks(5))
         return (
             f'<div class="chart {tall}" id="{name}" data-along="{along}" data-low="{self.x.low:.9g}" '

@@ -1,4 +1,4 @@
-"""The parts of a forecast that report and studio draw: track samples, legs to the items, dangers, the map's extent."""
+"""The parts of a forecast that report and studio draw."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -29,10 +29,7 @@ LANDING_RADIUS = 1.0  # [m]
 
 @dataclass(frozen=True, eq=False)
 class SampledTrack(Track):
-    """Samples of a track, with the distance over ground `along` (n,) [m].
-
-    `ground` is the height below [m], `apart` the distance to the nearest obstacle [m], or infinite.
-    """
+    """Samples (n,): distance over ground `along`, height of the `ground`, `apart` from obstacles, or infinite [m]."""
 
     along: Vector
     ground: Vector
@@ -70,7 +67,7 @@ class Danger:
 
 
 def sample_track(track: Track, airspace: Airspace, samples: int = 800) -> SampledTrack:
-    """Sample densely where a path is slow or fast; a landing ends on the ground, which the time models ignore."""
+    """Sample densely where a path is slow or fast; a landing ends on the ground."""
     gone = arc_lengths(track.points[:, :2])
     share = track.times / max(float(track.times[-1]), 1e-9) + gone / max(float(gone[-1]), 1e-9)
     times = np.interp(np.linspace(share[0], share[-1], samples), share, track.times)
@@ -104,7 +101,7 @@ def outline_around(points: Points, distance: float) -> list[Plane]:
 
 
 def find_dangers(predicted: SampledTrack, scenario: Scenario) -> list[Danger]:
-    """Return where the path, a cut corner or the return comes too close; ground only where the path meets it."""
+    """Return where the path, a cut corner or the return comes too close to obstacles or meets the ground."""
     dangers = []
     required = scenario.limits.obstacle_distance
     nearest = scenario.airspace.obstacle_clearance(predicted.points)

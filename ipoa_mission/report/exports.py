@@ -53,7 +53,7 @@ def marks_of(mission: Mission) -> Iterator[tuple[str, LonLatUp]]:
 
 
 def lines_of(forecast: Forecast) -> tuple[Stretch, ...]:
-    """Return the way from home and back, down to the scenario's ground."""
+    """Return the flown lines, with the way from home and back down to the scenario's ground."""
     is_unknown = forecast.scenario is None and forecast.ground.is_flat
     lines: list[Stretch] = []
     for leg in forecast.legs:
@@ -122,7 +122,7 @@ def _cut_ring(ring: Ring) -> Iterator[Ring]:
 
 
 def _placed_items(mission: Mission) -> Iterator[tuple[int, Item, LonLatUp]]:
-    """Yield each item with a place, and its number; the altitude is NaN above terrain."""
+    """Yield number, item and place; the altitude is NaN above terrain."""
     for seq, item in enumerate(mission.items, start=1):
         if item.has_position:
             amsl = mission.home.altitude + mission.altitude_above_home(item)

@@ -22,7 +22,7 @@ if TYPE_CHECKING:  # not for `check` and `estimate`
 
 
 def clearance_as_json(guarantee: "ClearanceGuarantee | None") -> dict[str, Any]:
-    """Return the smallest guaranteed clearance, and shortfalls `elsewhere`: at take-off, ending and given places."""
+    """Return the smallest guaranteed clearance, and shortfalls at take-off, ending and given places."""
     if guarantee is None:
         return {}
     clearance = guarantee.clearance

@@ -51,7 +51,7 @@ def is_of_area(path: Path) -> bool:
 
 
 def areas_of(polygon: Any) -> list[list[Any]]:
-    """Return the areas of `survey.polygon`: open rings, the outer one first."""
+    """Return the areas of `survey.polygon` as open rings, the outer one first."""
     return [[_opened(ring) for ring in rings] for rings in parts_of(polygon)]
 
 
@@ -60,7 +60,7 @@ def _opened(ring: Any) -> Any:
 
 
 def write_in_full(document: MutableMapping[str, Any]) -> None:
-    """Write the polygon as areas of open rings, so that a path has the numbers of area, ring and corner."""
+    """Write the polygon as areas of open rings, so that a path has numbers of area, ring and corner."""
     survey = document.get("survey", {})
     if "polygon" in survey:
         areas = areas_of(survey["polygon"])

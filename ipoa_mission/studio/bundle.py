@@ -52,7 +52,6 @@ def _run(program: str, web: Path, *step: str) -> None:
 
 
 def npm() -> str:
-    """Return npm on the path, or of a package in this Python."""
     folders = os.pathsep.join([os.environ.get("PATH", os.defpath), str(Path(sys.executable).parent)])
     program = shutil.which("npm", path=folders)
     if program is not None:

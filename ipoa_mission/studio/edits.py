@@ -126,7 +126,7 @@ def _add(document: Any, change: requests.Add) -> None:
 
 
 def _move(tables: Any, local: Move, geodetic: Move | None) -> None:
-    """Move the places of a table, or of several; places in degrees stay without `geodetic`."""
+    """Move the places of one or several tables; without `geodetic` those in degrees stay."""
     if isinstance(tables, list):
         for table in tables:
             _move(table, local, geodetic)
@@ -146,7 +146,7 @@ def _move(tables: Any, local: Move, geodetic: Move | None) -> None:
 
 
 def _shift_home(document: MutableMapping[str, Any], change: requests.Shift) -> None:
-    """Move home alone, so that places in meters stay on the map; beyond 20 km they move along."""
+    """Move home alone: places in meters stay on the map; beyond 20 km they move along."""
     old = frame_of(document)
     home = document["home"]
     for key, n in (("longitude_deg", 0), ("latitude_deg", 1)):

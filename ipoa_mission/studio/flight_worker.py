@@ -102,7 +102,7 @@ class FlightWorker:
         answer(State(phase="over", words=words))
 
     def _await_start(self, loaded: Loaded) -> None:
-        """Poll until the page starts this very flight: a thread that waits for ever cannot be cancelled."""
+        """Poll for the start of this very flight: a blocking wait cannot be cancelled."""
         start: JobOrder | None = None
         while start is None:
             with suppress(queue.Empty):

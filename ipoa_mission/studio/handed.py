@@ -33,7 +33,7 @@ def planned_over(flight: Flight) -> HandedOver:
 
 
 def survey_over(survey: Survey) -> list[HandedOver]:
-    """Return its flights; each digest covers all of them."""
+    """Return its flights, each with a digest of all of them."""
     summary = survey.summary()
     return [
         HandedOver(name, forecast, _digest(forecast.mission, [n, summary]))

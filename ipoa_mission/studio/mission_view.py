@@ -66,7 +66,7 @@ def kind_of(command: int, placed: bool) -> ItemKind:
 
 
 def _fields(command: int, placed: bool) -> Iterator[ItemField]:
-    """A placed item's position has no fields."""
+    """Yield the fields of a command; a placed item's position has none."""
     described = params_in_words(command)
     usual = dict.fromkeys(described, ("", ""))
     for number, (label, unit) in sorted(FIELDS.get(command, usual).items()):

@@ -31,7 +31,7 @@ UNKNOWN_EXTENT = 1e7  # [m]
 
 
 def sketched(sketch: Sketch, scenario: Scenario, number: int | None) -> answers.Sketch:
-    """Show a coarse path; its time is a lower bound by the vehicle's limits."""
+    """Return a coarse path; its time is a lower bound."""
     vehicle = scenario.vehicle
     points, *others = (_sampled(curve) for curve in (sketch.curve, *sketch.others))
     limits = kinematics(vehicle.autopilot, vehicle.autopilot_parameters(), vehicle.cruise_speed)
@@ -184,7 +184,7 @@ def _limits(flight: Flight) -> Iterator[answers.Limit]:
 
 
 def strips_of(forecast: Forecast, flight: int) -> Iterator[answers.ContingencyStrip]:
-    """Yield the strip at once, and again with costs, which take simulated flights."""
+    """Yield the strip at once, and again with costs."""
     bars = {} if forecast.scenario is None else contingency_bars(forecast)
     if not bars:
         yield answers.ContingencyStrip(flight=flight, reserve=None, bars=())
@@ -237,7 +237,7 @@ def _costs(rows: tuple[ContingencyRow, ...], forecast: Forecast, budget: Budget 
 
 
 def _sampled_costs(contingency: Contingency, contingencies: Contingencies) -> dict[float, PredictedContingency]:
-    """Return costs at up to 24 times, with more samples at jumps, such as where a return begins to climb first."""
+    """Return costs at up to 24 times, denser at jumps."""
     begin, end = contingencies.in_air
     evenly = np.linspace(begin, end, min(16, 2 + math.floor((end - begin) / DURATIONS.step_s))).tolist()
     predicted = ((time, contingencies.predicted(contingency, time)) for time in evenly)

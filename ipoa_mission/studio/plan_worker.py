@@ -206,7 +206,6 @@ _read_flights = lru_cache(maxsize=2)(read_flights)
 
 
 def replayed(log: Path, forecast: Forecast) -> Replay:
-    """Compare the log's first flight in mission mode."""
     flown = _read_flights(log)
     flight = next((flight for flight in flown.flights if flight.in_mission), None)
     if flight is None:

@@ -1,4 +1,4 @@
-"""Worker processes and their parent: a job may be slow, be cancelled, or crash without the server.
+"""Worker processes: a job may be slow, be cancelled, or crash without the server.
 
 One JSON object a line: a job `{"id", "job", ...}`, answers `{"id", "answer"}`, the end `{"id", "done": true}`.
 `{"cancel": id}` cancels; other lines go to the running job.
@@ -102,7 +102,7 @@ class JobCancelled(BaseException):
 
 
 class Worker:
-    """Do jobs one after the other in the main thread; another thread reads cancellations.
+    """Do jobs in turn in the main thread; another thread reads cancellations.
 
     `make_jobs` gets the queue of lines for the running job.
     """

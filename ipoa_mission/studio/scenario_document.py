@@ -65,7 +65,7 @@ class Journal:
 
     @classmethod
     def open(cls, path: Path, on_disk: str) -> "Journal":
-        """Open a file's journal, or begin one. Changes by another program become an edit."""
+        """Open a file's journal, or begin one; changes by another program become an edit."""
         first, *lines = [*_lines(path)] or [{}]
         journal = cls(path, on_disk, on_disk)
         if "text" in first:
@@ -95,7 +95,6 @@ class Journal:
         self._do({"saved": self.done})
 
     def take_from_disk(self, text: str) -> None:
-        """Take another program's text as an edit that can be undone."""
         self.write(text, "changed by another program")
         self.mark_saved()
 
@@ -190,7 +189,7 @@ class Document:
         return self._revised(self._journal.write(text, "text edited"))
 
     def read_for(self, autopilot: str | None) -> None:
-        """Set a mission's autopilot: earlier findings are invalid."""
+        """Set a mission's autopilot, which invalidates earlier findings."""
         self.autopilot = autopilot
         self.revision += 1
 
@@ -199,7 +198,7 @@ class Document:
         return edit is not None and self._revised(True, edit.renumbers)
 
     def save(self, over: bool = False) -> None:
-        """Write the file; `over` replaces changes by another program."""
+        """Write the file; raise Stale if another program changed it, unless `over`."""
         if not over and self.path.exists() and read_text(self.path) != self._journal.saved:
             self.changed_outside = True
             raise Stale(f"{self.path.name} was changed by another program", hint="save over it, or take its text")
@@ -219,7 +218,7 @@ class Document:
         return target, write_mission(file.mission, target, file)
 
     def look_at_disk(self) -> bool:
-        """Look for changes by another program, take them if there are no own; return whether the state changed."""
+        """Take another program's changes if there are no own; return whether the state changed."""
         try:
             on_disk = read_text(self.path)
         except BadInput:

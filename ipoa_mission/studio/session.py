@@ -65,7 +65,7 @@ class Session:
         self._drags.pop(window, None)
 
     def send_all(self, message: PageMessage | dict[str, Any]) -> None:
-        """Send to every window; keep the latest answer of each kind for later ones."""
+        """Send to every window; later windows get the latest answer of each kind."""
         answer = as_json(message)
         kind = answer["kind"]
         slot = _slot(answer)
@@ -271,7 +271,7 @@ class Session:
             self._jobs[name].cancel()
 
     async def look_after(self, step_s: float) -> None:
-        """Follow the file, and close the planners when no window was open for `ALONE_LIMIT_S`."""
+        """Follow the file, and close the planners after `ALONE_LIMIT_S` without a window."""
         revision = self.document.revision
         if self.document.look_at_disk():
             self.send_all(self.document.as_answer())

@@ -56,7 +56,7 @@ class Lobby:
         return self.open_file(path, world, None)
 
     def take(self, name: str, content: bytes) -> str:
-        """Keep a dropped file and open it; return its relative address."""
+        """Keep and open a dropped file; return its relative address."""
         return f"../{self.opened(keep(name, content, self.folder, OPENED))}/"
 
     def _start(self) -> Beginning:

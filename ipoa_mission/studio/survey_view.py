@@ -28,7 +28,7 @@ from ipoa_mission.survey.tour import Tour
 
 
 def area_of(table: Mapping[str, Any], scenario: Scenario | None) -> answers.SurveyArea:
-    """Return a scenario's drawn area, valid or not; an area of a map only if valid."""
+    """Return the drawn area, valid or not; that of a map only if valid."""
     rings = list[answers.AreaRing]()
     with suppress(KeyError, TypeError, ValueError, IndexError):
         survey = table["survey"]

@@ -30,7 +30,7 @@ class TileSource:
 
 
 def chosen_tiles(asked: str | None, attribution: str | None) -> TileSource | None:
-    """Return the requested tiles and remember them; else the remembered ones."""
+    """Return the requested tiles and remember them, else the remembered ones."""
     if asked == "none":
         memory.keep(tiles=None)
         return None

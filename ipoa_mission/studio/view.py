@@ -67,7 +67,6 @@ def line_of(frame: LocalFrame, points: Points) -> MapLine:
 
 
 def without_folders(words: str, scenario: Scenario) -> str:
-    """Replace paths of maps by their names, and indices by the map's labels."""
     for section in scenario.maps:
         words = words.replace(str(section.file), section.file.name)
     return as_on_map(words)
@@ -96,7 +95,7 @@ def _bodies(scenario: Scenario) -> Iterator[Body]:
 
 
 def _doubtful(name: str, shape: shapely.Geometry, frame: LocalFrame) -> Iterator[Body]:
-    """Yield the outline of a thing of unknown height; a line or a point becomes a thin area."""
+    """Yield the outline of a thing of unknown height; lines and points become thin areas."""
     half_width = 0.75  # of a line [m]
     wide = shape if shapely.get_dimensions(shape) == 2 else shape.buffer(half_width, quad_segs=3)
     for part in shapely.get_parts(wide):
@@ -134,7 +133,7 @@ def fences_drawn(table: Mapping[str, Any]) -> Iterator[Fence]:
 
 
 def _terraces(scenario: Scenario) -> Iterator[Terrace]:
-    """Yield about 12 steps, each drawn where the ground is at least at its level."""
+    """Yield about 12 steps, each drawn where the ground is at least as high."""
     east, north, up = ground_mesh(scenario.airspace, CELLS)
     low, high = float(up.min()), float(up.max())
     step = round_step(max(high - low, 1.0) / 12)

@@ -54,7 +54,7 @@ def stretches(rows: tuple[ContingencyRow, ...], predicted: SampledTrack) -> list
 
 
 def contingency_strip(forecast: Forecast, predicted: SampledTrack) -> str:
-    """Also list those not clear; nothing without a forecast."""
+    """Return bars, and a list of those not clear; empty without a forecast."""
     bars = contingency_bars(forecast)
     if not bars:
         return ""

@@ -18,7 +18,7 @@ SHADES = 5  # of the roofs, as in page.css
 
 
 def ground_plan(flight: DrawnFlight, extent: Extent) -> str:
-    """Draw from above; the deviation bound is that of straight flight."""
+    """Draw from above, with the deviation bound of straight flight."""
     airspace = flight.scenario.airspace
     bodies = sorted(extent.obstacles(airspace), key=lambda body: float(body.bounds[1, 2]))
     highest = max((float(body.bounds[1, 2]) for body in extent.buildings(airspace)), default=1.0)
@@ -74,7 +74,7 @@ def legend(scenario: Scenario, extent: Extent, flown: bool, home: bool) -> str:
 
 
 def _relief(east: Matrix, north: Matrix, up: Matrix) -> str:
-    """Draw the ground in 8 tints with contour lines; nothing if it is level within 1 m."""
+    """Draw the ground in 8 tints with contour lines; empty if it is level within 1 m."""
     low, high = float(up.min()), float(up.max())
     if high - low < 1.0:
         return ""

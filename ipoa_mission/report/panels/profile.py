@@ -32,7 +32,6 @@ def along_axis(predicted: SampledTrack) -> GraphAxis:
 
 
 def height_profile(flight: DrawnFlight) -> str:
-    """Show obstacles below the path and near it."""
     predicted = flight.predicted
     flown = flight.flown
     along = predicted.along
@@ -86,7 +85,6 @@ def distance_profile(predicted: SampledTrack, required: float) -> str:
 
 
 def speed_profile(flight: DrawnFlight) -> str:
-    """Show a tick at each completed item, with what kept it slow."""
     predicted = flight.predicted
     tracks = [flight.predicted, *([] if flight.flown is None else [flight.flown])]
     chart = Graph(
