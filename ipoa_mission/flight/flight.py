@@ -108,7 +108,6 @@ class Flight:
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """Return the remarks without warnings."""
         warned = {words for finding in self.findings for words in (finding.message, finding.hint)}
         return tuple(remark for remark in self.remarks if remark not in warned)
 

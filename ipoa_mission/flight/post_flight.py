@@ -18,7 +18,7 @@ from ipoa_mission.scenario import Scenario
 
 
 def landed_elsewhere(forecast: Forecast, record: FlightRecord) -> tuple[str, ...]:
-    """Report other ground than expected, and the time to it."""
+    """Report a landing on other ground than expected, and its estimated time [s]."""
     mission = forecast.mission
     expected = landing_height(mission)
     if expected is None or not record.completed or not record.path:

@@ -1,4 +1,4 @@
-"""Compare a mission with this vehicle before the upload."""
+"""Compare a mission with the vehicle before the upload."""
 
 import logging
 import math
@@ -45,7 +45,7 @@ class HasParameters(Protocol):
 
 @dataclass(frozen=True)
 class OtherValue:
-    """Values of mission and vehicle, by the vehicle's name."""
+    """A parameter's values in mission and vehicle, by the vehicle's name."""
 
     name: str
     wanted: float
@@ -124,7 +124,7 @@ def parameters_aboard(vehicle: Vehicle, mission: Mission) -> ParametersAboard:
 
 
 def without_station(vehicle: HasParameters, version: Version | None = None) -> str:
-    """Return what the vehicle does after losing this station, if known; by default of the newest measured version."""
+    """Return the action after a loss of this station, "" if unknown; default: newest measured version."""
     loss = vehicle.autopilot.failsafe_profile.station_loss
     if loss is None:
         return ""
@@ -162,7 +162,7 @@ class FastLanding(MissionError, code="fast-landing"):
 
 
 def expect_slow_landing(forecast: Forecast, aboard: Forecast) -> None:
-    """Raise FastLanding if the parameters `aboard` make a landing fast that `forecast` has slow."""
+    """Raise FastLanding if a landing is fast only with the parameters `aboard`."""
     autopilot = forecast.mission.autopilot
     planned = autopilot.slow_stretch(forecast.mission.parameters)
     actual = autopilot.slow_stretch(aboard.mission.parameters)

@@ -221,7 +221,6 @@ def _examine(
     options: ProcedureOptions,
     written: Parameters = NO_PARAMETERS,
 ) -> tuple[Forecast, tuple[str, ...]]:
-    """Return the forecast of the version and parameters aboard, and remarks."""
     aboard = _with_values(vehicle, forecast, parameters)
     if not options.anyway:
         if forecast.scenario is not None:

@@ -101,7 +101,7 @@ def errors(flights: Sequence[Evidence], vehicle: LearnedVehicle | None) -> Vecto
 def flights_in(
     path: Path, read: Callable[[Autopilot], Mission] | None = None, system: int | None = None
 ) -> tuple[list[Evidence], list[str], str, Autopilot]:
-    """Return usable flights, remarks, version and autopilot; `read` returns a mission where the log has none."""
+    """Return usable flights, remarks, version and autopilot; `read` gives missions that the log lacks."""
     log = read_flights(path, system)
     mission = None if read is None else read(log.autopilot)
     usable = []
@@ -157,7 +157,7 @@ def _number(autopilot: Autopilot, name: str, change: float) -> float:
 
 
 def _solve(flights: Sequence[Evidence], blank: LearnedVehicle, names: Sequence[str]) -> tuple[Vector, Vector]:
-    """Return the best changes (k,) and their standard deviations (k,)."""
+    """Return changes (k,) and their standard deviations (k,)."""
     deviations = np.concatenate([*(flight.scatter for flight in flights), np.empty(0)])
     prior = np.array([PRIOR_DEVIATIONS[name] for name in names])
     log_drag = [flight.measured.log_drag for flight in flights if flight.measured.log_drag and "drag" in names]

@@ -1,6 +1,4 @@
 """Flights from logs of ground stations (`.tlog`), ArduPilot (`.bin`) and PX4 (`.ulg`).
-
-All feed a `Logbook`, as a live link does; faster data keeps its own time.
 """
 
 from collections.abc import Iterator, Mapping

@@ -147,7 +147,7 @@ NO_CLOCK = "the log has no clock of the vehicle: its times are those of the grou
 
 
 def read_telemetry_log(path: Path, system: int | None = None) -> Log:
-    """Return positions and events of one autopilot: this system id, or the first multicopter."""
+    """Return positions and events of system `system`, by default of the first multicopter."""
     codec = Codec(m.STATION_SYSTEM, m.STATION_COMPONENT)
     missing = LostFrames()
     stamps = list[float]()
@@ -205,7 +205,7 @@ def _not_in(path: Path, kinds: Mapping[int, VehicleKind], system: int | None) ->
 
 @dataclass
 class _Reader:
-    """Gathers the messages of one vehicle, and those to it, by their number in the log."""
+    """Messages of one vehicle, and those to it, by number in the log."""
 
     system: int
     autopilot: Autopilot
