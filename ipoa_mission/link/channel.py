@@ -1,4 +1,4 @@
-"""Open connection strings; send and receive bytes: the only owner of sockets, serial ports and the real clock.
+"""Open connection strings; send and receive bytes: the owner of sockets, serial ports and the real clock.
 
 Writing never blocks: a full buffer loses bytes. The default host is the loopback, for safety.
 """
@@ -157,7 +157,7 @@ class UdpChannel(RealTime):
         return int(self._socket.getsockname()[1])
 
     def receive(self, until: float) -> list[tuple[bytes, Peer]]:
-        """Return one datagram at a time: its answer may be urgent."""
+        """Return one datagram: its answer may be urgent."""
         try:
             ready = readable([self._socket], max(0.0, until - self.now()))
             return [self._socket.recvfrom(MAX_READ)] if ready else []

@@ -119,7 +119,6 @@ def frame_at(data: bytes, start: int) -> bytes | None:
 
 
 def unknown_frame(data: bytes, start: int) -> bytes | None:
-    """Return an unknown message's whole frame."""
     frame = data[start : start + _frame_length(data, start)]
     return frame if frame and number_of(frame) not in DEFINITIONS else None
 

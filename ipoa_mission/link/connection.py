@@ -1,4 +1,4 @@
-"""The ground station's end of a link, and `run_dialogue`, which holds a dialogue with one vehicle on it."""
+"""The ground station's end of a link, and `run_dialogue` with one vehicle on it."""
 
 import logging
 import math
@@ -51,7 +51,7 @@ class SignsOtherwise(MissionError, code="signs-otherwise"):
 
 
 class MessageLink(Protocol):
-    """Carry messages; the defaults are of a link that hides its peers and cannot be opened again."""
+    """Carry messages; by default without known peers, and not to be opened again."""
 
     def now(self) -> float: ...
 
@@ -96,7 +96,7 @@ class Contested(MissionError, code="contested"):
 
 
 class Connection(MessageLink):
-    """Hold a ground station's end of a link; `again` opens a new channel."""
+    """The ground station's end of a link; `again` opens a new channel."""
 
     def __init__(
         self, channel: Channel, codec: Codec, log: str | Path | None = None, again: Callable[[], Channel] | None = None
@@ -140,7 +140,7 @@ class Connection(MessageLink):
     def overhear(self, until: float) -> list[Heard]:
         """Return frames of known peers to anybody; send our heartbeat when due."""
         now = self.now()
-        if now >= self._next_heartbeat:  # each second, as type MAV_TYPE_GCS
+        if now >= self._next_heartbeat:  # MAV_TYPE_GCS
             self._next_heartbeat = now + 1.0
             self.send(Heartbeat(6, MavAutopilot.INVALID))
         return self._hear(self.channel.receive(min(until, self._next_heartbeat)))
@@ -231,7 +231,7 @@ class Connection(MessageLink):
             self.codec.signer.close()
 
     def _is_known(self, heard: Heard, peer: Peer, now: float) -> bool:
-        """Check for the known peer of a name; note its rivals."""
+        """Return whether the message is of the name's known peer; note rivals."""
         name = Target(heard.system, heard.component)
         before = self._routes.holder(name)
         if self._routes.claim(name, peer, now):

@@ -110,7 +110,6 @@ class VehicleTexts:
 
 
 def observed(dialogue: Dialogue[T], note: Callable[[m.Message | None], object]) -> Dialogue[T]:
-    """Pass each heard message to `note` first."""
     move = partial(dialogue.send, None)
     while True:
         try:
@@ -254,7 +253,7 @@ def clear(kind: int) -> Dialogue[None]:
 
 
 def _answered(question: m.RequestList | m.ClearAll) -> Dialogue[int]:
-    """Return the number of items that are left to transfer."""
+    """Return the number of items left to transfer."""
     step: Step = Ask(question)
     texts = VehicleTexts()
     while True:

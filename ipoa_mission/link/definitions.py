@@ -145,7 +145,7 @@ def unit_and_type(message: str, field: str) -> tuple[str, str]:
 
 
 def params_in_words(command: int) -> dict[int, str]:
-    """Return MAVLink's descriptions of the used params, 1 to 7."""
+    """Return MAVLink's descriptions of the used params, by number from 1."""
     known = ardupilotmega.enums["MAV_CMD"].get(command)
     described = {} if known is None else known.param
     unused = ("Empty", "Reserved", "empty", "reserved", "Unused")

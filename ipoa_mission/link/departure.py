@@ -166,7 +166,7 @@ def _not_ready_reason(state: VehicleState) -> str:
 
 
 def depart_when_ready(departure: Departure, left_s: Callable[[], float]) -> Dialogue[None]:
-    """Run `depart`; after a temporary refusal prepare and permit again while `left_s` is positive [s]."""
+    """Run `depart`; after a temporary refusal begin again while `left_s` is positive [s]."""
     while True:
         try:
             return (yield from depart(departure))
@@ -249,7 +249,7 @@ def _order(action: str, number: int, *params: float) -> Dialogue[None]:
 
 
 def _disarm_on_ground(state: VehicleState) -> Dialogue[None]:
-    """Disarm a vehicle that newly reports to be on the ground; leave any other alone."""
+    """Disarm a vehicle only if it newly reports to be on the ground."""
     try:
         for attempt in range(LIMITS.disarm_attempts):
             if attempt > 0 and (yield from until(lambda: state.armed is False, SHOWN_S)):

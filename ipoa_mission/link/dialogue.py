@@ -144,7 +144,7 @@ class RoundTrip:
     def __init__(self, policy: RetryPolicy) -> None:
         self.policy = policy
         self.loses = False  # a repeat was too late for an echo
-        self.doubts = 0  # answers to repeated questions since the last round trip
+        self.doubts = 0  # since the last round trip
         self._mean: float | None = None
         self._shortest = self._spread = 0.0
         self._backoff = 1.0
@@ -225,7 +225,7 @@ class Exchange(Generic[T]):
         return 0.0 if self.finished or isinstance(self._awaited, Pause) else now - self._since
 
     def run(self) -> ItemsSent | ItemsRead | None:
-        """Return items to transfer past the dialogue; report them to `ran`."""
+        """Return items to transfer past the dialogue, reported to `ran`."""
         if self.finished or self._repeats or isinstance(self._awaited, Pause) or self._awaited.run is None:
             return None
         run = self._awaited.run

@@ -219,11 +219,11 @@ class Monitor(Protocol):
 
 @dataclass
 class PositionLoss:
-    """Notice a lack of positions while the other streams arrive; lossy links and 1 Hz of positions are none."""
+    """Notice a lack of positions while other streams arrive."""
 
     least_s: float = 3.0  # as a link loss
-    least_share: float = 10.0  # of the other messages usual between two positions; less may be chance
-    usual: float = 30.0  # other messages between two positions; at first as if one came a second
+    least_share: float = 10.0  # of `usual`; less may be chance
+    usual: float = 30.0  # other messages between two positions
     ended_s: float = 0.0  # duration of the stretches that are over
     _others: int = 0  # since the last position
     _since_s: float = math.inf
@@ -254,7 +254,6 @@ class PositionLoss:
 
     @property
     def words(self) -> str:
-        """Return how long the flight was not compared; empty if it was."""
         lost_s = self.ended_s + self._age_s * self.is_lost
         return f"the flight was not compared for {lost_s:.0f} s: no position was heard" if lost_s else ""
 
@@ -263,8 +262,7 @@ class PositionLoss:
 class Conformance:
     """React to deviations of one vehicle's flight; `report` gets each, with its time from the arming [s].
 
-    A refused order is given again while the vehicle flies on in its mode. RTL does not replace a hold: nobody chose
-    that way, and PX4 requires a position for both.
+    A refused order is given again while the vehicle flies on in its mode. RTL does not replace a hold.
     """
 
     state: VehicleState

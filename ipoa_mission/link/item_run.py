@@ -1,4 +1,4 @@
-"""Transfer a list in order past its dialogue, which yields a run with its first step and takes the last item."""
+"""Transfer a list in order past its dialogue, which yields the run and takes the last item."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
@@ -36,7 +36,6 @@ class ItemRun(ABC):
         return self.at >= self.count - 2
 
     def join(self, codec: Codec, target: Target) -> None:
-        """Set both ends."""
         self._codec = codec
         self._target = target
         self._theirs = bytes(target)

@@ -35,7 +35,7 @@ class _Recording:
 
 
 class Logbook:
-    """Hear every message; a flight begins whenever the vehicle is armed."""
+    """A flight begins whenever the vehicle is armed."""
 
     def __init__(self, items: Sequence[Item], autopilot: Autopilot, armed: bool = False) -> None:
         self._items = tuple(items)
@@ -113,7 +113,7 @@ class Logbook:
                     flight.state = state
 
     def note_return(self) -> None:
-        """Note the end of a link loss: if disarmed now, its mode may say how it landed."""
+        """Note the end of a link loss: the mode may say how a vehicle landed meanwhile."""
         self._was_away = True
         self.note_gap()
 

@@ -72,7 +72,7 @@ def _mavsdk_url(address: Address) -> str:
 
 
 class MavsdkConnection(MessageLink):
-    """By MAVSDK's plugin for messages in JSON. It sends with MAVSDK's own ids, and passes on only messages to them."""
+    """MAVSDK's plugin for messages in JSON, which sends with MAVSDK's ids and passes on messages to them."""
 
     def __init__(self, instance: Any, system: Any) -> None:
         direct = import_module("mavsdk.plugins.mavlink_direct")

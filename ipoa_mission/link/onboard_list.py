@@ -38,7 +38,7 @@ class OnboardList:
             log.warning("%s", ReplacedSince(self))
 
     def observe(self, heard: Message, now_s: float) -> Dialogue[None]:
-        """Ask for the checksum at intervals; arming moves home, so another one only means to read again."""
+        """Ask for the checksum at intervals; another one means to read again, because arming moves home."""
         numbers = self.job.numbers
         if self.changed or numbers is None:
             return
@@ -57,7 +57,7 @@ class OnboardList:
             yield SendOnce(checksum_question(self.job.kind, numbers, self._asked))
 
     def is_confirmed_by(self, current: Current | None) -> bool:
-        """Check for a report of our id, and of nothing else."""
+        """Return whether the report is of our id and length."""
         if current is None or self.list_id == 0 or current.mission_id != self.list_id:
             return False
         return not self._replacement(current)

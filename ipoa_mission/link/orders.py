@@ -218,5 +218,5 @@ def spelled_parameter(value: float, kind: int, autopilot: Autopilot) -> float:
 
 
 def _is_packed(kind: int, autopilot: Autopilot) -> bool:
-    """Check for a MAV_PARAM_TYPE of integers, of up to 32 bits, that are sent bit by bit."""
+    """Return whether integers of this MAV_PARAM_TYPE, of up to 32 bits, are sent bit by bit."""
     return 1 <= kind <= 6 and autopilot.parameter_table.packs_integers

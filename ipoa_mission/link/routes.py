@@ -30,7 +30,6 @@ class Routes:
         return framer.feed(data)
 
     def is_torn(self, peer: Peer) -> bool:
-        """Return whether a peer's frame has come in part."""
         return peer in self._framers and self._framers[peer].buffer != b""
 
     def learn(self, name: Target, peer: Peer, now: float) -> None:
@@ -58,7 +57,7 @@ class Routes:
         return holder
 
     def to(self, target: Target) -> set[Peer]:
-        """Return all peers for a broadcast; keep an addressed name in a full table."""
+        """Return the peers of a target, all for a broadcast; an addressed name stays in a full table."""
         if 0 not in target:
             self._spoken_to.add(target)
         return {

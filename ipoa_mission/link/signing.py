@@ -129,7 +129,7 @@ class Signer:
             self._timestamps = None
 
     def accepts(self, frame: bytes, system: int, component: int) -> bool:
-        """Check for our key, and a newer timestamp in its stream."""
+        """Return whether the frame has our key, and a newer timestamp in its stream."""
         doubt = self._doubt(frame, system, component)
         if doubt is not None:
             self.doubts[system, component] = doubt

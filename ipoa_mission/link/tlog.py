@@ -50,7 +50,7 @@ class Record:
 
 @dataclass
 class LostFrames:
-    """Bytes outside frames, and frames missing by sequence numbers."""
+    """Bytes outside frames, and missing sequence numbers by system."""
 
     torn_bytes: int = 0
     frames: Counter[int] = field(default_factory=Counter)

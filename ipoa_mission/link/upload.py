@@ -78,12 +78,11 @@ class Upload:
 
     @property
     def truncates(self) -> bool:
-        """Return whether it drops its old list when a transfer begins: ArduPilot, except its fence."""
+        """Return whether a transfer's begin drops the old list."""
         return self.autopilot.protocol_profile.forgets_at_count and self.kind != MissionType.FENCE
 
     @property
     def is_judged(self) -> bool:
-        """Check whether the vehicle may report it unflyable after the Ack."""
         return self.autopilot.protocol_profile.judges_later and self.kind == MissionType.MISSION and len(self.items) > 0
 
     def difference(self, stored: Sequence[Item | bytes]) -> Difference | None:
@@ -98,7 +97,7 @@ class Upload:
         return compare(self.items, got, self.autopilot)
 
     def _item_held(self, n: int, one: Item | bytes) -> Item:
-        """Return our item itself, which needs no comparison, if the payload holds the same bits."""
+        """Return our own item, which needs no comparison, if the payload holds the same bits."""
         if isinstance(one, bytes) and n < len(self.items) and stored_part(one) == stored_part(self.payloads[n]):
             return self.items[n]
         return item_of(one)
@@ -149,11 +148,11 @@ class MissionReports(conversations.VehicleTexts):
         super().note(message)
 
     def proves(self, job: Upload) -> bool:
-        """Check that it named our list since the read-back, and no other since its begin."""
+        """Return whether it named our list, and no other, since the read-back."""
         return self.is_named and self.ids == {self.stored_as} and not self._is_another(job)
 
     def agrees(self, job: Upload) -> bool:
-        """Check that its reports since the read-back agree on one list of our length."""
+        """Return whether reports since the read-back agree on one list of our length."""
         return len(self.ids) <= 1 and not self._is_another(job)
 
     def _is_another(self, job: Upload) -> bool:
@@ -224,7 +223,7 @@ def _confirm_stored(job: Upload, reports: MissionReports) -> Dialogue[None]:
 
 
 def _cancel(job: Upload, state: UploadState, progress: Progress) -> Dialogue[None]:
-    """Leave a whole list on the vehicle; Cancelled says which."""
+    """Leave a whole list on the vehicle; raise Cancelled, which names it."""
     if job.truncates:
         state.attempt = 0
         yield from _store(job, state, progress)

@@ -320,7 +320,7 @@ class Vehicle(VehicleSession):
                 self._run_order(departure.subscribe(self.state))
 
     def record(self) -> FlightRecord:
-        """Return the flight, incomplete after a deviation or replaced mission, or without a position for a while."""
+        """Return the flight; incomplete after a deviation, a replaced mission, or a lack of positions."""
         record = replace(self._logbook.record(), deviations=tuple(self.conformance.deviations))
         reasons = (self.changed or self.conformance.why_not or record.why_not, self.conformance.positions.words)
         why_not = "; ".join(filter(None, reasons))

@@ -37,7 +37,7 @@ _CONSTANTS: Mapping[str, Fields] = {
 
 @dataclass(frozen=True)
 class _Value:
-    """A message's field, as one or several of MAVLink's: those as a tuple."""
+    """A message's field; several of MAVLink's as a tuple."""
 
     ours: str
     theirs: tuple[str, ...]
@@ -167,7 +167,7 @@ def _layout(kind: type[m.Message]) -> list[_Value]:
 
 
 def _value(message: str, ours: str, theirs: tuple[str, ...]) -> _Value:
-    """Scale a value with other names by MAVLink's unit."""
+    """Scale a value by MAVLink's unit."""
     if not theirs:
         return _Value(ours, (ours,))
     if theirs[0] in _CONVERSIONS:
