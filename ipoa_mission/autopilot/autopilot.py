@@ -56,12 +56,12 @@ class Autopilot(metaclass=_ByName):
     PX4: ClassVar["Autopilot"]
     ARDUPILOT: ClassVar["Autopilot"]
 
-    name: ClassVar[str]  # in scenarios, files and the command line
-    rank: ClassVar[int] = 9  # the place in lists; the lowest is the default
+    name: ClassVar[str]  # in files and the command line
+    rank: ClassVar[int] = 9  # in lists; the lowest is the default
     model: ClassVar[str]  # its display name
     mav_autopilot: ClassVar[int]  # HEARTBEAT.autopilot (MAV_AUTOPILOT)
     mav_types: ClassVar[frozenset[int]]  # HEARTBEAT.type (MAV_TYPE) of its vehicles
-    measured: ClassVar[tuple[Version, ...]]  # versions verified in flight, oldest first; the last is the default
+    measured: ClassVar[tuple[Version, ...]]  # in flight, oldest first; the last is the default
     modes: ClassVar[profile.Modes]
     parameter_table: ClassVar[ParameterTable]
     tables: ClassVar[FirmwareTables]
@@ -201,7 +201,7 @@ class Autopilot(metaclass=_ByName):
         return {**failsafes, **fence, **self.complete({}, version)}
 
     def waypoint_defaults(self, version: Version | None = None) -> profile.WaypointDefaults:
-        """Return the hold and acceptance radius that waypoints are written with."""
+        """Return the hold and radius that waypoints are written with."""
         return profile.WaypointDefaults()
 
     def over_terrain(self, parameters: Parameters) -> returning.OverTerrain | None:
@@ -232,7 +232,7 @@ class Autopilot(metaclass=_ByName):
         return f"{self.name} {major}.{minor}" + ("" if self.is_measured(version) else " (not measured)")
 
     def facts(self, version: Version | None) -> dict[str, object]:
-        """Return the assumed firmware and its table's source as JSON values."""
+        """Return the firmware and its table's source as JSON values."""
         firmware = self.firmware(version)
         return {
             "autopilot": self.name,

@@ -123,7 +123,7 @@ class Battery:
 
 
 def shortage(used: Interval, battery: Battery) -> NotEnoughBattery | None:
-    """Return the refusal of this energy [Wh]; its upper bound may use the reserve."""
+    """Return the refusal of an energy [Wh], whose upper bound may use the reserve."""
     left = 1 - used.likely / battery.capacity_wh
     least_left = 1 - used.high / battery.capacity_wh
     rounding = 1e-9

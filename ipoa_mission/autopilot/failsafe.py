@@ -21,7 +21,7 @@ class Cause(StrEnum):
     POSITION_INACCURATE = "position inaccurate"
     TERRAIN_UNKNOWN = "terrain data missing"
     TRAFFIC_NEAR = "traffic near"
-    BY_HAND = "by hand"  # an order by a pilot or station; the vehicle refuses a mode that it cannot enter
+    BY_HAND = "by hand"  # an order; the vehicle refuses a mode that it cannot enter
 
 
 @dataclass(frozen=True)
@@ -47,8 +47,6 @@ GOES_ON = FailsafeAction(Contingency.CONTINUE)
 
 @dataclass(frozen=True)
 class FailsafeRule:
-    """A cause, its parameter, and the action for each of its values."""
-
     cause: str
     parameter: str = ""  # empty: `other` in any case
     actions: Mapping[int, FailsafeAction] = field(default_factory=dict)
@@ -91,7 +89,7 @@ class Failsafe:
     parameter: str
     value: float
     action: FailsafeAction  # in cruise
-    differs: Mapping[FlightStage, FailsafeAction] = field(default_factory=dict)  # the actions of other stages
+    differs: Mapping[FlightStage, FailsafeAction] = field(default_factory=dict)  # in other stages
     returns_at: int | None = None  # the parameter's value with RTL
 
     @property
@@ -104,7 +102,7 @@ class Failsafe:
 
 
 class StationLoss(NamedTuple):
-    """Parameters of a lost ground station; a tuple lists names of one parameter."""
+    """Parameters; a tuple lists names of one."""
 
     timeout: str  # of its silence [s]
     default_s: float
@@ -113,7 +111,7 @@ class StationLoss(NamedTuple):
     heeds_to: str = ""  # the last one
 
     def words(self, failsafes: Iterable[Failsafe], parameters: Parameters, station: int) -> str:
-        """Return the action for a station's id in words; empty if unknown."""
+        """Return the action for a station's id; empty if unknown."""
         lost = next((failsafe for failsafe in failsafes if failsafe.cause == Cause.STATION_LOST), None)
         if lost is None or lost.parameter not in parameters:
             return ""
@@ -133,7 +131,7 @@ def order_rules(*contingencies: Contingency) -> tuple[FailsafeRule, ...]:
 
 
 class FailsafeProfile(NamedTuple):
-    """A vehicle's rules, and the function that resolves them by parameters of older names; `station_loss`: if known."""
+    """A vehicle's rules, and the function that resolves them by parameters of older names."""
 
     rules: tuple[FailsafeRule, ...] = ()
     resolve: Callable[[Parameters, Series], tuple[Failsafe, ...]] = lambda *_: ()
@@ -146,7 +144,7 @@ class FailsafeProfile(NamedTuple):
         return frozenset((*of_rules, *self.further_parameters))
 
     def defaults(self, series: Series) -> dict[str, float]:
-        """Return the values that this version's rules assume."""
+        """Return the parameter values that this version's rules assume."""
         values = dict[str, float]()
         for rule in self.rules:
             if rule.since <= series < rule.until:

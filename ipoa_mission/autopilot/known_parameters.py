@@ -68,7 +68,6 @@ def translated(
 
 
 def firmware_of(names: Iterable[str]) -> Autopilot | None:
-    """Return the firmware of the first known parameter."""
     return next((autopilot for name in names for autopilot in registered() if name in autopilot.parameter_names), None)
 
 

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 class Contingency(StrEnum):
-    """An action that replaces the rest of the mission."""
+    """It replaces the rest of the mission."""
 
     RTL = "rtl"  # home or a rally point, by `Autopilot.return_route` and `return_height`
     LAND = "land"  # in place
@@ -64,7 +64,7 @@ class ReturnRoute(NamedTuple):
 
 
 class MissionLanding(NamedTuple):
-    """Place of the LAND item, and the items on the way to it."""
+    """Place of the LAND item, and numbers of items to it."""
 
     place: "Place"
     ahead: int  # from the current item to DO_LAND_START or LAND

@@ -1,5 +1,4 @@
-"""Flights from logs of ground stations (`.tlog`), ArduPilot (`.bin`) and PX4 (`.ulg`).
-"""
+"""Flights from logs of ground stations (`.tlog`), ArduPilot (`.bin`) and PX4 (`.ulg`)."""
 
 from collections.abc import Iterator, Mapping
 from contextlib import suppress

@@ -1,4 +1,4 @@
-"""The built-in autopilot, which flies as PX4 or as ArduPilot."""
+"""The built-in autopilot joins the services of one simulated vehicle."""
 
 import math
 from collections.abc import Mapping
@@ -29,7 +29,7 @@ OLD_REQUESTS: Mapping[int, str] = {
 
 
 class BuiltInAutopilot:
-    """Simulate one vehicle, without I/O; the time is an argument."""
+    """One simulated vehicle, without I/O; the time is an argument."""
 
     def __init__(
         self,

@@ -154,7 +154,7 @@ class Commander(MockVehicle):
             self.send_text(INFO, f"Climb to {height:.1f} meters above home\t")
 
     def _start_mission(self, params: Sequence[float]) -> CommandResult:
-        """Command 300: PX4 starts at the given item and arms by itself."""
+        """MISSION_START (300): PX4 starts at the given item and arms by itself."""
         if self.profile.mission_arms:
             if not self.items:
                 self.send_text(CRITICAL, "Mission start denied! No valid mission\t")

@@ -66,7 +66,7 @@ class Incoming:
 
 @dataclass
 class MissionService:
-    """The simulated vehicle's mission lists; `say` sends a message, `changed` gets each replaced list."""
+    """The vehicle's mission lists; `say` sends a message, `changed` gets each replaced list."""
 
     profile: MockProfile
     home: Callable[[], Geodetic]
@@ -247,7 +247,6 @@ class MissionService:
             self._flush_reader((client, kind), exchange)
 
     def _read_back(self, kind: int) -> tuple[Item, ...]:
-        """Return items with the flags and frames that this firmware reports."""
         items = self.listed(kind)
         if kind not in self.profile.flags_kept:
             items = tuple(replace(item, autocontinue=False) for item in items)

@@ -68,7 +68,7 @@ class MockProfile:
     retry_policy: RetryPolicy
     timeout_result: int | None = None
     timeout_text: str
-    truncating: frozenset[int] = frozenset()  # lists cleared at COUNT
+    truncating: frozenset[int] = frozenset()
     separate_lists: bool = False  # in transfers
     reads_item_by_item: bool = False  # else the list is frozen
     count_from_stranger: Answer
@@ -87,10 +87,10 @@ class MockProfile:
     reports_list_id: bool = False  # in MISSION_ACK and MISSION_CURRENT
     no_total: int  # MISSION_CURRENT.total
     no_item_text: str | None = None
-    runs_on_ground: bool = False  # the mission advances on the ground, without texts of a flight
+    runs_on_ground: bool = False  # without texts of a flight
     restores_mode: bool = False  # after return or landing
     refuses_modes: bool = False  # when armed, with the reason
-    unsupported: frozenset[int]  # of the commands that another firmware obeys
+    unsupported: frozenset[int]  # of another firmware's commands
     start_up: StartUp
     modes: Mapping[FlightMode, int]  # HEARTBEAT.custom_mode
     first_mode: int  # after power-up

@@ -142,7 +142,7 @@ class MockVehicle:
             self.mission_begun = self.mission_runs = False
 
     def message(self, name: str) -> Message | None:
-        """Return a message to send now; None: not sent."""
+        """Return a message to send now, if any."""
         profile = self.profile
         flight = self.flight
         now = self.now
@@ -195,7 +195,7 @@ class MockVehicle:
         return None
 
     def _passed_checks(self) -> bool:
-        """Return the last check's result, perhaps older than the mode."""
+        """Return the last check's result, which may be of an earlier mode."""
         if self.now - self._checked[0] >= self.profile.prearm_every_s:
             self._checked = self.now, not self.arming_refusal()
         return self._checked[1]
@@ -290,7 +290,7 @@ class MockVehicle:
 
 
 class Schedule:
-    """A message has one rate for all listeners, the last ordered, as on one link of a vehicle."""
+    """One rate of a message for all listeners: the last ordered."""
 
     def __init__(self, usual: Mapping[str, float], fixed: Set[str]) -> None:
         """`usual`: default intervals [s]; `fixed`: streams of constant interval."""

@@ -77,7 +77,7 @@ class SimulatedFlight(Situation):
         return math.atan2(right, GRAVITY), -math.atan2(forward, GRAVITY), yaw
 
     def load(self, items: tuple[Item, ...]) -> None:
-        """Replace the mission by items without home; in flight the current index stays."""
+        """`items` lack home; in flight the current index stays."""
         before = self.program.items
         if items == before:
             return
@@ -130,7 +130,7 @@ class SimulatedFlight(Situation):
             self.mission = MissionState.PAUSED
 
     def rewind(self) -> None:
-        """Reset to the first item; call only while no mission is flown."""
+        """Call only while no mission is flown."""
         self.current = 0
         self.program.jumped.clear()
         if self.program.items:

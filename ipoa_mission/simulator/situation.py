@@ -68,7 +68,6 @@ class Situation:
     rally: tuple[Place, ...] = ()
 
     def goal_of_return(self, here: Place, parameters: Parameters) -> Place:
-        """Return home, or a rally point with its height."""
         program = self.program
         n = program.autopilot.return_route(parameters, ReturnOrder(here, self.rally, version=program.version)).rally
         return HOME if n is None else self.rally[n]
@@ -77,7 +76,7 @@ class Situation:
         self.reached.append(ItemDone(index, self.time_s, announced))
 
     def come_to(self, behind: int, change_speed: Callable[[Item], None]) -> Item | None:
-        """Do the items after `behind` up to the next flown one, and return that; None at the end."""
+        """Do the items after `behind` up to the next flown one; return that, or None at the end."""
         next_index: int | None = behind
         moved = FLOWN_TO | {Command.NAV_RETURN_TO_LAUNCH, Command.NAV_DELAY}
         if self.program.autopilot.guidance.flies_vtol_items:
@@ -105,7 +104,6 @@ class Situation:
         self.landed = True
 
     def end_on_ground(self, announced: bool = True) -> None:
-        """Disarm after a landing, which completes a mission."""
         if self.mode is FlightMode.MISSION:
             self.done(self.current, announced)
             self.mission = MissionState.COMPLETE

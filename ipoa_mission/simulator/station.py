@@ -16,7 +16,7 @@ EPOCH_S = 1_767_225_600.0
 
 
 class Station:
-    """Answers go to the sender, and to stations with its ids; streams go to all stations heard."""
+    """Answer the sender, and stations with its ids; send streams to all stations heard."""
 
     def __init__(self, autopilot: BuiltInAutopilot, system: int = 1, signer: Signer | None = None) -> None:
         self.autopilot = autopilot
@@ -25,7 +25,7 @@ class Station:
         self._now = 0.0
 
     def receive(self, data: bytes, peer: Peer, now: float) -> None:
-        """Ignore bytes that are no frame, are not signed with our key, or are for others."""
+        """Ignore bytes that are no frame, not signed with our key, or for others."""
         self._now = now
         for frame in self._routes.frames(data, peer):
             heard = self._codec.decode(frame)
