@@ -1,4 +1,4 @@
-"""Failsafes as rules: a parameter's value selects a contingency and its fallbacks for each cause of a failure."""
+"""Failsafes as rules: for each cause a parameter's value selects a contingency and its fallbacks."""
 
 import math
 from collections.abc import Callable, Iterable, Mapping

@@ -1,4 +1,4 @@
-"""An autopilot's mission mode, protocol and modes, as properties that other rooms ask instead of its name."""
+"""Mission mode, protocol and modes of an autopilot, which other rooms ask instead of its name."""
 
 import re
 from collections.abc import Callable, Mapping, Sequence, Set

@@ -7,7 +7,7 @@ from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.autopilot.parameters import Parameter, Parameters
 from ipoa_mission.errors import BadInput
 
-#: Meanings whose values are converted from one autopilot to another: all define them alike.
+#: Meanings that all autopilots define alike: their values are converted.
 CONVERTED = frozenset({
     "cruise speed", "climb speed", "descent speed", "acceleration", "vertical acceleration", "acceptance radius",
     "lean", "landing speed", "return height", "wait before landing",

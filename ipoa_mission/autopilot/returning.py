@@ -49,8 +49,8 @@ def horizontal_distance(start: "Place", end: "Place") -> float:
 
 
 class ReturnBy(StrEnum):
-    DIRECT = "direct"  # climb to the return height, fly straight to home or a rally point
-    LANDING = "to the mission's landing"  # climb to the return height, fly straight to the mission's landing
+    DIRECT = "direct"  # at the return height, to home or a rally point
+    LANDING = "to the mission's landing"  # at the return height
     MISSION_FORWARD = "ahead along the mission"  # to the landing, without climbing and other commands
     MISSION_REVERSED = "back along the mission"  # without climbing, landing at home
     LAND_IN_PLACE = "here"
@@ -82,7 +82,7 @@ class ReturnOrder(NamedTuple):
 
 class OverTerrain(NamedTuple):
     margin: float  # of the height [m]
-    always_over_terrain: bool  # it never falls back to heights above home
+    always_over_terrain: bool  # never by heights above home
 
 
 SLOWEST = 0.05  # [m/s]
@@ -103,7 +103,7 @@ class SlowedBy(NamedTuple):
     unit: float  # [m]
     most: float  # as documented [m]
     decided_by: tuple[str, ...]  # all that affect the touchdown speed
-    spared_by: str = ""  # range finder's parameter: with it, heights count from the ground
+    spared_by: str = ""  # range finder's parameter: heights count from the ground
 
     def raised(self, table: ParameterTable, parameters: Parameters, ground: float) -> Parameters:
         p = table.complete(parameters)

@@ -1,5 +1,4 @@
 """Plan a flight, write its files, and fly it on a vehicle.
 
-Read `flight` first: `plan_flight` plans and checks, `Flight.write` writes the files. `procedure` uploads and flies them
-after the checks of `preflight`. `post_flight` compares the record.
+Read `flight` first. `procedure` uploads and flies after the checks of `preflight`; `post_flight` compares the record.
 """

@@ -220,7 +220,7 @@ def plan_regardless_of_battery(scenario: Scenario, seed: int, progress: Progress
     log.info("%s: cost %.4f after %d evaluations", scenario.name, plan.history[-1], plan.evaluations[-1])
 
     findings = check(forecast)
-    battery_codes = {"battery-short", "battery-no-return"}  # it may be split into flights of one battery each
+    battery_codes = {"battery-short", "battery-no-return"}  # it may be split
     refuse_errors([finding for finding in findings if finding.code not in battery_codes])
     refuse_unclear_returns(findings, forecast)
 

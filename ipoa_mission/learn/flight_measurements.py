@@ -130,7 +130,7 @@ def _fit(seconds: PowerSeconds) -> tuple[Vector, Vector]:
 
 
 def _ratio(flights: Sequence[PowerSeconds], flew_slowly: bool) -> Learned:
-    least = 0.05 if flew_slowly else 0.1  # packs, payloads and days differ; fast flight is like a hover in wind
+    least = 0.05 if flew_slowly else 0.1  # packs, payloads and days differ
     parts = list(flights)
     if len(parts) < 3:
         blocks = [np.arange(len(flight.watts)) // 30 for flight in flights]  # [s]

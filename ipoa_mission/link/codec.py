@@ -1,8 +1,4 @@
-"""Convert messages to MAVLink frames and back.
-
-pymavlink's parser drops the sender of an unknown message, and a good frame after a corrupt length. It records a
-signature's timestamp unchecked.
-"""
+"""Convert messages to MAVLink frames and back; keep unknown senders, and good frames after a corrupt length."""
 
 import re
 import struct

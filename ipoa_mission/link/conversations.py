@@ -1,4 +1,4 @@
-"""The mission service: `offer` and `fetch` are the two ends of a transfer; `download` detects changes meanwhile."""
+"""The mission service: `offer` and `fetch` are the two ends of a transfer."""
 
 import struct
 from collections.abc import Callable, Iterator, Sequence

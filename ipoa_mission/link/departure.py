@@ -25,7 +25,7 @@ class DepartureLimits:
     ready_s: float = 180.0
     check_s: float = 3.0  # per readiness check
     retry_s: float = 1.0
-    arming_attempts: int = 5  # a ready vehicle may need a moment more
+    arming_attempts: int = 5
     disarm_attempts: int = 3
     climb_s: float = 120.0
     climbed_below: float = 0.5  # the requested height [m]
@@ -42,7 +42,7 @@ class NotYet(CommandRefused, code="not-yet"):
 class Departure:
     state: VehicleState
     first: int
-    moving: int  # the first item that moves the vehicle: ArduPilot soon reports it
+    moving: int  # the first moving item: ArduPilot soon reports it
     climb: float = 0.0  # height of an ArduPilot before a first item that is no take-off [m]
     onboard_lists: tuple[OnboardList, ...] = ()
     progress: Progress = silent

@@ -1,4 +1,4 @@
-"""Orders to a flying vehicle: pause, resume, return, and the reaction to a deviation from its forecast."""
+"""Orders to a flying vehicle: pause, resume, return, and the reaction to a deviation."""
 
 import logging
 import math
@@ -269,7 +269,7 @@ class Conformance:
     order: FlightOrder
     on_deviation: OnDeviation = OnDeviation.HOLD
     report: Callable[[Deviation], None] = lambda deviation: None
-    ends_held: bool = True  # watching ends when a deviation holds the vehicle
+    ends_held: bool = True  # a deviation's hold ends the watch
     repeat_s: float = 5.0  # after a refusal
     deviations: list[Deviation] = field(default_factory=list)
     positions: PositionLoss = field(default_factory=PositionLoss)

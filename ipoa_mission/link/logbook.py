@@ -1,4 +1,4 @@
-"""Record a flight from the messages of a vehicle, or of a log: items reached, path, times since arming."""
+"""Record a flight from the messages of a vehicle, or of a log."""
 
 import math
 from collections.abc import Callable, Sequence

@@ -139,8 +139,8 @@ def request_version() -> Dialogue[m.AutopilotVersion | None]:
 def request_parameters(wanted: Sequence[Sequence[str]], autopilot: Autopilot) -> Dialogue[Mapping[str, m.ParamValue]]:
     """Return values by any name of each entry; raise NoAnswer.
 
-    An unknown parameter is met with silence. Each batch ends with one that exists: its answer proves that the batch was
-    handled, and estimates the link's loss. ArduPilot drops requests beyond 20.
+    An unknown parameter is met with silence: an existing one ends each batch and estimates the link's loss. ArduPilot
+    drops requests beyond 20.
     """
     values: dict[str, m.ParamValue] = {}
     requests = proofs = 0

@@ -351,7 +351,7 @@ class Vehicle(VehicleSession):
         return self._run(orders.request_home())
 
     def parameters(self, wanted: Iterable[str | Sequence[str]]) -> Mapping[str, float]:
-        """Return the vehicle's values; leave unknown ones out. Several names of a parameter are requested at once."""
+        """Return the vehicle's values, without unknown ones. Several names of a parameter are requested at once."""
         names = [(name,) if isinstance(name, str) else tuple(name) for name in wanted]
         values = self._run(orders.request_parameters(names, self.autopilot))
         return {name: value.param_value for name, value in values.items()}

@@ -153,7 +153,7 @@ class FenceCircle:
 
 @dataclass(frozen=True)
 class ComplexItem:
-    """A survey or scan of QGroundControl; `json_text` lacks its list of items, which it has if `has_items`."""
+    """A survey or scan of QGroundControl; `json_text` is without its list of items, if it `has_items`."""
 
     items: tuple[Item, ...]
     json_text: str

@@ -18,7 +18,7 @@ from ipoa_mission.finding import Finding, Severity
 class Node:
     """One value of a document; `place` is like `mission.items[3].params`, empty for the whole.
 
-    All nodes share `findings`: faults that did not stop the reading.
+    `findings`, shared by all: faults that did not stop the reading.
     """
 
     file: str
@@ -137,7 +137,7 @@ def tidy(value: float) -> float | int | None:
 
 
 def finite(place: str, *values: float) -> list[float | int | None]:
-    """Return tidy numbers, or raise BadInput."""
+    """Return tidy numbers; raise BadInput."""
     for value in values:
         if not math.isfinite(value):
             raise BadInput(f"expected a finite number, not {value}", place=place)

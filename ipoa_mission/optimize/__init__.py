@@ -1,5 +1,4 @@
 """Optimizers propose candidates and receive their costs, without knowledge of the problem.
 
 Read `search.py` first: `minimize` runs any of them. `ipoa` and `poa` are the paper's, `adaptive_pelican` is ours.
-`registry` builds one by name.
 """

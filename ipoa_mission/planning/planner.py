@@ -72,7 +72,7 @@ class SearchStrategy:
 
     lattice: LatticeStrategy = USUAL_LATTICE
     straight_width: float = 0.25
-    lattice_starts: int = 2  # searches: of the cheapest route, then the best polished
+    lattice_starts: int = 2  # of the cheapest route, then the best polished
     lattice_width: float = 0.08
     max_behind: tuple[float, ...] = (0.08, 0.02)  # the best guess, after each stage
     min_rivals: int = 3
@@ -83,8 +83,8 @@ class SearchStrategy:
     piece: int = 10
     piece_width: float = 0.12
     enough_control_points: int = 150
-    few_control_points: int = 60  # of a polished curve, which is refined once more
-    hidden_loop: float = 1.001  # of cost to even-step cost; control points are redistributed above
+    few_control_points: int = 60  # of a polished curve
+    hidden_loop: float = 1.001  # of cost to even-step cost
     enough_proved: int = 2  # if the best of all is not valid
     max_polished: int = 6
 
@@ -185,7 +185,7 @@ def plan_path(
     search, budget = (optimizer, None) if optimizer else optimizer_of(task, short=not as_printed)
     effort = strategy or (USUAL if len(task.places) <= MOST_PLACES else MANY_LEGS)
     searcher = Searcher(problem, search, np.random.default_rng(seed), effort, budget)
-    with threadpool_limits(1, "blas"):  # on small matrices threads only wait, and results depend on their number
+    with threadpool_limits(1, "blas"):  # more threads wait, and round differently
         curves = [_search_once(searcher, progress)] if as_printed else _search_passages(searcher, progress)
     safe = [curve for curve in curves if curve.proof.is_proved]
     if not safe:

@@ -37,7 +37,7 @@ def moves_along(ways: Matrix, band: int) -> Moves:
 NODES_PER_SPAN = 8
 EARLY_GAIN = 1e-5  # of a step that ends an early stage
 ATTEMPTS = 6
-BAND = 14  # index distance: a term depends on five control points
+BAND = 14  # a term depends on five control points
 HOPELESS_SLACK = {"m": -1.0, "deg": -10.0}  # that more room does not mend
 CHANGE_REACH = 8  # in control points, with via points
 STAGE_1 = Soft(bend=0.02, reach=0.5, wall=0.3, stiffness=10.0, evenness=0.05, aside=0.0, above=0.0, flatter=0.0)

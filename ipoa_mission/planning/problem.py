@@ -27,8 +27,8 @@ UNSAFE = 1e6  # at least, for a breach
 ROUGH_STEEPNESS = 1.02  # on the greatest slope of a rough curve
 GREATEST_LEG = 0.3  # for comparing curves [m]
 MAX_NODES = 4000
-LENIENCE = 0.1  # of a rough curve; the fine polish mends it [m]
-FULL_SIZE = 50.0  # on a shorter route, lengths shrink in proportion [m]
+LENIENCE = 0.1  # of a rough curve [m]
+FULL_SIZE = 50.0  # of a route; lengths of a shorter one shrink [m]
 
 
 @dataclass(frozen=True)

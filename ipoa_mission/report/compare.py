@@ -1,7 +1,4 @@
-"""Compare a flown mission with its estimate.
-
-A leg is between two items that both have: not every item is reported.
-"""
+"""Compare a flown mission with its estimate, leg by leg between items that both have."""
 
 import math
 from dataclasses import dataclass, field, replace

@@ -50,7 +50,7 @@ class Color(StrEnum):
 View: TypeAlias = Literal["top", "front"]
 
 
-#: Color and marker of each path; markers distinguish paths in gray prints. Yellow is hard to see on white.
+#: Color and marker of each path; markers are for gray prints.
 PATH_STYLES = (
     *((Color.BLUE, "o"), (Color.VERMILLION, "s"), (Color.BLUISH_GREEN, "^"), (Color.REDDISH_PURPLE, "D")),
     *((Color.ORANGE, "v"), (Color.SKY_BLUE, "P"), (Color.BLACK, "X")),
@@ -145,7 +145,7 @@ def write_picture(figure: Figure, path: str | Path) -> None:
 
 @contextmanager
 def sheet(width: float, height: float) -> Iterator[Figure]:
-    """Provide a figure [inch], with a rounded layout: the solver differs in the last bits from run to run."""
+    """Provide a figure [inch], with a rounded layout: the solver's last bits differ between runs."""
     with matplotlib.rc_context(dict(STYLE)):
         figure = Figure(figsize=(width, height), dpi=200, layout="constrained")
         FigureCanvasAgg(figure)

@@ -1,4 +1,4 @@
-"""Find the quickest waypoints along a curve for its autopilot: wide legs where there is room, tight ones elsewhere."""
+"""Find the quickest waypoints along a curve for its autopilot."""
 
 import math
 from collections.abc import Iterator
@@ -45,7 +45,7 @@ class Composition(NamedTuple):
     spacings: tuple[float, ...] = (6.0, 2.5)  # of even levels [m]
     max_rounds: int = 16
     min_spacing: float = 1.0  # where two levels meet [m]
-    remaining_risk: float = 0.7  # share of the chance, of passings that stay as they are
+    remaining_risk: float = 0.7  # share of the chance
 
 
 COMPOSITION = Composition()
@@ -261,11 +261,11 @@ class RouteSearch(NamedTuple):
     patience: int = 15  # trials without gain
     step_shares: tuple[float, ...] = (0.5, 0.2)  # of the tolerance
     min_gain_s: float = 0.1
-    settled_s: float = 4.0  # after a changed leg a flight is as before
-    local_share: float = 0.5  # of the waypoints, that a shorter flight may take
+    settled_s: float = 4.0  # after a changed leg
+    local_share: float = 0.5  # of the waypoints
     local_doubt_s: float = 0.06  # of a gain until then
     equal_share: float = 0.005  # of the time, of equally quick routes
-    max_delay: float = 1.02  # of the time without noise, to be flown with it
+    max_delay: float = 1.02  # of the time without noise
 
 
 SEARCH = RouteSearch()

@@ -1,4 +1,4 @@
-"""Choose a return altitude and rally points that make every contingency clear. Values named in the scenario stay."""
+"""Choose a return altitude and rally points that make every contingency clear, unless the scenario names them."""
 
 import math
 from collections.abc import Iterator

@@ -125,7 +125,7 @@ def _opposite(place: Vector, name: str, needed: float, airspace: Airspace) -> tu
     def is_opposite(body: Obstacle) -> bool:
         direction = direction_to(body)
         lengths = float(np.linalg.norm(direction) * np.linalg.norm(ahead))
-        max_cosine = -0.5  # between the directions to both sides of a gap
+        max_cosine = -0.5  # of directions to both sides of a gap
         return body is not tight and float(direction @ ahead) / max(lengths, 1e-9) <= max_cosine
 
     def width(body: Obstacle) -> float:

@@ -155,8 +155,7 @@ def corridor(
 ) -> tuple[Points, Vector]:
     """Return the fewest waypoints (k, 3) with legs within `tolerance` [m] of the curve, and their stations (k,).
 
-    They are offset by `asides` [m, to the left]. A shortest path over all pairs (Imai and Iri 1986), with the least sum
-    of squared deviations.
+    They are offset by `asides` [m, to the left]. Of the fewest, the least squared deviations (Imai and Iri 1986).
     """
     from ipoa_mission.routing._corridor import fewest_legs
 

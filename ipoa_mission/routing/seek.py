@@ -71,7 +71,7 @@ class Margin(NamedTuple):
     height_factor: float
 
 
-# As `with_margins` takes them; small ones plan quicker and mostly suffice.
+# As `with_margins` takes them.
 MARGINS = (
     Margin(sharing=0.5, keep_gaps=False, height_factor=0.9),
     Margin(sharing=0.5, keep_gaps=False, height_factor=9.0),

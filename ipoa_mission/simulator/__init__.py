@@ -1,6 +1,5 @@
 """The built-in autopilot, which answers MAVLink and flies as PX4 or ArduPilot does.
 
-Read `built_in_autopilot.py` first: it joins mission protocol, commands, telemetry, files and flight of one vehicle.
-`mock_profile` holds the measured differences of the firmwares. `fly` runs on a virtual clock, `mock_server.Server` on
-a real one.
+Read `built_in_autopilot` first: it joins mission protocol, commands, telemetry, files and flight of one vehicle. `fly`
+runs on a virtual clock, `mock_server.Server` on a real one.
 """

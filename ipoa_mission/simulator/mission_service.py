@@ -271,7 +271,7 @@ class MissionService:
             reader.receive(message, now)
             self._flush_reader((client, kind), reader)
         elif self.profile.reads_item_by_item:
-            items = self._read_back(kind)  # as they are now, even if the list has changed
+            items = self._read_back(kind)  # even if the list has changed
             if seq < len(items):
                 self.say(m.ItemAt(seq, items[seq], kind), client)
                 return

@@ -30,7 +30,7 @@ LIMITS = ServerLimits()
 class Server:
     """Serve one station with a clock up to `speedup` times as fast as real time.
 
-    The clock is real while the autopilot waits for a client, and slower before it sends more than a client reads.
+    The clock is real while the autopilot waits for a client, and slows down for a slow reader.
     """
 
     channel: Channel

@@ -157,7 +157,7 @@ class MockVehicle:
                 return m.AutopilotVersion(profile.capabilities, profile.version.number, uid=1)
             case "PROTOCOL_VERSION" if profile.protocol is not None:
                 return m.ProtocolVersion(*profile.protocol)
-            case "SYS_STATUS":  # a passed pre-arm check is healthy, on PX4 without being present
+            case "SYS_STATUS":  # PX4's pre-arm check is healthy without being present
                 present = SENSORS | (PREARM_CHECK if profile.reports_prearm else 0)
                 healthy = SENSORS | (PREARM_CHECK if self._passed_checks() else 0)
                 return m.SystemStatus(present, present, healthy)

@@ -1,7 +1,4 @@
-"""A controller that decides as PX4 or ArduPilot does steers a body under gravity, air and thrust.
-
-Deterministic and without a clock: `advance` integrates.
-"""
+"""A body under gravity, air and thrust, steered by a controller of PX4 or ArduPilot; deterministic, without a clock."""
 
 import math
 import random

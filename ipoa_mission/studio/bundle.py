@@ -1,4 +1,4 @@
-"""Find the built page, or build it with npm in a clone; a digest of the sources identifies a build."""
+"""Find the built page by a digest of its sources, or build it with npm in a clone."""
 
 import hashlib
 import os

@@ -1,4 +1,4 @@
-"""Remember addresses, recent files and map tiles in `studio.json` of the state folder, which may be deleted."""
+"""Remember addresses, recent files and map tiles in `studio.json` of the state folder."""
 
 import secrets
 from contextlib import suppress

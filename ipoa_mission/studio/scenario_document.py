@@ -225,7 +225,7 @@ class Document:
             return False
         if on_disk == self._journal.saved:
             return False
-        if on_disk == self.text:  # the same edit: the page's revision stays valid
+        if on_disk == self.text:  # the page's revision stays valid
             self._journal.mark_saved()
             self.changed_outside = False
             return True
@@ -244,7 +244,7 @@ class Document:
         journal = self._journal
         table = dict[str, Any]()
         with suppress(BadInput):
-            if not self.is_mission:  # dates, infinity and NaN as words, which JSON lacks
+            if not self.is_mission:  # JSON lacks dates, infinity and NaN
                 table = json.loads(json.dumps(parse_table(self.text).unwrap(), default=str), parse_constant=str)
         return answers.Document(
             of="mission" if self.is_mission else "scenario",

@@ -19,10 +19,10 @@ from ipoa_mission.studio.vocabulary import PageMessage, Window, as_json, place_o
 
 SETTLE_TIME_S = 0.6  # before the proved path is planned
 ALONE_LIMIT_S = 120.0  # of planners, without window and flight
-#: Kinds of answers that a change of the document makes obsolete.
+#: Obsolete after a change of the document.
 OF_REVISION = ("sketch", "coarse_survey", "plan", "survey", "contingencies", "checked", "replay")
 OBSOLETE = (*OF_REVISION, "trouble of scenario", "trouble of sketch", "trouble of plan")
-#: Kinds whose latest answer a new window gets.
+#: Their latest answer is for a new window too.
 LATEST = {*OF_REVISION, "area", "world", "mission", "loaded", "state", "trouble"}
 PLANNER = "ipoa_mission.studio.plan_worker"
 #: of a file, given a mission's scenario or log; returns the token

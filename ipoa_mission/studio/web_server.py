@@ -202,7 +202,7 @@ def serve(
 ) -> None:
     """Serve the studio on this machine until Ctrl-C; `tell_address` gets its address.
 
-    A known file keeps its address, so that its old page reconnects. A log is opened with its mission.
+    A known file keeps its address: its old page reconnects. A log is opened with its mission.
     """
     known = address_of(None if path is None else path.resolve())
     with _listen(options.port, known.port) as listener:

@@ -185,10 +185,7 @@ class Grid:
         return float(heights[best]), int(leg[best]), float(fraction[best])
 
     def _candidate_heights(self, starts: Points, ends: Points, sign: float) -> tuple[Vector, NDArray[np.intp], Vector]:
-        """Return heights on legs, their numbers and fractions, (k,) each, including the least of each leg.
-
-        Within a cell the height is quadratic along the leg: ends and vertex are tried.
-        """
+        """Return heights on legs, their numbers and fractions, (k,) each, including the least of each leg."""
         everywhere = np.arange(len(starts))
         pieces = [(everywhere, np.zeros(len(everywhere))), (everywhere, np.ones(len(everywhere)))]
         pieces += [self._crossings(starts, ends, axis) for axis in (0, 1)]

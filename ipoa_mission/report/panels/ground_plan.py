@@ -1,4 +1,4 @@
-"""The map of the flight as SVG, north up, with contours of the ground and buttons at the items."""
+"""The map of the flight as SVG, north up."""
 
 import math
 from html import escape

@@ -1,4 +1,4 @@
-"""Kinds of obstacles, and fractions of a leg at which one may be nearest: roots of polynomials."""
+"""Kinds of obstacles, and fractions of a leg at which one may be nearest."""
 
 from dataclasses import dataclass
 from functools import cached_property
