@@ -88,13 +88,12 @@ def single_importers() -> Iterator[str]:
 
 
 def arrows() -> Iterator[str]:
-    """Return the pairs of top folders of which the first imports the second."""
+    """Yield pairs of top folders of which the first imports the second."""
     pairs = {(_folder(a), _folder(b)) for b, by in importers().items() for a in by}
     yield from sorted(f"{a} -> {b}" for a, b in pairs if a != b and "" not in (a, b))
 
 
 def mutual_pairs() -> Iterator[str]:
-    """Return the pairs of top folders that import each other."""
     pairs = {tuple(arrow.split(" -> ")) for arrow in arrows()}
     yield from sorted(f"{a} <-> {b}" for a, b in pairs if a < b and (b, a) in pairs)
 
@@ -128,7 +127,7 @@ def many_parameters() -> Iterator[str]:
 
 
 def packed_assignments() -> Iterator[str]:
-    """Return the assignments of several values to as many names, like `a, b = f(), g()`."""
+    """Yield assignments like `a, b = f(), g()`."""
     for path in trees():
         for node in nodes(path):
             if isinstance(node, ast.Assign) and isinstance(node.value, ast.Tuple):
@@ -146,7 +145,6 @@ def walruses() -> Iterator[str]:
 
 @cache
 def prose() -> list[tuple[str, str]]:
-    """Return each docstring, comment, message and page of the docs with its place."""
     return [*comments(), *messages(), *((_page(page), page.read_text(encoding="utf-8")) for page in docs())]
 
 

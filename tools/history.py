@@ -65,7 +65,7 @@ def read(path: Path) -> list[Row]:
 
 
 def plotted(rows: list[Row]) -> Figure:
-    """Plot a panel a measure, a line a scenario, versions from left to right, each value relative to the first."""
+    """Plot a panel a measure and a line a scenario over the versions, relative to the first."""
     measures = list(dict.fromkeys(row.measure for row in rows))
     versions = list(dict.fromkeys(row.version for row in rows))
     with matplotlib.rc_context(dict(STYLE)):

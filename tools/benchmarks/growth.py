@@ -27,7 +27,7 @@ GAP = 6.5  # of a tree to the given places [m]
 
 
 def scene(places: list[tuple[float, float]], trees: int, margin: float = 20.0) -> dict[str, Any]:
-    """Return a flight at 6 m over `places` (start, via points, goal), among random trees up to `margin` [m] beside."""
+    """Return a flight at 6 m over `places`, among random trees up to `margin` [m] from it."""
     chance, given = np.random.default_rng(trees), np.array(places)
     lower, upper = given.min(axis=0) - margin, given.max(axis=0) + margin
     bodies = list[dict[str, Any]]()

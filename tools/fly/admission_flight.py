@@ -112,8 +112,6 @@ class Broken(Exception):
 
 
 class Watch:
-    """Watch a flight, and stop it if it leaves its predicted path or does not end."""
-
     def __init__(self, vehicle: Vehicle, forecast: Forecast) -> None:
         estimate = forecast.estimate
         self._vehicle, self._frame = vehicle, forecast.frame

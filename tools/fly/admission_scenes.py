@@ -24,7 +24,6 @@ SLOW, FAST = (2.0, 4.0), (9.0, 14.0)  # cruise speeds [m/s]
 
 
 def crest(rng: random.Random) -> Scene:
-    """Fly over a ridge with wires or a mast, and down its other side."""
     tall, far = rng.uniform(25, 70), rng.uniform(160, 260)
     ridge = {"height": tall, "east": far, "north": 0.0, "a": rng.uniform(60, 110), "b": 400.0}
     over = rng.uniform(16, 28)
@@ -36,7 +35,6 @@ def crest(rng: random.Random) -> Scene:
 
 
 def slope(rng: random.Random) -> Scene:
-    """Fly up a mountain between trees, or along it and down."""
     tall, far = rng.uniform(50, 110), rng.uniform(220, 320)
     mountain = {"height": tall, "east": far, "north": 40.0, "a": 150.0, "b": 170.0}
     trees = [mast(n, rng.uniform(40, far), rng.uniform(-90, 90), rng.uniform(2, 4), 18.0) for n in range(14)]
@@ -46,7 +44,7 @@ def slope(rng: random.Random) -> Scene:
 
 
 def terrace(rng: random.Random) -> Scene:
-    """Fly over rising roofs, a waypoint above each, and down on the other side."""
+    """Fly over rising roofs, a waypoint above each, and down."""
     roofs, via, east = [], [], 35.0
     heights = sorted(rng.uniform(6, 40) for _ in range(rng.randint(3, 5)))
     down = heights[-2::-1] if rng.random() < 0.5 else []
@@ -60,7 +58,6 @@ def terrace(rng: random.Random) -> Scene:
 
 
 def steep(rng: random.Random) -> Scene:
-    """Climb and descend steeply between towers."""
     via, towers, east = [], [], 0.0
     for n in range(rng.randint(2, 4)):
         east += rng.uniform(45, 80)
@@ -134,7 +131,6 @@ def shipped() -> list[Path]:
 
 
 def as_flown_by(path: Path, autopilot: Autopilot) -> Scenario:
-    """Return a scenario for an autopilot, without the parameters of another one."""
     scenario = read_scenario(path)
     if scenario.vehicle.autopilot is autopilot:
         return scenario

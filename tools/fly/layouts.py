@@ -23,7 +23,6 @@ def box(name: str, east: float, north: float, width: float, depth: float, height
 
 
 def slalom(rng: random.Random, count: int) -> Scene:
-    """Fly past masts in a line, alternately on the left and the right."""
     spacing, radius, beside = rng.uniform(55, 90), rng.uniform(2, 6), rng.uniform(4.5, 7)
     masts, via = [], []
     for n in range(count):
@@ -34,7 +33,6 @@ def slalom(rng: random.Random, count: int) -> Scene:
 
 
 def lawn(rng: random.Random, count: int) -> Scene:
-    """Fly to and fro between rows of trees."""
     row, long, tall = rng.uniform(15, 19), rng.uniform(110, 170), rng.uniform(14, 22)
     trees, via = [], []
     for n in range(count):
@@ -47,7 +45,6 @@ def lawn(rng: random.Random, count: int) -> Scene:
 
 
 def hurdles(rng: random.Random, count: int) -> Scene:
-    """Fly over low walls, descending between them."""
     walls, via, east = [], [], 30.0
     for n in range(count):
         tall = rng.uniform(8, 20)
@@ -84,7 +81,7 @@ def _course(places: list[Place], obstacles: list[Scene], speed: float) -> Scene:
 
 
 def village(rng: np.random.Generator) -> Scene:
-    """Fly between two gardens past houses and some trees, 150 to 400 m."""
+    """Fly between two gardens past houses and trees, 150 to 400 m."""
     long = float(rng.uniform(150, 400))
     start, goal = {"east": 0.0, "north": 0.0, "up": 9.0}, {"east": long, "north": float(rng.uniform(-60, 60)), "up": 9}
     spots = _scatter(rng, int(long / 5), (10.0, -90.0, long - 10.0, 90.0), 24.0, [start, goal])
@@ -104,7 +101,7 @@ def village(rng: np.random.Generator) -> Scene:
 
 
 def downtown(rng: np.random.Generator) -> Scene:
-    """Fly from corner to corner of a street grid, below the roofs of towers."""
+    """Fly across a street grid, below the roofs of towers."""
     blocks, pitch = int(rng.integers(4, 7)), 46.0
     towers = []
     for i, j in product(range(blocks), repeat=2):

@@ -52,7 +52,6 @@ def simulation(words: str, folder: Path) -> Iterator[None]:
 
 
 def connected(link: str) -> Vehicle:
-    """Wait for a simulator that was just started."""
     until = time.monotonic() + BOOTS_S
     while True:
         try:

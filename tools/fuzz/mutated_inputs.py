@@ -32,7 +32,7 @@ KINDS: dict[str, tuple[Change, Callable[[Path], Reading], int]] = {
 
 
 def tries(count: int, seed: int, kinds: tuple[str, ...] = ()) -> Iterator[tuple[str, str, Outcome, str]]:
-    """Yield the reader, the change, its outcome, and the changed file, `count` times."""
+    """Yield reader, change, outcome and changed file, `count` times."""
     chance = random.Random(seed)
     suffixes = [suffix for suffix, (*_, often) in KINDS.items() for _ in range(often) if not kinds or suffix in kinds]
     with tempfile.TemporaryDirectory() as folder:

@@ -43,7 +43,6 @@ def place(chance: random.Random) -> list[float]:
 
 
 def plan(chance: random.Random) -> dict[str, Any]:
-    """Return a valid plan with a fence and rally points."""
     items = [_item(22, [*HOME[:2], 20.0])]
     items += [_item(16, [*place(chance), float(chance.randint(20, 60))]) for _ in range(chance.randint(2, 5))]
     if chance.random() < 0.4:
@@ -103,7 +102,6 @@ def drop(document: dict[str, Any], chance: random.Random) -> None:
 
 
 def reorder(document: dict[str, Any], chance: random.Random) -> None:
-    """Write keys in another order, or move an item."""
     for node in objects(document):
         pairs = list(node.items())
         chance.shuffle(pairs)
@@ -143,7 +141,6 @@ def wrap(document: dict[str, Any], chance: random.Random) -> None:
 
 
 def convert(document: dict[str, Any], chance: random.Random) -> None:
-    """Write heights in another frame, numbers as texts, or name a unit."""
     items = [item for item in document["mission"]["items"] if item["frame"] == 3]
     match chance.randrange(5):
         case 0:
@@ -241,7 +238,7 @@ def torn(text: str, chance: random.Random) -> str:
 
 
 def changed_parameters(chance: random.Random, _: Path) -> tuple[str, str, str]:
-    """Return the change, a parameter file of Mission Planner, MAVProxy or QGroundControl, and the changed one."""
+    """Return the change, a parameter file of a ground station, and the changed file."""
     values = PARAMETERS[chance.choice([*PARAMETERS])]
     style = chance.choice(["{},{}", "{:16} {}", "1\t1\t{}\t{}\t9"])
     lines = [style.format(name, f"{value:.6f}") for name, value in values.items()]

@@ -139,7 +139,6 @@ def changed_tiff(chance: random.Random, folder: Path) -> tuple[str, bytes, bytes
 
 
 def spoiled(data: bytes, change: str, chance: random.Random) -> bytes:
-    """Return the beginning of a file, or the file with some bytes overwritten."""
     if change == "cut":
         return data[: chance.randrange(len(data))]
     at = chance.randrange(len(data))

@@ -27,7 +27,7 @@ BY_HAND: Mapping[str, tuple[str, str]] = {
 
 
 def facts(source: Source) -> dict[str, Any]:
-    """Return the table of one commit: read-back of commands with and without a place, frames, NaN params."""
+    """Return a commit's table: read-back of commands with and without a place, frames, NaN params."""
     text = preprocessed(source.text(CODE), FALSE)
     types = _types(preprocessed(source.text(HEADER), FALSE))
     decode, encode = (_by_command(body(text, name)) for name in (_DECODE, _ENCODE))

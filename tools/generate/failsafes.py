@@ -66,7 +66,6 @@ def _of(autopilot: Autopilot) -> str:
 
 
 def _usual_fallbacks(rules: Iterable[FailsafeRule]) -> dict[Contingency, tuple[Contingency, ...]]:
-    """Return the most frequent fallbacks of each action."""
     counts = dict[Contingency, Counter[tuple[Contingency, ...]]]()
     for rule in rules:
         for action in (*rule.actions.values(), rule.other):

@@ -21,7 +21,6 @@ READERS = {Autopilot.ARDUPILOT: copter_source.facts, Autopilot.PX4: px4_source.f
 
 
 def table(autopilot: Autopilot, source: Source) -> dict[str, Any]:
-    """Return the table of one version: rows of a read-back, each with its commands."""
     facts = READERS[autopilot](source)
     for part in ("placed", "plain", "nan", "used"):
         if part in facts:

@@ -128,7 +128,6 @@ def wind_table(autopilot: Autopilot) -> str:
 
 
 def landing_table() -> str:
-    """Return take-off and landing of flights armed as by `fly`, in Markdown."""
     lines = [
         "| flight | take-off flown, s | estimated, s | error | LAND flown, s | estimated, s | error |",
         "|---|--:|--:|--:|--:|--:|--:|",

@@ -15,7 +15,7 @@ FRAMES = (0, 2, 3, 5, 6)
 
 
 def facts(source: Source) -> dict[str, Any]:
-    """Return the table of one commit: read-back, frames, ROI modes, commands never flown, used params."""
+    """Return a commit's table: read-back, frames, ROI modes, commands never flown, used params."""
     text, own = source.text(CODE), numbers(source.text(NAMES))
     parse, answer = (body(text, f"MavlinkMissionManager::{name}(") for name in _FUNCTIONS)
     placed, plain = (_taken(code, own) for code in _switches(parse, "mavlink_mission_item->command"))
@@ -46,7 +46,6 @@ def _switches(function: str, on: str) -> list[str]:
 
 
 def _taken(switch: str, own: Mapping[str, int]) -> dict[str, str]:
-    """Return the code of each command, by MAVLink's name."""
     return {_name(label, own): code for labels, code in cases(switch) for label in labels if label != "default"}
 
 

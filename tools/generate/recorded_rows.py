@@ -12,7 +12,7 @@ BEGIN, END = "<!-- table: begin -->", "<!-- table: end -->"
 
 
 def put(text: str, page: Path, files: tuple[str, ...]) -> None:
-    """Write each kind of table, by its header, to the next file in docs/data; the rest between the page's markers."""
+    """Write each table, by its header, to the next of `files` in docs/data, and the rest between the page's markers."""
     kinds: dict[str, list[list[str]]] = {}
     lines: list[str] = []
     heading = header = ""

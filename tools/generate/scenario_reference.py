@@ -48,7 +48,6 @@ def table_of_keys(name: str, tables: dict[str, Any]) -> str:
 
 
 def sections() -> dict[str, str]:
-    """Return the link to the section of each table at the top of a scenario."""
     return {
         key: f"scenario/{page.name}#{re.sub(r'[^a-z -]', '', heading.lower()).replace(' ', '-')}"
         for page in PAGES[1:]

@@ -32,7 +32,6 @@ class Step:
 
 
 def steps(text: str) -> list[Step]:
-    """Return the commands of the `console` blocks, in order."""
     listed: list[Step] = []
     for block in re.findall(r"^```console\n(.*?)^```$", text, re.MULTILINE | re.DOTALL):
         for part in re.split(r"^\$ ", block, flags=re.MULTILINE)[1:]:
@@ -45,10 +44,7 @@ def steps(text: str) -> list[Step]:
 
 
 def run(commands: list[str], folder: Path, programs: Path = Path(sys.executable).parent) -> list[list[str]]:
-    """Return the output of each command, run by one shell in `folder` next to `missions`, with a free port.
-
-    `ipoa-mission` is searched in `programs` first.
-    """
+    """Return the output of each command, run by one shell in `folder` next to `missions`, with a free port."""
     (folder / "missions").symlink_to(REPOSITORY / "missions")
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as free:
         free.bind(("127.0.0.1", 0))

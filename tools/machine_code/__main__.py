@@ -77,7 +77,6 @@ def make_part(folder: Path, cpu: str, part: int) -> None:
 
 
 def makers_digest() -> str:
-    """Return a hash of the compiler sources."""
     digest = hashlib.sha256(f"{platform.python_version()} {version('numba')} {version('llvmlite')}".encode())
     for path in sorted(Path(__file__).parent.glob("*.py")):
         digest.update(path.read_bytes())
@@ -85,7 +84,7 @@ def makers_digest() -> str:
 
 
 def copy_made(folder: Path, cpu: str) -> bool:
-    """Copy the library and the index if they are cached; return whether they are."""
+    """Return whether the library and the index were cached, and are copied."""
     return any(_copy_from(here, folder, cpu) for here in (HERE, *_kept()))
 
 
@@ -107,7 +106,6 @@ def _copy_from(here: Path, folder: Path, cpu: str) -> bool:
 
 
 def _copy(library: Path, made: dict[str, Any], folder: Path) -> None:
-    """Copy a library and its index."""
     there = folder / library.name
     if not there.exists() or not library.samefile(there):
         shutil.copy(library, folder)

@@ -67,7 +67,6 @@ define void @release(i8* %memory) {
 
 
 def type_of(kind: Any) -> Type:
-    """Return the numba type of a type of `ipoa_mission.compiled.library`."""
     if isinstance(kind, types.Boolean):
         return "bool"
     if kind == types.int64:

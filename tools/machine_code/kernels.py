@@ -37,8 +37,6 @@ MODULES = {
 
 
 class Kernel(NamedTuple):
-    """Hold a kernel's name, its numba function, and example arguments."""
-
     name: str
     dispatcher: Any
     arguments: tuple[Any, ...]
@@ -55,7 +53,6 @@ def _numbers(dimensions: int, kind: type = np.float64) -> Any:
 
 
 def kernels() -> Iterator[Kernel]:
-    """Yield all kernels, not yet compiled."""
     raster = Raster(0.0, 0.0, 1.0, 2, 2)
     lists, kinds = (_numbers(1, np.int32),) * 2, _numbers(1, np.int8)
     low_zones = _numbers(2)

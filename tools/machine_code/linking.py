@@ -10,11 +10,7 @@ from pathlib import Path
 
 
 def link(objects: Sequence[bytes], library: Path) -> None:
-    """Write a shared library of object files, which call only each other and the C library.
-
-    Raises:
-        subprocess.CalledProcessError: it cannot be linked.
-    """
+    """Write a shared library of object files that call only each other and the C library; raise CalledProcessError."""
     with tempfile.TemporaryDirectory() as folder:
         parts = [Path(folder, f"{n}.o") for n in range(len(objects))]
         for part, machine_code in zip(parts, objects, strict=True):
@@ -26,7 +22,6 @@ def link(objects: Sequence[bytes], library: Path) -> None:
 
 
 def linker() -> list[str]:
-    """Return the C compiler of this machine, or that of the package `ziglang`."""
     here = next((name for name in ("cc", "gcc", "clang") if shutil.which(name)), None)
     if here is None and importlib.util.find_spec("ziglang"):
         return [sys.executable, "-m", "ziglang", "cc"]
