@@ -201,7 +201,6 @@ class Autopilot(metaclass=_ByName):
         return {**failsafes, **fence, **self.complete({}, version)}
 
     def waypoint_defaults(self, version: Version | None = None) -> profile.WaypointDefaults:
-        """Return the hold and radius that waypoints are written with."""
         return profile.WaypointDefaults()
 
     def over_terrain(self, parameters: Parameters) -> returning.OverTerrain | None:

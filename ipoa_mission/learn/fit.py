@@ -1,7 +1,6 @@
 """Read flights as evidence, and fit a vehicle to them by least squares.
 
-The prior is the simulated vehicle (`PRIOR_DEVIATIONS`). A parameter stays if the flights do not halve its deviation, or
-its interval contains the simulated value.
+The prior is the simulated vehicle (`PRIOR_DEVIATIONS`).
 """
 
 import math

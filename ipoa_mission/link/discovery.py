@@ -75,8 +75,6 @@ def round_trips_in(heard: Iterable[Heard], now: float) -> dict[int, float]:
 
 
 class VehicleSession:
-    """Dialogues with one vehicle, and its state."""
-
     def __init__(
         self,
         connection: MessageLink,

@@ -1,4 +1,4 @@
 """Missions in memory, in files and on the wire.
 
-Read `items` first: it defines `Mission` and `Item`; then `program`, `mission_io` and `stored_mission`.
+Read `items` first, then `program`, `mission_io` and `stored_mission`.
 """

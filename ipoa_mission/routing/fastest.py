@@ -131,7 +131,7 @@ def _composed(levels: list[_Level], chosen: NDArray[np.intp]) -> tuple[Points, V
 
 
 def _broken(attempt: Attempt, stations: Vector, places: list[tuple[float, float, float]], risk: float) -> Vector:
-    """Return stations [m] of `places`, of broken limits, and where a flight is likeliest too near to something."""
+    """Return stations [m] of `places`, of broken limits, and of the likeliest shortfall."""
     prediction, scenario, curve = attempt.quick_prediction, attempt.scenario, attempt.plan.curve
     task, tolerance = clearance_task(scenario), scenario.route.tolerance
     airspace, required = task.path.airspace, ceil_cm(task.path.limits.obstacle_distance)
@@ -233,7 +233,7 @@ def candidates(curve: Spline, scenario: Scenario) -> Iterator[Route]:
 
 
 def braking_length(scenario: Scenario) -> float:
-    """Return the braking distance on a curve [m]: v² / (2 a / 2), with half the acceleration."""
+    """Return the braking distance on a curve [m]: v² / (2 a / 2)."""
     limits = kinematics(scenario.vehicle.autopilot, scenario.vehicle.autopilot_parameters())
     return scenario.vehicle.cruise_speed**2 / limits.accel
 

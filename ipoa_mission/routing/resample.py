@@ -102,7 +102,6 @@ def _is_clear(ends: Points, task: PathTask) -> bool:
 
 
 def _broken(legs: Points, task: PathTask) -> list[Check]:
-    """Return the broken limits that moving waypoints may repair."""
     checks = prove(legs, task, spare=0.0).checks
     return [check for check in checks if check.slack < 0 and check.limit in ("obstacles", "ground", "bounds")]
 
@@ -175,7 +174,6 @@ def corridor(
 
 
 def _spots(curve: Spline, tolerance: float, most: int) -> Points:
-    """Return places that resolve all bends."""
     if curve.length > GREATEST_SPACING * most:
         return curve.points(curve.chords(CHORD_SHARE * tolerance))
     return curve.sample(int(np.clip(math.ceil(curve.length / min(1.0, tolerance)) + 1, 20, most)))

@@ -34,7 +34,7 @@ class TooNarrow(MissionError, code="too-narrow"):
 
 
 def expect_wide(scenario: Scenario) -> None:
-    """Raise TooNarrow if every way between given places leads through a gap below the least deviation bound."""
+    """Raise TooNarrow if every way leads through a gap below the least deviation bound."""
     chance = scenario.safety.chance
     law = law_of(scenario.vehicle.autopilot, scenario.wind.strongest)
     if chance is None or not scenario.airspace.obstacles:

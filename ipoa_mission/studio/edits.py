@@ -1,4 +1,4 @@
-"""Apply the page's changes to the text of a scenario or a mission; all other bytes and comments stay."""
+"""Apply the page's changes to the text of a scenario or a mission; all else stays."""
 
 import math
 from collections.abc import Iterable, MutableMapping

@@ -68,7 +68,7 @@ def ring_name(area: int, ring: int, areas: int) -> str:
 
 
 def numbers_in_full(numbers: Sequence[int], polygon: Any) -> list[int]:
-    """Return the numbers of area, ring and corner of the indices in `survey.polygon` as it is written."""
+    """Return area, ring and corner numbers of indices in `survey.polygon` as written."""
     return [*[0] * min(4 - depth_of(polygon), 2), *numbers]
 
 

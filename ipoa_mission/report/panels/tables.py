@@ -12,7 +12,7 @@ from ipoa_mission.report.number_format import number, seconds, signed
 
 
 def legs_table(legs: Sequence[ItemLeg], flown_s: Mapping[int, float] | None) -> str:
-    """`flown_s`: when each item was first done in flight, by index in the mission; None without a flight."""
+    """`flown_s`: when each item was first done, by index; None without a flight."""
     columns = [
         *(("item", ""), ("east", "m"), ("north", "m"), ("up", "m"), ("above ground", "m"), ("leg", "m")),
         *(("heading", "°"), ("climb", "m"), ("clearance", "m"), ("done", "s"), ("takes", "s"), ("mean", "m/s")),
