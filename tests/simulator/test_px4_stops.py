@@ -36,4 +36,8 @@ def test_built_in_px4_stops_where_the_forecast_says(contingency: Contingency, pa
         counted = float(offset[0] + Autopilot.PX4.guidance.brakes_after * velocity[0])
         assert AFTER_RTL[0] <= counted - max(place[0] - ordered[0] for place in track) <= AFTER_RTL[1]
     else:
-        assert track[-1] - ordered == pytest.approx(offset, abs=STOPS_WITHIN)
+        stop = Autopilot.PX4.stopping_offset(parameters, velocity[None], np.zeros((1, 2)), Contingency.LAND)[0]
+        assert track[-1] - ordered == pytest.approx(stop, abs=STOPS_WITHIN)
+        farthest = max(place[0] - ordered[0] for place in track)
+        beyond = Autopilot.PX4.stopping_offset(parameters, velocity[None], np.zeros((1, 2)), Contingency.HOLD)[0]
+        assert stop[0] <= farthest + STOPS_WITHIN <= beyond[0] + 2 * STOPS_WITHIN  # it comes back
