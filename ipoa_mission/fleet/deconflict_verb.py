@@ -1,6 +1,6 @@
-"""Several vehicles in one airspace: predict where missions meet, and set them apart."""
-
 import json
+import math
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -15,28 +15,43 @@ if TYPE_CHECKING:
     from ipoa_mission.fleet.encounters import Conflict
     from ipoa_mission.fleet.repairs import TimetableSlot
     from ipoa_mission.geodesy import LocalFrame
-    from ipoa_mission.geometry import Vector
+
+
+@dataclass
+class DeconflictOptions:
+    separation: Annotated[
+        float, typer.Option("--separation", metavar="M", min=0.1, max=1e4, help="Least distance of two vehicles.")
+    ] = 10.0
+    confidence: Annotated[
+        float, typer.Option("--confidence", min=0.5, max=0.999999, help="Probability that a pair keeps it.")
+    ] = 0.999
+    departures: Annotated[
+        str | None, typer.Option("--departures", metavar="S,S,...", help="When each may depart; default all at 0 s.")
+    ] = None
+    most_delay: Annotated[
+        float, typer.Option("--most-delay", metavar="S", min=0.0, max=1e5, help="The longest delay of a departure.")
+    ] = 600.0
+    out: Annotated[
+        Path | None, typer.Option("--out", metavar="DIR", help="Write changed missions and timetable.json to it.")
+    ] = None
+    force: ForceOption = False
+    as_json: JsonOption = False
+
+    def earliest_departures(self, count: int) -> list[float]:
+        texts = ["0"] * count if self.departures is None else self.departures.split(",")
+        try:
+            seconds = [float(text) for text in texts]
+        except ValueError:
+            seconds = []
+        if len(seconds) != count or not all(0.0 <= second < math.inf for second in seconds):
+            words = f"expected {count} times of 0 s or more, as 0,30, not {self.departures}"
+            raise BadInput(words, place="--departures")
+        return seconds
 
 
 def deconflict(
     files: Annotated[list[Path], typer.Argument(metavar="FILE...", help="Missions: .plan or .waypoints.")],
-    separation: Annotated[
-        float, typer.Option("--separation", metavar="M", min=0.1, max=1e4, help="Least distance of two vehicles.")
-    ] = 10.0,
-    confidence: Annotated[
-        float, typer.Option("--confidence", min=0.5, max=0.999999, help="Probability that a pair keeps it.")
-    ] = 0.999,
-    departures: Annotated[
-        str | None, typer.Option("--departures", metavar="S,S,...", help="When each may depart; default all at 0 s.")
-    ] = None,
-    most_delay: Annotated[
-        float, typer.Option("--most-delay", metavar="S", min=0.0, max=1e5, help="The longest delay of a departure.")
-    ] = 600.0,
-    out: Annotated[
-        Path | None, typer.Option("--out", metavar="DIR", help="Write changed missions and timetable.json to it.")
-    ] = None,
-    force: ForceOption = False,
-    as_json: JsonOption = False,
+    options: DeconflictOptions,
 ) -> None:
     """Predict where missions may meet, and delay, hold or raise vehicles until each pair keeps its separation.
 
@@ -49,30 +64,25 @@ def deconflict(
     Example: `ipoa-mission deconflict north.plan south.plan --separation 15`
     """
     from ipoa_mission.fleet.contingency_conflicts import contingency_conflicts
-    from ipoa_mission.fleet.encounters import Encounters
     from ipoa_mission.fleet.fleet import read_fleet
     from ipoa_mission.fleet.repairs import Deconfliction, RepairLimits
 
     if len(files) < 2:
         raise OptionConflict("expected two missions or more", place="FILE")
-    earliest = _seconds(departures, files)
-    if out is not None:
-        expect_folder(out)
+    earliest = options.earliest_departures(len(files))
+    if options.out is not None:
+        expect_folder(options.out)
     fleet = read_fleet([expect_mission(file) for file in files])
-    encounters = Encounters(separation)
-    search = Deconfliction(fleet, earliest, encounters, RepairLimits(1.0 - confidence, most_delay))
-
-    def conflicts(slots: "list[TimetableSlot]") -> list[dict[str, Any]]:
-        return [_row(each, fleet.frame) for each in encounters.conflicts([slot.departure for slot in slots])]
-
+    limits = RepairLimits(1.0 - options.confidence, options.most_delay)
+    search = Deconfliction(fleet, earliest, options.separation, limits)
     timetable = search.timetable()
     slots = search.planned if timetable is None else timetable
-    meetings, unknown = contingency_conflicts(slots, fleet.frame, separation)
+    meetings, unknown = contingency_conflicts(slots, fleet.frame, options.separation)
     result: dict[str, Any] = {
-        "separation_m": separation,
-        "confidence": confidence,
-        "conflicts": conflicts(search.planned),
-        "contingencies": [_row(meeting, fleet.frame) for meeting in meetings],
+        "separation_m": options.separation,
+        "confidence": options.confidence,
+        "conflicts": [_row(each, fleet.frame) for each in search.conflicts(search.planned)],
+        "contingencies": [_row(each, fleet.frame) for each in meetings],
         "unknown_contingencies": [each._asdict() for each in unknown],
     }
     written: list[Path] = []
@@ -85,28 +95,14 @@ def deconflict(
             for slot in timetable
         ]
         result["added_s"] = round(sum(slot.added_s for slot in timetable), 1)
-        result["remaining"] = conflicts(timetable)
-        written = [] if out is None else _write(timetable, out, force, result)
-    if as_json:
+        result["remaining"] = [_row(each, fleet.frame) for each in search.conflicts(timetable)]
+        written = [] if options.out is None else _write(timetable, options.out, options.force, result)
+    if options.as_json:
         print_json(result | {"written": [str(file) for file in written]})
     else:
         _print(result, written)
     if timetable is None:
         raise typer.Exit(1)
-
-
-def _seconds(departures: str | None, files: list[Path]) -> "Vector":
-    import numpy as np
-
-    parts = ["0"] * len(files) if departures is None else departures.split(",")
-    try:
-        seconds = np.array([float(part) for part in parts])
-    except ValueError:
-        seconds = np.empty(0)
-    if len(seconds) != len(files) or not (np.isfinite(seconds) & (seconds >= 0.0)).all():
-        words = f"expected {len(files)} times of 0 s or more, as 0,30, not {departures}"
-        raise BadInput(words, place="--departures")
-    return seconds
 
 
 def _write(timetable: "list[TimetableSlot]", out: Path, force: bool, result: dict[str, Any]) -> list[Path]:
@@ -132,10 +128,10 @@ def _write(timetable: "list[TimetableSlot]", out: Path, force: bool, result: dic
 
 
 def _row(met: "Conflict | ContingencyConflict", frame: "LocalFrame") -> dict[str, Any]:
-    digits = {"latitude_deg": 7, "longitude_deg": 7, "altitude_amsl": 1, "probability": 6}
-    row: dict[str, Any] = met._asdict()
-    axes = frame.to_geodetic(row.pop("place")[None])
-    row |= {name: float(axis[0]) for name, axis in zip(digits, axes, strict=False)}
+    row = met._asdict()
+    place = frame.geodetic(row.pop("place"))
+    row |= {"latitude_deg": place.latitude_deg, "longitude_deg": place.longitude_deg, "altitude_amsl": place.altitude}
+    digits = {"latitude_deg": 7, "longitude_deg": 7, "probability": 6}
     floats = {name: value for name, value in row.items() if isinstance(value, float)}
     return row | {name: round_finite(value, digits.get(name, 1)) for name, value in floats.items()}
 

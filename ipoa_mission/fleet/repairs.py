@@ -9,9 +9,8 @@ from math import ceil
 import numpy as np
 
 from ipoa_mission import Command, Item, Mission, MissionError, Severity, check_mission
-from ipoa_mission.fleet.encounters import Encounters, PlannedDeparture
+from ipoa_mission.fleet.encounters import Conflict, Encounters, PlannedDeparture
 from ipoa_mission.fleet.fleet import Fleet, FleetVehicle
-from ipoa_mission.geometry import Vector
 
 LANDS = frozenset({Command.NAV_LAND, Command.NAV_VTOL_LAND, Command.NAV_RETURN_TO_LAUNCH})
 HOLDS = frozenset({Command.NAV_WAYPOINT, Command.NAV_LOITER_TIME})  # their first parameter is a time [s]
@@ -45,15 +44,18 @@ class TimetableSlot:
 class Deconfliction:
     """The search for a timetable: vehicles take their slots one after the other, in several orders."""
 
-    def __init__(self, fleet: Fleet, earliest: Vector, encounters: Encounters, limits: RepairLimits) -> None:
-        self.encounters = encounters
+    def __init__(self, fleet: Fleet, earliest: Sequence[float], separation: float, limits: RepairLimits) -> None:
+        self.encounters = Encounters(separation)
         self.limits = limits
         self.frame = fleet.frame
         self.planned = [
-            TimetableSlot(vehicle, second) for vehicle, second in zip(fleet.vehicles, earliest.tolist(), strict=True)
+            TimetableSlot(vehicle, second) for vehicle, second in zip(fleet.vehicles, earliest, strict=True)
         ]
         self._delays = np.arange(0.0, limits.most_delay_s + 1.0)
         self._raised = cache(self._raised_by)
+
+    def conflicts(self, slots: Sequence[TimetableSlot]) -> list[Conflict]:
+        return self.encounters.conflicts([slot.departure for slot in slots])
 
     def timetable(self) -> list[TimetableSlot] | None:
         """Return a slot for each vehicle, of the least sum of added time found; None: none."""
