@@ -1,5 +1,3 @@
-"""Missions of several vehicles as flights in time, in one frame."""
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -15,16 +13,14 @@ from ipoa_mission.geodesy import LocalFrame, apart
 from ipoa_mission.geometry import Points, Vector
 
 Indices: TypeAlias = NDArray[np.intp]
-STEP_S = 0.25  # between samples; the motion between them counts as straight
+STEP_S = 0.25  # between samples
 
 
 @dataclass(frozen=True, eq=False)
 class TimedFlight:
-    """The expected flight of one vehicle in the frame of all.
+    """The expected flight in the frame of all: `places` (n, 3) each `STEP_S` from arming to disarming [m].
 
-    `places` (n, 3): east, north, up [m], `STEP_S` apart, from the departure (arming) until it disarms. It is in the air
-    from sample `lifts` to sample `lands`. `time_deviations` (n,): standard deviation of the time at each place, as if
-    the forecast's 90 % interval were normal [s].
+    It is in the air from sample `lifts` to `lands`. `time_deviations` (n,): standard deviations of time [s].
     """
 
     name: str
@@ -43,7 +39,6 @@ class TimedFlight:
         return np.asarray((samples <= self.lifts) | (samples >= self.lands))
 
     def uses_pad(self, pad: Vector) -> bool:
-        """Return whether it takes off from a pad (3,) or lands on it."""
         return bool(np.any(within_pad(self.places[[0, -1]] - pad)))
 
     @property
@@ -52,17 +47,13 @@ class TimedFlight:
 
 
 def within_pad(away: Points) -> NDArray[np.bool_]:
-    """Return whether two places on the ground, `away` (..., 3) [m], are one pad."""
+    """Return whether places `away` (..., 3) [m] from each other are one pad."""
     width = 2.0  # [m]
     return np.asarray(np.linalg.norm(away, axis=-1) < width)
 
 
 def timed_flight(name: str, forecast: Forecast, frame: LocalFrame) -> TimedFlight:
-    """Sample the expected flight of a forecast in another local frame.
-
-    Raises:
-        MissionError: the mission has no end, or its path or time is unknown.
-    """
+    """Raise MissionError if nothing is flown, or the end, path or time is unknown."""
     forecast.expect_known_path()
     prediction = forecast.expected
     track = prediction.track.local()
@@ -71,7 +62,7 @@ def timed_flight(name: str, forecast: Forecast, frame: LocalFrame) -> TimedFligh
     moving = np.flatnonzero(np.linalg.norm(np.diff(sampled, axis=0), axis=1) > 1e-3)
     if len(moving) == 0:
         raise MissionError("the vehicle stays where it is", code="nothing-flown")
-    deviations = (prediction.high - prediction.low) / (2 * 1.645)
+    deviations = (prediction.high - prediction.low) / (2 * 1.645)  # of normal times, in 90 % of flights
     latitude, longitude, altitude = forecast.frame.to_geodetic(sampled)
     return TimedFlight(
         name=name,
@@ -85,49 +76,36 @@ def timed_flight(name: str, forecast: Forecast, frame: LocalFrame) -> TimedFligh
 
 @dataclass(frozen=True, eq=False)
 class FleetVehicle:
-    """A vehicle with its mission, and the flight of it in the frame of all.
-
-    `change`: of the mission as read; `contents`: of the changed mission's files, by suffix.
-    """
+    """`change`: of the mission in `file`; `contents`: of the changed mission's files, by suffix."""
 
     file: Path
-    mission: Mission
     forecast: Forecast
     flight: TimedFlight
     change: str = ""
     contents: Mapping[str, bytes] = field(default_factory=dict)
 
-    def flying(self, mission: Mission, frame: LocalFrame, change: str) -> "FleetVehicle":
-        """Return the vehicle with a changed mission, as a reader of its `.plan` gets that.
+    @property
+    def mission(self) -> Mission:
+        return self.forecast.mission
 
-        Raises:
-            MissionError: its path or time is unknown.
-        """
+    def flying(self, mission: Mission, frame: LocalFrame, change: str) -> "FleetVehicle":
+        """Return the vehicle with a mission as read from its `.plan`; raises as `timed_flight`."""
         with TemporaryDirectory() as folder:
             file = Path(folder, "mission.plan")
             write_mission(mission, file)
             read = read_mission(file)
             contents = {each.suffix: each.read_bytes() for each in Path(folder).iterdir()}
-        mission = replace(mission, home=read.home, items=read.items, parameters=read.parameters)
-        forecast = Forecast(mission)
-        flight = timed_flight(self.flight.name, forecast, frame)
-        return FleetVehicle(self.file, mission, forecast, flight, change, contents)
+        forecast = Forecast(replace(mission, home=read.home, items=read.items, parameters=read.parameters))
+        return FleetVehicle(self.file, forecast, timed_flight(self.flight.name, forecast, frame), change, contents)
 
 
 class Fleet(NamedTuple):
-    """Vehicles in the frame of the first one's home."""
-
-    frame: LocalFrame
+    frame: LocalFrame  # of the first one's home
     vehicles: tuple[FleetVehicle, ...]
 
 
 def read_fleet(files: Sequence[Path]) -> Fleet:
-    """Return the vehicles, named by their files.
-
-    Raises:
-        BadInput: a file is no mission of a multicopter, is named twice, has no home, is of another place than the
-            first, or its path or time is unknown.
-    """
+    """Raise BadInput of missions without home or flight, of another kind or place, or named twice."""
     missions = dict[Path, Mission]()
     for file in files:
         if any(file.resolve() == other.resolve() for other in missions):
@@ -156,6 +134,6 @@ def _vehicle(name: str, file: Path, mission: Mission, frame: LocalFrame) -> Flee
         raise BadInput(words, code="other-vehicle", place=file)
     forecast = Forecast(mission)
     try:
-        return FleetVehicle(file, mission, forecast, timed_flight(name, forecast, frame))
+        return FleetVehicle(file, forecast, timed_flight(name, forecast, frame))
     except MissionError as error:
         raise BadInput(error.args[0], error.hint, code=error.code, place=error.at(file).place) from None

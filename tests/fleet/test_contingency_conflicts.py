@@ -17,7 +17,7 @@ MISSIONS = {"east": eastward(), "north": northward()}
 
 def slot(name: str, departs_s: float) -> TimetableSlot:
     forecast = Forecast(MISSIONS[name])
-    vehicle = FleetVehicle(Path(name), forecast.mission, forecast, timed_flight(name, forecast, FRAME))
+    vehicle = FleetVehicle(Path(name), forecast, timed_flight(name, forecast, FRAME))
     return TimetableSlot(vehicle, departs_s)
 
 
