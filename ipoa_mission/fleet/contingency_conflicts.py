@@ -1,7 +1,4 @@
-"""Orders of a contingency, at any second of one flight, after which the vehicle may meet the planned flight of another.
-
-The paths are those over open, level ground at the height of home: no scenario is known.
-"""
+"""Contingencies of one flight, over open, level ground, after which the vehicle may meet another's planned flight."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -21,11 +18,9 @@ SPACING = 4.0  # of the points of a path [m]
 
 
 class ContingencyConflict(NamedTuple):
-    """A contingency of `pair[0]`, ordered from `from_s` to `to_s` after the start of all, may meet `pair[1]`."""
-
-    pair: tuple[str, str]
+    pair: tuple[str, str]  # the vehicle of the contingency, and the other
     contingency: str
-    from_s: float
+    from_s: float  # of the order, after the start of all
     to_s: float
     place: Vector  # (3,) east, north, up [m]
     distance_m: float
@@ -39,10 +34,9 @@ class UnknownContingency(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class ContingencyPoints:
-    """Points (n, 3) on the paths of one contingency in the frame of all [m].
+    """Points on the paths of a contingency: order, and earliest and latest presence, infinite where it stays.
 
-    `order_s` (n,): when it is ordered. The vehicle may be at a point from `earliest` to `latest` (n,), which is
-    infinite where it stays. All [s after the departure].
+    All (n,) [s after the departure].
     """
 
     contingency: str
@@ -55,7 +49,6 @@ class ContingencyPoints:
 def contingency_conflicts(
     slots: Sequence[TimetableSlot], frame: LocalFrame, separation: float
 ) -> tuple[list[ContingencyConflict], list[UnknownContingency]]:
-    """Return the contingencies that may meet a planned flight, and those of unknown path."""
     found = list[ContingencyConflict]()
     unknown = list[UnknownContingency]()
     for slot in slots:
@@ -72,7 +65,6 @@ def contingency_conflicts(
 
 
 def open_air(mission: Mission) -> Forecast:
-    """Return the forecast in a world without obstacles, over ground at the height of home."""
     home = mission.home
     start = {"east": 0.0, "north": 0.0, "up": 10.0}
     place = {"latitude_deg": home.latitude_deg, "longitude_deg": home.longitude_deg, "altitude_amsl": home.altitude}
@@ -83,7 +75,6 @@ def open_air(mission: Mission) -> Forecast:
 def contingency_points(
     forecast: Forecast, contingency: Contingency, orders: Sequence[tuple[float, Points]], frame: LocalFrame
 ) -> ContingencyPoints:
-    """Return the points of the paths of a contingency by `orders` [s after arming]."""
     least_s = 0.5  # between orders
     first_in_step = {second // least_s: second for second, _ in reversed(orders)}
     kept = [(second, _along(path)) for second, path in orders if first_in_step[second // least_s] == second]
@@ -95,14 +86,14 @@ def contingency_points(
 
 
 def _along(path: Points) -> tuple[Points, Vector]:
-    """Return evenly spaced points (n, 3) of a path, and their shares of its length (n,)."""
+    """Return even points (n, 3) of a path, and their shares of its length."""
     along = arc_lengths(path)
     shares = np.linspace(0.0, 1.0, 2 + int(along[-1] / SPACING))
     return np.column_stack([np.interp(shares * along[-1], along, axis) for axis in path.T]), shares
 
 
 def _presence(forecast: Forecast, contingency: Contingency, order_s: Vector, shares: Vector) -> tuple[Vector, Vector]:
-    """Return from when to when the vehicle may be at `shares` (n,) of its path, ordered at `order_s` (n,) [s]."""
+    """Return from when to when the vehicle may be at `shares` (n,) of its paths [s]."""
     every_s = 20.0  # orders of which the progress is predicted
     timed_s = np.linspace(order_s[0], order_s[-1], 2 + int((order_s[-1] - order_s[0]) / every_s))
     even = np.linspace(0.0, 1.0, 101)
@@ -124,7 +115,6 @@ def _presence(forecast: Forecast, contingency: Contingency, order_s: Vector, sha
 def _conflicts(
     points: ContingencyPoints, of: PlannedDeparture, other: PlannedDeparture, separation: float
 ) -> Iterator[ContingencyConflict]:
-    """Yield the runs of orders after which the vehicle may come within the separation of the other's planned flight."""
     flight = other.flight
     reach = separation + SPACING / 2 + 0.5 * of.flight.longest_step / STEP_S  # of orders between the sampled ones
     tree = cKDTree(flight.places)

@@ -1,11 +1,6 @@
-"""Encounters of two flights, and the probability that they lose separation.
+"""The probability that two flights, each early or late and off its path, lose separation.
 
-A vehicle is early or late, and off its path. With B later than A by an offset, the least distance of the expected
-flights is a function of that offset. The probability is the mean, over the distribution of the offset, of the chance
-that both deviations close the rest of the distance.
-
-A vehicle waits on its pad before its departure, and remains where it landed. A pad that both use is free outside of
-the flight.
+It is the mean, over the offset in time of B to A, of the chance that deviations close the least distance.
 """
 
 from collections.abc import Iterator, Sequence
@@ -27,8 +22,6 @@ TIME_SPREADS = ((0.75, 0.55), (0.25, 1.8))
 
 
 class Phase(Enum):
-    """Of the second vehicle of an encounter."""
-
     WAITING = 0
     FLYING = 1
     LANDED = 2
@@ -36,11 +29,9 @@ class Phase(Enum):
 
 @dataclass(frozen=True, eq=False)
 class Encounter:
-    """Two flights near to each other.
+    """By `offsets` (k,) [samples] of B's clock ahead of A's: expected least distance [m], A's sample, chance of a loss.
 
-    With B's clock `offsets` (k,) samples ahead of A's, the expected flights are `separations` (k,) [m] apart, at
-    samples `of_a` (k,) of A. They lose separation with the chances `risks` (k,), constant beyond both ends.
-    `deviations_s`: standard deviations of the departures, and of A's and B's time, as in `TimedFlight` [s].
+    `deviations_s`: standard deviations of the departures, and of A's and B's time [s].
     """
 
     a: TimedFlight
@@ -51,13 +42,13 @@ class Encounter:
     deviations_s: tuple[float, float, float]
 
     def probabilities(self, delays_s: Vector) -> Vector:
-        """Return the probability of a loss of separation, with B departing `delays_s` (m,) [s] after A."""
+        """Return the probability (m,) of a loss of separation, with B departing `delays_s` (m,) after A."""
         errors, weights = self._errors
         offsets = -(delays_s[:, None] + errors) / STEP_S
         return np.asarray(np.interp(offsets, self.offsets, self.risks) @ weights)
 
     def likeliest(self, delay_s: float) -> tuple[float, float]:
-        """Return the expected least distance [m], and A's sample at the likeliest loss, with B `delay_s` [s] later."""
+        """Return the expected least distance [m], and A's sample at the likeliest loss."""
         errors, weights = self._errors
         numbers = np.rint(-(delay_s + errors) / STEP_S - self.offsets[0]).clip(0, len(self.risks) - 1).astype(int)
         likeliest = numbers[np.argmax(weights * self.risks[numbers])]
@@ -65,7 +56,7 @@ class Encounter:
 
     @cached_property
     def _errors(self) -> tuple[Vector, Vector]:
-        """Return errors of the offset, and their probabilities, (k,) each [s]."""
+        """Return errors of the offset (k,) [s], and their probabilities."""
         departures_s, a_s, b_s = self.deviations_s
         most = 6.0  # standard deviations
         mixed = [
@@ -80,7 +71,7 @@ class Encounter:
 
 
 def encounters(a: TimedFlight, b: TimedFlight, separation: float) -> Iterator[Encounter]:
-    """Yield where A and B may be nearer than `separation` [m], at whatever times they depart."""
+    """Yield where A and B may be nearer than `separation` [m], for any departures."""
     for phase in Phase:
         yield from _Approach(a, b, phase, separation).encounters()
     for phase in (Phase.WAITING, Phase.LANDED):
@@ -89,7 +80,10 @@ def encounters(a: TimedFlight, b: TimedFlight, separation: float) -> Iterator[En
 
 @dataclass(frozen=True, eq=False)
 class _Approach:
-    """A in flight near B, at one phase of B."""
+    """A in flight near B, which waits on its pad, flies, or remains where it landed.
+
+    A pad of both is free outside of a flight.
+    """
 
     a: TimedFlight
     b: TimedFlight
@@ -116,7 +110,6 @@ class _Approach:
                 yield self._encounter(rows, np.arange(met[0] - rows[-1] - 1, met[-1] - rows[0] + 2))
 
     def _encounter(self, rows: Indices, offsets: Indices) -> Encounter:
-        """Return the encounter at A's samples `rows`, with B's clock `offsets` (k,) samples ahead."""
         a = self.a
         b = self.b
         batch_size = 200_000  # pairs of samples, limited by memory
@@ -138,10 +131,7 @@ class _Approach:
         )
 
     def _nearest(self, rows: Indices, offsets: Indices) -> tuple[Vector, Vector, Vector, Vector]:
-        """Return by offset (k,): least distance [m], A's sample, how far A is above B, seconds so near.
-
-        The height is a share of the distance. Two vehicles on the ground are apart, unless on one pad.
-        """
+        """Return by offset (k,): least distance [m], A's sample, A's height above B as a share of it, seconds near."""
         a = self.a
         b = self.b
         last = len(b.places) - 1
@@ -164,7 +154,7 @@ class _Approach:
 
 
 def _risks(laws: tuple[DeviationLaw, ...], room: Vector, above: Vector, seconds: Vector) -> Vector:
-    """Return the chance that deviations close `room` (k,) [m] for `seconds`, the first `above` (-1 to 1) the second."""
+    """Return the chance that deviations close `room` (k,) [m] in `seconds`; `above`: sine of the elevation."""
     steps = 8  # from horizontal to upright
     angles = np.rint(np.where(np.isfinite(room), above, 0.0) * steps).astype(int)
     chances = np.zeros(len(room))
@@ -178,9 +168,9 @@ def _risks(laws: tuple[DeviationLaw, ...], room: Vector, above: Vector, seconds:
 
 @lru_cache(maxsize=64)
 def _closing(laws: tuple[DeviationLaw, ...], above: float) -> tuple[Vector, Vector]:
-    """Return distances [m] and the chance that all vehicles together close more than each, the first from above.
+    """Return increasing distances [m], and the chance that the vehicles together close more than each.
 
-    A law's quantiles were measured for deviations towards a thing: those away from it are of the opposite side.
+    Quantiles are of deviations towards a thing: those away from it are of the opposite side.
     """
     width = 0.05  # of the distances [m]
     horizontal = float(np.sqrt(1.0 - above**2))
@@ -202,22 +192,15 @@ def _closing(laws: tuple[DeviationLaw, ...], above: float) -> tuple[Vector, Vect
 
 
 class Conflict(NamedTuple):
-    """Two flights that may lose separation: when [s after the start of all] and where most probably.
-
-    `distance_m`: the least of the expected flights, infinite where one is on the ground then.
-    """
-
     pair: tuple[str, str]
-    second: float
+    second: float  # most probable, after the start of all
     place: Vector  # (3,) east, north, up [m]
-    distance_m: float
+    distance_m: float  # expected; infinite with one on the ground
     probability: float
 
 
 @dataclass(frozen=True, eq=False)
 class PlannedDeparture:
-    """A flight and the second at which it departs."""
-
     flight: TimedFlight
     second: float
 
@@ -237,14 +220,14 @@ class Encounters:
         return self._met[a, b]
 
     def probabilities(self, a: PlannedDeparture, b: PlannedDeparture, delays: Vector) -> Vector:
-        """Return the probability (m,) that the pair loses separation, with B `delays` (m,) [s] later than planned."""
+        """Return the probability (m,) of a loss of separation, with B `delays` (m,) [s] later than planned."""
         kept = np.ones(len(delays))
         for encounter in self.of(a.flight, b.flight):
             kept *= 1.0 - encounter.probabilities(_delays(encounter, a, b, delays))
         return np.asarray(1.0 - kept)
 
     def between(self, a: PlannedDeparture, b: PlannedDeparture, seen: float = 1e-6) -> Iterator[Conflict]:
-        """Yield each possible conflict of a pair that is more probable than `seen`."""
+        """Yield the conflicts of a pair that are more probable than `seen`."""
         for encounter in self.of(a.flight, b.flight):
             delays = _delays(encounter, a, b, np.zeros(1))
             probability = float(encounter.probabilities(delays)[0])
@@ -255,12 +238,12 @@ class Encounters:
                 yield Conflict(pair, second, encounter.a.places[round(sample)], distance, probability)
 
     def conflicts(self, departures: Sequence[PlannedDeparture]) -> list[Conflict]:
-        """Return the possible conflicts of all pairs, most probable first."""
+        """Return the conflicts of all pairs, most probable first."""
         found = [conflict for a, b in combinations(departures, 2) for conflict in self.between(a, b)]
         return sorted(found, key=lambda conflict: -conflict.probability)
 
 
 def _delays(encounter: Encounter, a: PlannedDeparture, b: PlannedDeparture, later: Vector) -> Vector:
-    """Return by how much the encounter's B departs after its A (m,) [s], with b `later` (m,) [s] than planned."""
+    """Return by how much the encounter's B departs after its A (m,) [s]."""
     delays = b.second + later - a.second
     return np.asarray(delays if encounter.a is a.flight else -delays)

@@ -1,5 +1,3 @@
-"""The departures, holds and heights of least added time at which each pair keeps its separation."""
-
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
@@ -18,23 +16,19 @@ HOLDS = frozenset({Command.NAV_WAYPOINT, Command.NAV_LOITER_TIME})  # their firs
 
 @dataclass(frozen=True)
 class RepairLimits:
-    """Of a repair: greatest probability of a pair, longest delay [s], heights added and greatest height [m]."""
-
-    chance: float
+    chance: float  # of a loss of separation, of a pair
     most_delay_s: float
-    heights: tuple[float, ...] = (5.0, 10.0, 15.0, 20.0, 25.0, 30.0, 35.0, 40.0)
-    most_height: float = 120.0
+    heights: tuple[float, ...] = (5.0, 10.0, 15.0, 20.0, 25.0, 30.0, 35.0, 40.0)  # added [m]
+    most_height: float = 120.0  # [m]
     most_hold_s: float = 300.0
     hold_margins_s: tuple[float, ...] = (0.0, 2.0, 4.0)
 
 
 @dataclass(frozen=True, eq=False)
 class TimetableSlot:
-    """A vehicle's mission and departure in a timetable, and the time that they add to its flight as read [s]."""
-
     vehicle: FleetVehicle
     departs_s: float
-    added_s: float = 0.0
+    added_s: float = 0.0  # to the flight as read, by delay and change
 
     @property
     def departure(self) -> PlannedDeparture:
@@ -42,7 +36,7 @@ class TimetableSlot:
 
 
 class Deconfliction:
-    """The search for a timetable: vehicles take their slots one after the other, in several orders."""
+    """Search a timetable: vehicles take slots one after the other, in several orders."""
 
     def __init__(self, fleet: Fleet, earliest: Sequence[float], separation: float, limits: RepairLimits) -> None:
         self.encounters = Encounters(separation)
@@ -58,13 +52,13 @@ class Deconfliction:
         return self.encounters.conflicts([slot.departure for slot in slots])
 
     def timetable(self) -> list[TimetableSlot] | None:
-        """Return a slot for each vehicle, of the least sum of added time found; None: none."""
+        """Return a slot for each vehicle, of the least sum of added time found."""
         tried = (self._in_order(order, changes) for changes in (False, True) for order in self._orders())
         found = (slots for slots in tried if slots is not None)
         return min(found, key=lambda slots: sum(slot.added_s for slot in slots), default=None)
 
     def blocking_pair(self) -> tuple[str, str]:
-        """Return the pair that loses separation most probably at its best delay, else as planned."""
+        """Return the pair of the likeliest loss of separation at its best delay, else as planned."""
         delays = np.concatenate([-self._delays[::-1], self._delays])
 
         def difficulty(pair: tuple[PlannedDeparture, PlannedDeparture]) -> tuple[float, float]:
@@ -75,7 +69,7 @@ class Deconfliction:
         return a.flight.name, b.flight.name
 
     def _orders(self) -> Iterator[list[int]]:
-        """Yield orders: as given, reversed, and by the number of other flights that each meets."""
+        """Yield orders: as given, reversed, by the number of flights that each meets."""
         flights = [slot.vehicle.flight for slot in self.planned]
         met = [sum(bool(self.encounters.of(one, other)) for other in flights if other is not one) for one in flights]
         numbers = list(range(len(flights)))
@@ -95,7 +89,7 @@ class Deconfliction:
         return [taken[n] for n in range(len(order))]
 
     def _slots(self, n: int, taken: Sequence[PlannedDeparture], changes: bool) -> Iterator[TimetableSlot | None]:
-        """Yield vehicle n's slots clear of those taken; `changes`: also with a hold or a higher route."""
+        """Yield clear slots; with `changes` also of a hold or a higher route."""
         delayed = self._slot(n, self.planned[n].vehicle, taken)
         yield delayed
         most_s = np.inf if delayed is None else delayed.added_s
@@ -111,7 +105,7 @@ class Deconfliction:
                 return
 
     def _slot(self, n: int, vehicle: FleetVehicle, taken: Sequence[PlannedDeparture]) -> TimetableSlot | None:
-        """Return the earliest departure of vehicle n, with this mission, clear of those taken."""
+        """Return the earliest clear departure."""
         planned = self.planned[n]
         departure = PlannedDeparture(vehicle.flight, planned.departs_s)
         free = np.ones(len(self._delays), dtype=bool)
@@ -124,7 +118,7 @@ class Deconfliction:
         return TimetableSlot(vehicle, planned.departs_s + delay, delay + longer)
 
     def _held(self, n: int, taken: Sequence[PlannedDeparture], most_s: float) -> Iterator[FleetVehicle]:
-        """Yield the vehicle with a hold of up to `most_s` before its first conflict, at up to two waypoints."""
+        """Yield the vehicle with holds before its first conflict, at up to two waypoints."""
         vehicle = self.planned[n].vehicle
         departure = self.planned[n].departure
         between = self.encounters.between
@@ -149,7 +143,7 @@ class Deconfliction:
         return None if mission is None else self._changed(vehicle, mission, f"{by:g} m higher")
 
     def _changed(self, vehicle: FleetVehicle, mission: Mission, change: str) -> FleetVehicle | None:
-        """Return the vehicle with another mission; None if that has errors or an unknown path, unlike the first."""
+        """Return None if the mission has new errors or an unknown path."""
         try:
             changed = vehicle.flying(mission, self.frame, change)
         except MissionError:
@@ -163,7 +157,7 @@ def _errors(mission: Mission) -> set[tuple[str, int | None]]:
 
 
 def raised(mission: Mission, by: float, most_height: float) -> Mission | None:
-    """Return the mission with all between take-off and landing `by` [m] higher; None above `most_height` or unclear."""
+    """Return the mission with its route `by` [m] higher; None above `most_height` or of unclear height."""
     items = list[Item]()
     for item in mission.items:
         higher = item
@@ -178,7 +172,6 @@ def raised(mission: Mission, by: float, most_height: float) -> Mission | None:
 
 
 def held(mission: Mission, seq: int, seconds: float) -> Mission:
-    """Return the mission with a longer hold at item `seq`."""
     item = mission.items[seq - 1]
     hold, *others = item.params
     longer = replace(item, params=(hold + seconds, others[0], others[1], others[2]))
@@ -186,6 +179,6 @@ def held(mission: Mission, seq: int, seconds: float) -> Mission:
 
 
 def holding_places(vehicle: FleetVehicle, second: float) -> list[int]:
-    """Return the waypoints that the vehicle leaves before a second of its flight, in this order."""
+    """Return the numbers of waypoints that the vehicle leaves before a second of its flight."""
     ended = zip(vehicle.forecast.itinerary.visits, vehicle.forecast.expected.done.tolist(), strict=True)
     return [visit.seq for visit, at in ended if at < second and vehicle.mission.items[visit.seq - 1].command in HOLDS]
