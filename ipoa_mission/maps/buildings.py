@@ -27,6 +27,7 @@ from ipoa_mission.unread import Unread
 
 # Unreadable values may hide a greater height.
 HEIGHTENING = (Means.TOP, Means.LEVELS, Means.MAX_LEVEL, Means.HUB, Means.ROOF, Means.ROOF_LEVELS, Means.ROTOR)
+FAR_BELOW_HOME = 30.0  # [m]
 
 
 def name_for_pilot(feature: Feature, shape: Any) -> str:
@@ -111,6 +112,7 @@ class _Finder:
                 self._notes.pass_over(feature, shape, why)
                 continue
             parts = self._mistakes.attempt(self._stand, feature, shape) or ()
+            self._note_low_drawing(feature, parts)
             self._obstacles += [self._as_drawn(part, feature, name_for_pilot(feature, shape)) for part in parts]
         around.expect_near(self._notes.path)
         self._mistakes.raise_all()
@@ -129,6 +131,13 @@ class _Finder:
         passed_over = tuple(self._notes.passed_over)
         unread = tuple(self._notes.unread)
         return Buildings(obstacles, passed_over, tuple(remarks), len(features), elsewhere, unread)
+
+    def _note_low_drawing(self, feature: Feature, parts: Sequence[MapObstacle]) -> None:
+        _, altitude = feature.drawn
+        is_low = altitude < self._notes.frame.home.altitude - FAR_BELOW_HOME
+        if is_low and any(altitude > part.height for part in parts):
+            subject = f"altitude of a shape over {FAR_BELOW_HOME:g} m below home, maybe its height above ground"
+            self._notes.note(feature, subject, f"{altitude:g} m")
 
     def _as_drawn(self, part: MapObstacle, feature: Feature, called: str) -> MapObstacle:
         above_ground, altitude = feature.drawn

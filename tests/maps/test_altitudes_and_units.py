@@ -51,6 +51,19 @@ def test_the_third_coordinate_is_the_least_altitude_of_a_top(
 
 
 @pytest.mark.parametrize(
+    ("altitude", "height", "is_doubtful"), [(60, "20", True), (60, "70", False), (480, "20", False), (0, "20", False)]
+)
+def test_an_altitude_far_below_home_may_be_a_height_above_ground(
+    write_map: WriteMap, frame: LocalFrame, square: Square, altitude: float, height: str, is_doubtful: bool
+) -> None:
+    path = write_map((high(square(0, 0), altitude), {**HOUSE, "height": height}))  # home is at 500 m
+    words = [thing.words for thing in find(path, frame).unread]
+    what = "altitude of a shape over 30 m below home, maybe its height above ground"
+    assert words == [f'{path.name}: not read: {what}: features[0] ("60 m")'] * is_doubtful
+    assert tops(path, frame) == [float(height)]
+
+
+@pytest.mark.parametrize(
     "position", [[8.0, 47.0], [8.0, 47.0, None], [8.0, 47.0, "60"], [8.0, 47.0, 1.7e9], [8.0, 47.0, float("nan")]]
 )
 def test_a_third_coordinate_that_is_no_altitude_changes_nothing(
