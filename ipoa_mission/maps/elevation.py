@@ -21,15 +21,11 @@ from ipoa_mission.errors import BadInput, DamagedFile, NoCoordinateSystem, NotCo
 from ipoa_mission.geodesy import Geodetic, LocalFrame
 from ipoa_mission.geometry import Vector
 from ipoa_mission.maps.geoid import ElevationRules, undulation
-from ipoa_mission.maps.lengths import FOOT
+from ipoa_mission.maps.lengths import UNIT_FACTORS
 from ipoa_mission.world.terrain import Grid
 
 UPPER_LEVEL = 1000.0  # second altitude of conversion [m]
-HEIGHT_UNITS = {
-    **dict.fromkeys(("", "m", "metre", "meter", "metres", "meters"), 1.0),
-    **dict.fromkeys(("ft", "foot", "feet"), FOOT),
-    **dict.fromkeys(("us survey foot", "ftus"), 1200 / 3937),
-}
+HEIGHT_UNITS = {**UNIT_FACTORS, "": 1.0, **dict.fromkeys(("us survey foot", "ftus"), 1200 / 3937)}
 LOWEST = -500.0  # ground [m]
 HIGHEST = 9_000.0  # ground [m]
 SUSPECT_STEP = 100.0  # larger ones may be spoiled heights [m]

@@ -16,15 +16,12 @@ import numpy as np
 from ipoa_mission.errors import BadInput
 from ipoa_mission.maps.feature import Feature, read_all
 from ipoa_mission.maps.json_shapes import circle, shape_of
-from ipoa_mission.maps.lengths import FOOT
+from ipoa_mission.maps.lengths import FOOT, UNIT_FACTORS
 
 RADIUS_UNIT = "radius in other units than M"  # internal tag
 DAY_S = 86_400.0
 
-LENGTH_UNITS = {
-    **dict.fromkeys(("M", "METRE", "METRES", "METER", "METERS"), 1.0),
-    **dict.fromkeys(("FT", "F", "FEET", "FOOT"), FOOT),
-}
+LENGTH_UNITS = {**UNIT_FACTORS, "f": FOOT}
 REFERENCES = {"AGL": "AGL", "GND": "AGL", "SFC": "AGL", "AMSL": "AMSL", "MSL": "AMSL", "WGS84": "WGS84"}
 # Of ED-318, ED-269, its shapefiles, and Estonia.
 LIMIT_KEYS = {
@@ -164,8 +161,8 @@ def _limit(values: Mapping[str, str], side: str, odd: list[tuple[str, str]]) -> 
         return VerticalLimit(0.0, "AGL")
     in_words = re.fullmatch(r"([-+]?\d+(?:\.\d+)?) ?([A-Z]+)[ ,]*([A-Z]+)", text)  # EANS, AIP: "120m AGL"
     number, name, datum = in_words.groups() if in_words else (text, unit or "M", reference)
-    if name in LENGTH_UNITS and datum in REFERENCES and _is_number(number):
-        return VerticalLimit(float(number) * LENGTH_UNITS[name], REFERENCES[datum])
+    if name.lower() in LENGTH_UNITS and datum in REFERENCES and _is_number(number):
+        return VerticalLimit(float(number) * LENGTH_UNITS[name.lower()], REFERENCES[datum])
     meters = values[f"{side}Meters"]
     if _is_number(meters) and not reference:  # Estonia's, rounded
         odd.append((f"reference of {side}Meters, taken as AGL", meters))

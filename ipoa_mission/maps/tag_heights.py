@@ -3,7 +3,7 @@
 import re
 from collections.abc import Callable, Mapping
 
-from ipoa_mission.maps.keys import AMBIGUITY_MARK, Means, keys_of, meaning, normalize
+from ipoa_mission.maps.keys import AMBIGUITY_MARK, Means, keys_of, normalize
 from ipoa_mission.maps.lengths import UNIT_FACTORS, count_storeys, length_of, storeys_of
 
 WIDEST_ROTOR = 170.0  # without a tag [m]
@@ -28,8 +28,7 @@ def height_of(tags: Mapping[str, str], height_key: str, storey_height: float, od
 
 def foot_of(tags: Mapping[str, str], storey_height: float, odd: Odd) -> float:
     """Return the lower side above the ground [m]; 0 if unreadable."""
-    meters = {"m", "metre", "metres", "meter", "meters"}
-    if any(meaning(key) is Means.UNIT and tags[key].lower() not in meters for key in tags):
+    if any(UNIT_FACTORS.get(tags[key].lower()) != 1.0 for key in keys_of(tags, Means.UNIT)):
         return 0.0
     feet = keys_of(tags, Means.FOOT)
     keys, read, unit = (feet, length_of, 1.0) if feet else (keys_of(tags, Means.MIN_LEVEL), storeys_of, storey_height)
