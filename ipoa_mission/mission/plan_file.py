@@ -122,12 +122,9 @@ def _plan(mission: Mission) -> dict[str, Any]:
 
 def _altitude_mode(items: Sequence[Item]) -> AltitudeMode:
     modes = {ALTITUDE_MODES[Frame(item.frame)] for item in items if item.frame in ALTITUDE_MODES}
-    match [*modes]:
-        case []:
-            return AltitudeMode.RELATIVE
-        case [mode]:
-            return mode
-    return AltitudeMode.MIXED
+    if len(modes) > 1:
+        return AltitudeMode.MIXED
+    return next(iter(modes), AltitudeMode.RELATIVE)
 
 
 def _entries(items: Sequence[Item], mission: Mission) -> Iterator[dict[str, Any]]:
