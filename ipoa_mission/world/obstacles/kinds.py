@@ -6,6 +6,7 @@ from typing import ClassVar
 
 import numpy as np
 import shapely
+from numpy.polynomial.polynomial import polyder, polyroots
 from numpy.typing import NDArray
 
 from ipoa_mission.errors import BadInput
@@ -51,16 +52,12 @@ def levels(a: Vector, b: Vector, base: float, top: float) -> Vector:
     return np.array([base - a[2], top - a[2], (base + top) / 2 - a[2]]) / climb if climb != 0 else np.zeros(0)
 
 
-def derivative(ascending: Vector) -> Vector:
-    return np.asarray(ascending[1:] * np.arange(1, len(ascending)))
-
-
 def roots(ascending: Vector) -> Vector:
     """Return real parts: rounding turns a double root into a complex pair."""
     scale = float(np.abs(ascending).max())
     if not scale:
         return np.zeros(0)
-    return np.asarray(np.polynomial.polynomial.polyroots(np.trim_zeros(ascending / scale, "b")).real)
+    return np.asarray(polyroots(np.trim_zeros(ascending / scale, "b")).real)
 
 
 def quadratic_roots(c0: Vector, c1: Vector, c2: Vector) -> Vector:
@@ -215,8 +212,8 @@ class Cylinder(Part):
             if not crosses and max(height, height + climb) <= 0:
                 continue
             w_squared = np.array([height**2, 2 * height * climb, climb**2])
-            slope = derivative(q)
-            both = derivative(q + w_squared)
+            slope = polyder(q)
+            both = polyder(q + w_squared)
             slope_squared = np.pad(np.convolve(slope, slope), (0, 2))
             quartic = np.convolve(np.convolve(both, both), q) - self.radius**2 * slope_squared
             candidates.append(roots(quartic))
