@@ -1,4 +1,4 @@
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import TypeAlias
 
 import numpy as np
@@ -31,14 +31,6 @@ def compare_pairs(pairs: Sequence[tuple[Samples, Samples]]) -> list[str]:
         lower = "+" if scipy.stats.mannwhitneyu(a, b).statistic < len(a) * len(b) / 2 else "-"
         signs.append(lower if p < 0.05 else "=")
     return signs
-
-
-def against(
-    costs_of: Callable[[str, str], Samples], ours: str, rivals: Sequence[str], cases: Sequence[str]
-) -> dict[str, list[str]]:
-    """Return for each rival and case whether `ours` is lower (+), higher (-), or neither (=), Holm over all."""
-    signs = iter(compare_pairs([(costs_of(ours, case), costs_of(rival, case)) for rival in rivals for case in cases]))
-    return {rival: [next(signs) for _ in cases] for rival in rivals}
 
 
 def count_signs(signs: Sequence[str]) -> str:

@@ -12,7 +12,7 @@ from ipoa_mission.paper.markdown_table import Table, factor, number, ours_and_pr
 from ipoa_mission.paper.problems import FUNCTIONS, OPTIMA, WEIGHTS
 from ipoa_mission.paper.published import ALGORITHMS, PRINTED, RIVALS_OF_TABLE_4, improved
 from ipoa_mission.paper.rows import TrialRow, mean_evaluations, mean_results, results, runs_of
-from ipoa_mission.paper.statistics import against, count_signs, holm, places, rank_sum, ranking
+from ipoa_mission.paper.statistics import compare_pairs, count_signs, holm, places, rank_sum, ranking
 
 FLOOR = 1e-8  # smaller errors count as this, as in the CEC competitions
 
@@ -61,7 +61,7 @@ def table_4(rows: Sequence[TrialRow]) -> Table:
     """Compare p of rank-sum tests, corrected by Holm over all sixty, with the printed p."""
     rivals = RIVALS_OF_TABLE_4
     raw = [rank_sum(results(rows, f, "ipoa"), results(rows, f, rival)) for rival in rivals for f in FUNCTIONS]
-    compared = against(lambda name, f: results(rows, f, name), "ipoa", rivals, FUNCTIONS)
+    compared = _compare_with_rivals(rows, rivals, FUNCTIONS)
     signs = [sign for outcomes in compared.values() for sign in outcomes]
     cells = [f"{p:.2g}, Holm {q:.2g} ({sign})" for p, q, sign in zip(raw, holm(raw), signs, strict=True)]
     columns = [cells[k : k + len(FUNCTIONS)] for k in range(0, len(cells), len(FUNCTIONS))]
@@ -80,6 +80,16 @@ def table_4(rows: Sequence[TrialRow]) -> Table:
             f"Printed p values below 0.05 (uncorrected): {sum(p < 0.05 for p in printed)} of {len(printed)}.",
         ],
     )
+
+
+def _compare_with_rivals(
+    rows: Sequence[TrialRow], rivals: Sequence[str], cases: Sequence[str], measure: str | None = None
+) -> dict[str, list[str]]:
+    """Return for each rival and case whether IPOA is lower (+), higher (-), or neither (=), Holm over all."""
+    ours = [results(rows, case, "ipoa", measure) for case in cases]
+    theirs = {rival: [results(rows, case, rival, measure) for case in cases] for rival in rivals}
+    signs = iter(compare_pairs([pair for each in theirs.values() for pair in zip(ours, each, strict=True)]))
+    return {rival: [next(signs) for _ in cases] for rival in rivals}
 
 
 def contradictions() -> Table:
@@ -204,11 +214,7 @@ def _flights(title: str, rows: Sequence[TrialRow], maps: dict[str, dict[str, lis
         f"{name.upper()} {per_cent(length[0], length[k])} (printed {per_cent(printed_length[0], printed_length[k])})"
         for k, name in enumerate(ALGORITHMS[1:], 1)
     )
-
-    def lengths_of(name: str, case: str) -> NDArray[np.float64]:
-        return results(rows, case, name, "distance")
-
-    signs = against(lengths_of, "ipoa", ALGORITHMS[1:], cases)
+    signs = _compare_with_rivals(rows, ALGORITHMS[1:], cases, "distance")
     comparison = "; ".join(f"{rival.upper()} {count_signs(outcomes)}" for rival, outcomes in signs.items())
     return Table(
         f"{title}. Means of {runs_of(rows)} runs on our seeded maps. "
