@@ -14,17 +14,7 @@ from threadpoolctl import threadpool_info, threadpool_limits
 
 from ipoa_mission.optimize.registry import build_optimizer
 from ipoa_mission.optimize.search import Optimum, minimize
-from ipoa_mission.paper.problems import (
-    FUNCTIONS,
-    INNER,
-    MAPS,
-    WEIGHTS,
-    Problem,
-    campus_problem,
-    cec2022,
-    map_scenario,
-    path_problem,
-)
+from ipoa_mission.paper import problems
 from ipoa_mission.paper.published import ALGORITHMS
 from ipoa_mission.paper.rows import Trial, TrialRow, line_of, open_to_append, read_rows, settings_text
 from ipoa_mission.progress import Progress, count, silent
@@ -45,14 +35,14 @@ def _trials(problem: str, cases: Sequence[str], dimension: int) -> list[Trial]:
     return [Trial(problem, case, dimension, name, settings_text(), 0, 0) for case in cases for name in ALGORITHMS]
 
 
-_WEIGHTED = [f"map-8-1/{experiment}" for experiment in WEIGHTS]
+_WEIGHTED = [f"map-8-1/{experiment}" for experiment in problems.WEIGHTS]
 SERIES = {
     series.name: series
     for series in (
-        Series("cec2022-d20", 30, _trials("cec2022", FUNCTIONS, 20)),
-        Series("cec2022-d10", 30, _trials("cec2022", FUNCTIONS, 10)),
-        Series("maps", 10, _trials("map", (*_WEIGHTED, *MAPS), 3 * INNER)),
-        Series("campus", 20, _trials("campus", ("campus",), 3 * INNER)),
+        Series("cec2022-d20", 30, _trials("cec2022", problems.FUNCTIONS, 20)),
+        Series("cec2022-d10", 30, _trials("cec2022", problems.FUNCTIONS, 10)),
+        Series("maps", 10, _trials("map", (*_WEIGHTED, *problems.MAPS), 3 * problems.INNER)),
+        Series("campus", 20, _trials("campus", ("campus",), 3 * problems.INNER)),
     )
 }
 
@@ -60,31 +50,30 @@ SERIES = {
 CHECKPOINTS = np.linspace(0, 1, 26)
 
 
-def run_trial(trial: Trial) -> TrialRow:
-    with threadpool_limits(1, "blas"):  # two threads sum in another order
-        return _run(trial)
-
-
-def _problem_of(trial: Trial) -> Problem:
+def _problem_of(trial: Trial) -> problems.Problem:
     if trial.problem == "cec2022":
-        return cec2022(trial.case, trial.dimension)
-    return campus_problem() if trial.problem == "campus" else path_problem(map_scenario(trial.case))
+        return problems.cec2022(trial.case, trial.dimension)
+    if trial.problem == "campus":
+        return problems.campus_problem()
+    return problems.path_problem(problems.map_scenario(trial.case))
 
 
-def _run(trial: Trial) -> TrialRow:
-    problem = _problem_of(trial)
+def run_trial(trial: Trial) -> TrialRow:
     rng = np.random.default_rng([*trial.problem.encode(), *trial.case.encode(), trial.dimension, trial.run])
-    started = time.process_time()
-    optimizer = build_optimizer(trial.algorithm, json.loads(trial.settings))
-    optimum = minimize(problem.cost, problem.box, optimizer, rng, budget=trial.budget or None)
-    seconds = time.process_time() - started
+    with threadpool_limits(1, "blas"):  # two threads sum in another order
+        problem = _problem_of(trial)
+        started = time.process_time()
+        optimizer = build_optimizer(trial.algorithm, json.loads(trial.settings))
+        optimum = minimize(problem.cost, problem.box, optimizer, rng, budget=trial.budget or None)
+        seconds = time.process_time() - started
+        measures = problem.measure(optimum)
     return TrialRow(
         trial,
         optimum.cost,
         int(optimum.evaluations[-1]),
         seconds,
         _at_checkpoints(optimum),
-        problem.measure(optimum),
+        measures,
         date.today().isoformat(),
         _versions(),
     )
