@@ -15,9 +15,7 @@ from ipoa_mission.paper.runs import CHECKPOINTS
 from ipoa_mission.planning.spline import Spline
 
 #: distinct with color blindness (Okabe and Ito)
-COLORS = {
-    **{"ipoa": "#D55E00", "dbo": "#0072B2", "poa": "#009E73", "ssa": "#E69F00", "mpoa": "#CC79A7", "hho": "#56B4E9"}
-}
+COLORS = dict(zip(ALGORITHMS, ("#D55E00", "#0072B2", "#009E73", "#E69F00", "#CC79A7", "#56B4E9"), strict=True))
 
 
 def figure_3() -> str:
