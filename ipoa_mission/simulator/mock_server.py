@@ -14,24 +14,18 @@ from ipoa_mission.simulator.station import Station
 log = logging.getLogger(__name__)
 
 
-@dataclass(frozen=True)
-class ServerLimits:
-    wait_s: float = 0.1
-    clock_lag_s: float = 1.0
-    reported_lag_s: float = 10.0
-    frames_hz: float = 2000.0  # to a peer: more overrun a ground station's socket
-    frames_at_once: int = 100  # Linux keeps 277 small ones in an unread socket
-
-
-LIMITS = ServerLimits()
-
-
 @dataclass
 class Server:
     """Serve one station with a clock up to `speedup` times as fast as real time.
 
     The clock is real while the autopilot waits for a client, and slows down for a slow reader.
     """
+
+    WAIT_S = 0.1
+    CLOCK_LAG_S = 1.0
+    REPORTED_LAG_S = 10.0
+    FRAMES_HZ = 2000.0  # to a peer: more overrun a ground station's socket
+    FRAMES_AT_ONCE = 100  # Linux keeps 277 small ones in an unread socket
 
     channel: Channel
     station: Station
@@ -55,12 +49,13 @@ class Server:
             self.step()
 
     def step(self) -> None:
-        waits = self._is_ahead or self.station.autopilot.awaits_somebody
+        is_ahead = self._unread > self.FRAMES_AT_ONCE
+        waits = is_ahead or self.station.autopilot.awaits_somebody
         hurry = min(self.speedup, 1.0) if waits else self.speedup
         due = self._real_s + max(self.station.deadline - self._virtual_s, 0.0) / hurry
-        rested_s = (self._unread - LIMITS.frames_at_once) / LIMITS.frames_hz if self._is_ahead else math.inf
+        rested_s = (self._unread - self.FRAMES_AT_ONCE) / self.FRAMES_HZ if is_ahead else math.inf
         arriving = min(self._inward.deadline, self._outward.deadline)
-        wake = min(due, self._real_s + rested_s, arriving, self.channel.now() + LIMITS.wait_s)
+        wake = min(due, self._real_s + rested_s, arriving, self.channel.now() + self.WAIT_S)
         for received in self.channel.receive(wake):
             self._inward.push(received, self.channel.now())
         now = self.channel.now()
@@ -76,18 +71,14 @@ class Server:
             frames[to] += 1
         self._unread += max(frames.values(), default=0)
 
-    @property
-    def _is_ahead(self) -> bool:
-        return self._unread > LIMITS.frames_at_once
-
     def _advance_clock(self, now: float, hurry: float) -> None:
         passed_s = now - self._real_s
         self._real_s = now
-        self._unread = max(self._unread - passed_s * LIMITS.frames_hz, 0.0)
+        self._unread = max(self._unread - passed_s * self.FRAMES_HZ, 0.0)
         self._virtual_s += passed_s * hurry
-        late_s = self._virtual_s - self.station.deadline - LIMITS.clock_lag_s
+        late_s = self._virtual_s - self.station.deadline - self.CLOCK_LAG_S
         if late_s > 0:
             self._virtual_s -= late_s
-            if self._lost_s <= LIMITS.reported_lag_s < self._lost_s + late_s:
+            if self._lost_s <= self.REPORTED_LAG_S < self._lost_s + late_s:
                 log.warning("the machine is too slow for speed %g: the clock is slowed", self.speedup)
             self._lost_s += late_s

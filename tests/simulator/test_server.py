@@ -10,7 +10,7 @@ from ipoa_mission.link.channel import Peer, open_channel
 from ipoa_mission.link.codec import Codec, Target
 from ipoa_mission.link.messages import CommandLong, Count, Heartbeat, MavAutopilot, Message, MissionType
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot
-from ipoa_mission.simulator.mock_server import LIMITS, Server
+from ipoa_mission.simulator.mock_server import Server
 from ipoa_mission.simulator.station import Station
 
 HOME = Geodetic(47.397742, 8.545594, 488.0)
@@ -122,5 +122,5 @@ def test_no_more_is_said_than_a_busy_station_reads() -> None:
     run(server, channel, begun + 3.0)
     at_once = 12  # its streams, when all are due
     assert (
-        0.8 * 3.0 * LIMITS.frames_hz < channel.sent - sent <= 3.0 * LIMITS.frames_hz + LIMITS.frames_at_once + at_once
+        0.8 * 3.0 * Server.FRAMES_HZ < channel.sent - sent <= 3.0 * Server.FRAMES_HZ + Server.FRAMES_AT_ONCE + at_once
     )
