@@ -245,7 +245,8 @@ class Commander(MockVehicle):
         if self.profile.runs_on_ground:
             self.mission_begun = True
             self.mission_runs = self.mission_runs or restart
-        self.report_current(index)
+        self.send(self.current())
+        self._reported_current = index
         if self.profile.runs_on_ground and self.mission_runs:
             self.report_begun()
         return True

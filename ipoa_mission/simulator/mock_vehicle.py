@@ -247,10 +247,6 @@ class MockVehicle:
         mode = MissionMode.ACTIVE if is_active else MissionMode.SUSPENDED
         return m.Current(flight.current, total, state, mode, list_id)
 
-    def report_current(self, index: int) -> None:
-        self.send(self.current())
-        self._reported_current = index
-
     def report_changes(self) -> None:
         """Send what this firmware does not leave to its streams."""
         profile = self.profile
