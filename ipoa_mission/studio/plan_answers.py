@@ -244,14 +244,11 @@ def _sampled_costs(contingency: Contingency, contingencies: Contingencies) -> di
     costs = {time: cost for time, cost in predicted if cost is not None}
     while len(costs) < 24:
         wide = [(a, b) for a, b in pairwise(sorted(costs)) if b - a > DURATIONS.min_step_s]
-        steep = [(_mean_change(costs[a], costs[b]) / (b - a), (a + b) / 2) for a, b in wide]
+        mean_s = {time: sum(cost.duration_s) / 2 for time, cost in costs.items()}
+        steep = [(abs(mean_s[b] - mean_s[a]) / (b - a), (a + b) / 2) for a, b in wide]
         steepest, middle = max(steep, default=(0.0, 0.0))
         cost = contingencies.predicted(contingency, middle) if steepest >= DURATIONS.max_slope else None
         if cost is None:
             break
         costs[middle] = cost
     return costs
-
-
-def _mean_change(before: PredictedContingency, after: PredictedContingency) -> float:
-    return abs(sum(after.duration_s) - sum(before.duration_s)) / 2
