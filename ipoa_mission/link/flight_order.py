@@ -273,8 +273,8 @@ class Conformance:
     repeat_s: float = 5.0  # after a refusal
     deviations: list[Deviation] = field(default_factory=list)
     positions: PositionLoss = field(default_factory=PositionLoss)
+    logbook: Logbook | None = None  # of the flight
     _monitor: Monitor | None = None
-    _logbook: Logbook | None = None
     _seen_s: float = -math.inf
     _is_ordered: bool = False
     _disobeyed: str = ""
@@ -288,9 +288,6 @@ class Conformance:
         self._again_s = math.inf
         self.positions = PositionLoss()
         self.deviations.clear()
-
-    def attach(self, logbook: Logbook) -> None:
-        self._logbook = logbook
 
     @property
     def is_held(self) -> bool:
@@ -348,20 +345,20 @@ class Conformance:
 
     @property
     def _returns_at_its_end(self) -> bool:
-        logbook = self._logbook
+        logbook = self.logbook
         if logbook is None or self.state.custom_mode not in logbook.modes & self.state.autopilot.modes.returns:
             return False
         return logbook.is_flown or logbook.done >= logbook.total - 1
 
     @property
     def _item(self) -> int | None:
-        if self._logbook is not None and self._returns_at_its_end:
-            return self._logbook.total - 1
+        if self.logbook is not None and self._returns_at_its_end:
+            return self.logbook.total - 1
         current = self.state.current
         return None if current is None else current.seq - self.state.autopilot.seq_offset
 
     def _react(self, deviation: Deviation) -> None:
-        armed_s = 0.0 if self._logbook is None else self._logbook.armed_s
+        armed_s = 0.0 if self.logbook is None else self.logbook.armed_s
         deviation = replace(deviation, time_s=deviation.time_s - armed_s)
         self.deviations.append(deviation)
         is_ordered = self.on_deviation is not OnDeviation.REPORT and not self._is_ordered

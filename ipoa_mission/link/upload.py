@@ -81,10 +81,6 @@ class Upload:
         """Return whether a transfer's begin drops the old list."""
         return self.autopilot.protocol_profile.forgets_at_count and self.kind != MissionType.FENCE
 
-    @property
-    def is_judged(self) -> bool:
-        return self.autopilot.protocol_profile.judges_later and self.kind == MissionType.MISSION and len(self.items) > 0
-
     def difference(self, stored: Sequence[Item | bytes]) -> Difference | None:
         """Return the first difference of the stored items or payloads; None if equal.
 
@@ -185,7 +181,7 @@ def upload(job: Upload, progress: Progress = silent) -> Dialogue[int]:
         yield SendOnce(Ack(Result.OPERATION_CANCELLED, job.kind))
         arrived = f"{share_words(max(state.furthest, 0), len(job.items), job.kind)} had arrived"
         raise TimeUp(f"{late}: in attempt {state.attempt} {arrived}", hint=_remaining_list(job, state)) from None
-    if job.is_judged:
+    if job.autopilot.protocol_profile.judges_later and job.kind == MissionType.MISSION and job.items:
         try:
             verdict = yield from _verdict(state.reports)
         except (Cancelled, TimeUp) as aborted:

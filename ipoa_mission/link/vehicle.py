@@ -266,7 +266,7 @@ class Vehicle(VehicleSession):
         is_back = False
         record = None
         compared = self.conformance
-        compared.attach(self._logbook)
+        compared.logbook = self._logbook
         observers: list[Observer] = [self.order, compared, *([] if onboard is None else [onboard])]
         with self.state.with_state_as_hint(), self._in_flight_time(), self._mode_watch.watched(self._logbook.modes):
             while record is None:

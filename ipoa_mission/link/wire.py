@@ -48,8 +48,9 @@ class _Value:
 def write(message: m.Message) -> tuple[str, Fields]:
     """Leave the target out; raise BadInput if a coordinate does not fit."""
     match message:
-        case m.ItemAt():
-            return message.NAME, _write_item(message)
+        case m.ItemAt(seq, item, kind):
+            fields_of_item = vars(ITEM.unpack(item_payload(seq, item, kind)))
+            return message.NAME, {k: value for k, value in fields_of_item.items() if not k.startswith("target_")}
         case m.Request(seq, kind, legacy):
             return "MISSION_REQUEST" if legacy else message.NAME, {"seq": seq, "mission_type": kind}
     written = dict(_CONSTANTS.get(message.NAME, {}))
@@ -135,11 +136,6 @@ def read_item(raw: Any) -> Item:
 def _item(raw: Any, latitude: float, longitude: float) -> Item:
     params = (raw.param1, raw.param2, raw.param3, raw.param4)
     return Item(raw.command, raw.frame, params, latitude, longitude, raw.z, bool(raw.autocontinue))
-
-
-def _write_item(message: m.ItemAt) -> Fields:
-    payload = item_payload(message.seq, message.item, message.kind)
-    return {name: value for name, value in vars(ITEM.unpack(payload)).items() if not name.startswith("target_")}
 
 
 def _clean(text: str | bytes) -> str:

@@ -136,7 +136,7 @@ def test_no_logged_flight_deviates_as_a_link_tells_it(log: str) -> None:
         assert flight.mission is not None
         state, logbook = VehicleState(flight.autopilot), Logbook(flight.mission.items, flight.autopilot)
         compared = Conformance(state, FlightOrder(state, lambda: 0.0))
-        compared.attach(logbook)
+        compared.logbook = logbook
         compared.on_deviation = OnDeviation.REPORT
         compared.begin(ConformanceMonitor(Forecast(flight.mission.with_parameters(flight.parameters))))
         for message in flight.messages:
