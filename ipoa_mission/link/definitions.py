@@ -128,17 +128,13 @@ def definition_of(name: str) -> Definition:
     return _BY_NAME[name]
 
 
-def message_number(name: str) -> int:
-    return _BY_NAME[name].number
-
-
 def message_name(number: int) -> str | None:
     return DEFINITIONS[number].name if number in DEFINITIONS else None
 
 
 def unit_and_type(message: str, field: str) -> tuple[str, str]:
     """Return MAVLink's unit of a field ("": none) and its type."""
-    kind = ardupilotmega.mavlink_map.get(message_number(message))
+    kind = ardupilotmega.mavlink_map.get(_BY_NAME[message].number)
     if kind is None:  # of PX4's own
         return "", ""
     return kind.fieldunits_by_name.get(field, ""), kind.fieldtypes[kind.fieldnames.index(field)]

@@ -11,7 +11,7 @@ from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.link import messages as m
 from ipoa_mission.link.conversations import VehicleTexts, listen_for_words
-from ipoa_mission.link.definitions import message_number
+from ipoa_mission.link.definitions import definition_of
 from ipoa_mission.link.dialogue import Ask, Dialogue, NoAnswer, Pause, SendOnce, Step, hear
 
 M = TypeVar("M", bound=m.Message)
@@ -42,7 +42,7 @@ def command_long(number: int, *params: float) -> m.CommandLong:
 
 
 def message_request(name: str) -> m.CommandLong:
-    return command_long(VehicleCommand.REQUEST_MESSAGE, float(message_number(name)))
+    return command_long(VehicleCommand.REQUEST_MESSAGE, float(definition_of(name).number))
 
 
 def mode_order(mode: int, autopilot: Autopilot) -> m.CommandLong:
@@ -86,7 +86,7 @@ def set_current(seq: int, seq_offset: int, restart: bool = False) -> Dialogue[No
 
 
 def stream_order(name: str, interval_s: float) -> m.CommandLong:
-    return command_long(VehicleCommand.SET_MESSAGE_INTERVAL, message_number(name), round(interval_s * 1e6))
+    return command_long(VehicleCommand.SET_MESSAGE_INTERVAL, definition_of(name).number, round(interval_s * 1e6))
 
 
 def request_stream(name: str, interval_s: float) -> Dialogue[bool]:

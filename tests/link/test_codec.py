@@ -15,7 +15,7 @@ from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.link import codec, wire
 from ipoa_mission.link import messages as m
 from ipoa_mission.link.codec import EVERYONE, Codec, Framer, Target, frames
-from ipoa_mission.link.definitions import definition_of, message_name, message_number
+from ipoa_mission.link.definitions import definition_of, message_name
 from ipoa_mission.link.signing import Signer
 from ipoa_mission.link.tlog import read_tlog
 from ipoa_mission.link.upload import Upload
@@ -212,8 +212,8 @@ def test_the_seed_of_a_checksum_follows_from_the_fields() -> None:
 
 
 def test_names_and_numbers_belong_together() -> None:
-    assert message_number("EVENT") == 410
-    assert message_name(message_number("HEARTBEAT")) == "HEARTBEAT"
+    assert definition_of("EVENT").number == 410
+    assert message_name(definition_of("HEARTBEAT").number) == "HEARTBEAT"
     assert message_name(999_999) is None
 
 

@@ -6,7 +6,7 @@ from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.autopilot.commands import VehicleCommand
 from ipoa_mission.autopilot.guidance_profile import mode_number
 from ipoa_mission.geodesy import Geodetic
-from ipoa_mission.link.definitions import message_number
+from ipoa_mission.link.definitions import definition_of
 from ipoa_mission.link.messages import (
     Attitude,
     BatteryStatus,
@@ -47,7 +47,7 @@ OK = CommandResult.ACCEPTED
 )
 def test_px4_tells_its_version_of_mavlink_when_asked(autopilot: Autopilot, number: int, result: int) -> None:
     """Without it QGroundControl takes the old mission protocol, which has neither fence nor rally points."""
-    params = (float(message_number("PROTOCOL_VERSION")), *(0.0,) * 6)
+    params = (float(definition_of("PROTOCOL_VERSION").number), *(0.0,) * 6)
     messages = Flown(autopilot, []).hear(CommandLong(number, params))
     assert CommandAck(number, result) in messages
     versions = [message for message in messages if isinstance(message, ProtocolVersion)]
