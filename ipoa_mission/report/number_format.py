@@ -12,11 +12,6 @@ def seconds(value: float) -> str:
     return f"{minutes}\N{NO-BREAK SPACE}min {rest:02d}\N{NO-BREAK SPACE}s"
 
 
-def meters(value: float, digits: int = 2) -> str:
-    """`2.61 m`, or `free` if infinite."""
-    return f"{number(value, digits)}\N{NO-BREAK SPACE}m" if math.isfinite(value) else "free"
-
-
 def number(value: float | None, digits: int) -> str:
     """Empty if unknown or not finite."""
     if value is None or not math.isfinite(value):

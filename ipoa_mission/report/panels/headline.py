@@ -13,7 +13,7 @@ from ipoa_mission.forecast.timing.estimate import COUNTED_TERMS
 from ipoa_mission.planning.proof import Proof
 from ipoa_mission.report.compare import Comparison
 from ipoa_mission.report.drawn_flight import Danger
-from ipoa_mission.report.number_format import meters, number, seconds, signed
+from ipoa_mission.report.number_format import number, seconds, signed
 
 
 def verdict(
@@ -66,7 +66,7 @@ def figures(forecast: Forecast, length: float, waypoints: int, comparison: Compa
     cards.append(_card("QGroundControl would say", seconds(estimate.qgroundcontrol_s), COUNTED_TERMS))
     if guarantee is not None and guarantee.clearance is not None:
         cards.append(_clearance_card(guarantee.clearance, guarantee.confidence))
-    cards.append(_card("path", meters(length, 0), f"{waypoints} waypoints"))
+    cards.append(_card("path", f"{number(length, 0)}\N{NO-BREAK SPACE}m", f"{waypoints} waypoints"))
     if estimate.route.seconds > 0:
         against = f"{number(estimate.route.ratio, 2)} times the lower bound, {seconds(estimate.route.least)}"
         cards.append(_card("first place to last waypoint", seconds(estimate.route.seconds), against))
