@@ -17,13 +17,8 @@ from ipoa_mission.autopilot.learned import Learned, LearnedVehicle
 from ipoa_mission.errors import LogUseless, MissionError
 from ipoa_mission.forecast.timing.flight_model import FlightModel
 from ipoa_mission.geometry import Matrix, Vector
-from ipoa_mission.learn.flight_measurements import (
-    DEVIATIONS_OF_90_PERCENT,
-    FlightMeasurements,
-    hover_power,
-    learned_powers,
-    measure_flight,
-)
+from ipoa_mission.learn import flight_measurements
+from ipoa_mission.learn.flight_measurements import DEVIATIONS_OF_90_PERCENT, FlightMeasurements
 from ipoa_mission.logs.flight_log import LoggedFlight, read_flights
 
 #: Of logarithms, and of delays [s].
@@ -107,7 +102,7 @@ def flights_in(
     left_out = [*log.remarks, *filter(None, [log.autopilot.beyond_the_model(log.version)])]
     for number, flight in enumerate(log.flights, 1):
         name = f"{path.name}, flight {number}" if len(log.flights) > 1 else path.name
-        measured = measure_flight(flight)
+        measured = flight_measurements.measure_flight(flight)
         evidence = Evidence(name, Mission(Geodetic(0.0, 0.0, 0.0), (), log.autopilot), (), np.empty(0), np.empty(0))
         try:
             if flight.in_mission:
@@ -133,8 +128,9 @@ def fit(flights: Sequence[Evidence]) -> LearnedVehicle:
         for name, value, deviation in zip(names, *_solve(flights, blank, names), strict=True)
         if deviation < 0.5 * PRIOR_DEVIATIONS[name] and abs(value) > DEVIATIONS_OF_90_PERCENT * deviation
     )
-    power = hover_power([flight.measured for flight in flights])
-    powers = learned_powers([flight.measured.powers for flight in flights if flight.measured.powers is not None])
+    power = flight_measurements.hover_power([flight.measured for flight in flights])
+    seconds = [flight.measured.powers for flight in flights if flight.measured.powers is not None]
+    powers = flight_measurements.learned_powers(seconds)
     if not known and power is None and not powers:
         raise LogUseless(
             "the flights show no difference of this vehicle to the simulated one",
