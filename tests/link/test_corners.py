@@ -101,10 +101,10 @@ def test_places_outside_the_mission_mode_are_not_compared() -> None:
 
 def test_a_return_at_the_end_of_a_mission_is_its_last_item() -> None:
     returns = conformance(in_air=True, mode=2)
-    returns._logbook = SimpleNamespace(modes=frozenset({2}), is_flown=True, done=5, total=6)
+    returns.logbook = SimpleNamespace(modes=frozenset({2}), is_flown=True, done=5, total=6)
     assert looked(returns) == [5]
     early = conformance(in_air=True, mode=2)
-    early._logbook = SimpleNamespace(modes=frozenset({2}), is_flown=False, done=1, total=6)
+    early.logbook = SimpleNamespace(modes=frozenset({2}), is_flown=False, done=1, total=6)
     assert looked(early) == ["interrupted"]
 
 
