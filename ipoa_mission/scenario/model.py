@@ -167,11 +167,14 @@ class Scenario(Section):
     def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> "Scenario":
         """Return a copy, unchecked, which shares the world unless `update` changes it."""
         copied = super().model_copy(update=update, deep=deep)
-        is_elsewhere = (WORLD | added_sections().keys()) & (update or {}).keys()
-        return copied if is_elsewhere else copied.with_cached(self.cached_values(CACHED))
+        if not (WORLD | added_sections().keys()) & (update or {}).keys():
+            copied.__dict__ |= {name: value for name, value in self.__dict__.items() if name in CACHED}
+        return copied
 
     def with_airspace(self, airspace: Airspace) -> "Scenario":
-        return self.model_copy().with_cached({"_surroundings": replace(self._surroundings, airspace=airspace)})
+        copied = self.model_copy()
+        copied.__dict__["_surroundings"] = replace(self._surroundings, airspace=airspace)
+        return copied
 
     def with_wind_read(self) -> "Scenario":
         if self.wind.file is None:

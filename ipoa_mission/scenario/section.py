@@ -1,6 +1,6 @@
 import ast
 import inspect
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from itertools import pairwise
 from pathlib import Path
 from textwrap import dedent
@@ -31,13 +31,6 @@ class Section(BaseModel):
         for name in copied.__dict__.keys() - type(self).model_fields.keys():
             del copied.__dict__[name]
         return copied
-
-    def cached_values(self, names: Iterable[str]) -> dict[str, Any]:
-        return {name: self.__dict__[name] for name in names if name in self.__dict__}
-
-    def with_cached(self, values: Mapping[str, Any]) -> Self:
-        self.__dict__ |= values
-        return self
 
 
 def _attribute_docstrings(kind: type) -> Iterator[tuple[str, str]]:
