@@ -3,6 +3,8 @@
 import math
 from collections.abc import Iterable
 
+import numpy as np
+
 from ipoa_mission.autopilot.commands import Command, short_name
 from ipoa_mission.mission.items import Item
 
@@ -44,13 +46,8 @@ def count_words(count: int, noun: str = "item") -> str:
 
 def name_items(seqs: Iterable[int]) -> str:
     """Return "items 3 to 5, 7" for 3, 4, 5 and 7."""
-    numbers = sorted(set(seqs))
-    runs = list[list[int]]()
-    for seq in numbers:
-        if runs and seq == runs[-1][-1] + 1:
-            runs[-1].append(seq)
-        else:
-            runs.append([seq])
+    numbers = np.unique(list(seqs))
+    runs = np.split(numbers, np.flatnonzero(np.diff(numbers) > 1) + 1)
     words = ", ".join(f"{run[0]} to {run[-1]}" if len(run) > 1 else f"{run[0]}" for run in runs)
     return f"item{'s' if len(numbers) > 1 else ''} {words}"
 
