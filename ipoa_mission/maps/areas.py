@@ -71,15 +71,14 @@ def find_zones(
             is_excluded = True
             continue
         limits = limits_of(feature.tags)
+        ends = {"lower": limits.lower, "upper": limits.upper}
         if is_near:
             _note_not_understood(feature, limits, notes)
-            for side, limit in [("lower", limits.lower), ("upper", limits.upper)] if restrictions is None else ():
+            for side, limit in ends.items() if restrictions is None else ():
                 if limit is not None:
                     subject = f"{side} limit of a flight area (give it as `up` under [bounds])"
                     notes.note(feature, subject, f"{limit.height:g} m {limit.reference}")
-            limits = ZoneLimits(
-                _above_sea("lower", limits.lower, feature, notes), _above_sea("upper", limits.upper, feature, notes)
-            )
+            ends = {side: _above_sea(side, limit, feature, notes) for side, limit in ends.items()}
         parts = [_outline(part, feature.tags, restrictions is None) for part in simple_parts(shape)]
         open_parts = [part for part in parts if part.geom_type != "Polygon"]
         if open_parts or not (parts or is_missing):
@@ -93,7 +92,7 @@ def find_zones(
             if mended is None:
                 continue
             polygons, defect = mended
-            zones += [MapArea(feature.name, polygon, limits.lower, limits.upper) for polygon in polygons]
+            zones += [MapArea(feature.name, polygon, **ends) for polygon in polygons]
             if at_times and (time is None or periods_of(feature.tags) is None):
                 notes.remarks.append(f"{feature.name}: active at times only, kept at all times")
             if defect:

@@ -110,12 +110,8 @@ def _feature(element: Any, tags: dict[str, str], located: Any, path: Path) -> Fe
     if element.is_node():
         return feature_of(f"node {element.id}", tags, EMPTY_SHAPE if located.is_empty else located, path, ())
     corners = shapely.get_coordinates(located).tolist()
-    shape = shape_of(corners if _is_whole(located) else None, element.is_closed(), tags)
+    shape = shape_of(corners if located.geom_type == "LineString" else None, element.is_closed(), tags)
     return feature_of(f"way {element.id}", tags, shape, path, corners)
-
-
-def _is_whole(way: Any) -> bool:
-    return bool(way.geom_type == "LineString")
 
 
 def _relation_features(
@@ -123,7 +119,7 @@ def _relation_features(
 ) -> Iterator[Feature]:
     def corners_of(number: str) -> Any:
         way = members.get(number)
-        return shapely.get_coordinates(way) if way is not None and _is_whole(way) else None
+        return shapely.get_coordinates(way) if way is not None and way.geom_type == "LineString" else None
 
     parts = {number: [members[way] for way, _ in ways_of(each) if way in members] for number, each in relations.items()}
     boxes = np.array([shapely.total_bounds(shapes) for shapes in parts.values()]).reshape(-1, 4)

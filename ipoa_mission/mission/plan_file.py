@@ -70,7 +70,7 @@ def parse_plan(path: Path, text: str, autopilot: Autopilot | None = None) -> Mis
         fence=_fence(plan.get("geoFence")),
         rally=_rally(plan.get("rallyPoints")),
         vehicle_type=vehicle_type,
-        landing_ground=None if ground is None else _landing_ground(ground),
+        landing_ground=None if ground is None else Geodetic(*(ground[key].number() for key in GROUND_KEYS)),
         complex_items=complex_items_in([entry.part_of for entry in listed], items),
     )
     return MissionFile(read, (*plan.findings, *_check_numbers(listed), *findings_of_keys(plan)), text, ".plan")
@@ -316,14 +316,11 @@ def _rally(node: Node | None) -> tuple[Geodetic, ...]:
     return tuple(Geodetic(lat.degrees(), lon.degrees(), alt.number("an altitude in meters")) for lat, lon, alt in nodes)
 
 
-def _landing_ground(node: Node) -> Geodetic:
-    return Geodetic(node["latitude"].number(), node["longitude"].number(), node["aboveHome"].number())
-
-
+GROUND_KEYS = ("latitude", "longitude", "aboveHome")
 #: `[]`: of each member of a list; keys without effect on a flight are listed too.
 KEYS = {
     "": {"fileType", "version", "groundStation", "mission", "geoFence", "rallyPoints", "landingGround", "UUID"},
-    "landingGround": {"aboveHome", "latitude", "longitude"},
+    "landingGround": {*GROUND_KEYS},
     "mission": {
         *("version", "firmwareType", "vehicleType", "plannedHomePosition", "items"),
         *("cruiseSpeed", "hoverSpeed", "globalPlanAltitudeMode"),

@@ -218,15 +218,11 @@ class Program:
         if not has_counter:
             return times == math.inf
         jumps = self.jumped.setdefault(index, 0) < times
-        if taking:
-            self._count_jump(index, jumps)
-        return jumps
-
-    def _count_jump(self, index: int, jumped: bool) -> None:
-        if jumped:
+        if taking and jumps:
             self.jumped[index] += 1
-        elif self.jump_profile.resets:
+        elif taking and self.jump_profile.resets:
             self.jumped[index] = 0
+        return jumps
 
     def advance(self, index: int) -> tuple[list[int], int | None]:
         """Return the items done in passing after `index`, and the next flown one."""
