@@ -18,7 +18,8 @@ def tags_of(properties: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
     """Yield packed ones too; of nested values only measures."""
     for key, value in properties.items():
         if isinstance(value, str) and key in PACKED:
-            yield from _unpacked(key, value)
+            tags, _ = _unpacked(value)
+            yield from _plain(key, value) if tags is None else tags.items()
         elif key in PACKED and isinstance(value, dict):
             yield from tags_of(value)
         elif key == "names" and isinstance(value, dict) and isinstance(value.get("primary"), str):
@@ -46,34 +47,24 @@ def find_truncated(properties: Mapping[str, Any], shape: Any) -> Missing | None:
     """Find packed tags that a Shapefile truncates to 254 bytes."""
     for key in PACKED:
         text = properties.get(key)
-        rest = _rest(text) if isinstance(text, str) else ""
+        _, rest = _unpacked(text) if isinstance(text, str) else (None, "")
         if rest:
             words = f"of which {key} is not whole (... {rest[-20:]!r})"
             return Missing(words, shape, "write the map as a GeoPackage, which keeps long texts")
     return None
 
 
-def _unpacked(key: str, text: str) -> Iterator[tuple[str, str]]:
+def _unpacked(text: str) -> tuple[dict[str, str] | None, str]:
+    """Return the tags of JSON or hstore (None: there are none), and the rest that is not whole."""
     with suppress(ValueError, RecursionError):
         value = json.loads(text)
-        if isinstance(value, dict):
-            yield from tags_of(value)
-            return
+        return (dict(tags_of(value)) if isinstance(value, dict) else None), ""
+    if text.lstrip().startswith('{"'):
+        return None, text
     pairs = HSTORE.findall(text)
-    yield from ((_unescaped(name), _unescaped(value)) for name, value in pairs if value.strip())
-    if not pairs and text.strip():
-        yield key, text.strip()
-
-
-def _rest(text: str) -> str:
-    is_json = text.lstrip().startswith('{"')
-    is_hstore = '"=>' in text
-    if is_json:
-        with suppress(ValueError, RecursionError):
-            json.loads(text)
-            return ""
-        return text
-    return HSTORE.sub("", text).strip(" ,") if is_hstore else ""
+    rest = HSTORE.sub("", text).strip(" ,") if '"=>' in text else ""
+    tags = {_unescaped(name): _unescaped(value) for name, value in pairs if value.strip()}
+    return (tags if pairs else None), rest
 
 
 def _measures(key: str, value: Any, depth: int = 3) -> Iterator[tuple[str, str]]:
