@@ -24,12 +24,28 @@ UNLIMITED_HEIGHT = 10_000.0  # of a zone [m]
 MARGIN = 100.0  # around the bounds [m]
 
 
-class SphereSection(Horizontal):
+class NamedObstacle(Section):
+    name: str | None = None
+    """Name for messages. Default: its kind and number."""
+
+
+class UprightObstacle(NamedObstacle):
+    height: Positive
+    """Height above its base, or above the highest ground under it [m]."""
+    base: float | None = None
+    """Height of the lower end [m above home]. Default: the ground."""
+
+    def vertical_extent(self, footprint: Plane, ground: Ground) -> tuple[float, float]:
+        if self.base is not None:
+            return self.base, self.base + self.height
+        heights = ground(np.vstack([footprint, footprint.mean(axis=0)]))
+        return float(heights.min()), float(heights.max()) + self.height
+
+
+class SphereSection(Horizontal, NamedObstacle):
     """A sphere."""
 
     kind: Literal["sphere"]
-    name: str | None = None
-    """Name for messages. Default: its kind and number."""
     radius: Positive
     """Radius [m]."""
     up: float | None = None
@@ -41,66 +57,48 @@ class SphereSection(Horizontal):
         return Sphere(name, (east, north, up), self.radius)
 
 
-class CylinderSection(Horizontal):
+class CylinderSection(Horizontal, UprightObstacle):
     """A vertical cylinder: a tower, a mast, a tree."""
 
     kind: Literal["cylinder"]
-    name: str | None = None
-    """Name for messages. Default: its kind and number."""
     radius: Positive
     """Radius [m]."""
-    height: Positive
-    """Height above its base, or above the highest ground under it [m]."""
-    base: float | None = None
-    """Height of the lower end [m above home]. Default: the ground."""
 
     def build(self, name: str, frame: LocalFrame, ground: Ground) -> Obstacle:
         east, north = self.east_north(frame)
         rim = np.array([[east, north]]) + self.radius * np.array([(0, 0), (1, 0), (0, 1), (-1, 0), (0, -1)])
-        return Cylinder(name, east, north, self.radius, *_vertical_extent(self.base, self.height, ground, rim))
+        return Cylinder(name, east, north, self.radius, *self.vertical_extent(rim, ground))
 
 
-class BoxSection(Horizontal):
+class BoxSection(Horizontal, UprightObstacle):
     """A box around its position, turned clockwise from north by `heading_deg`."""
 
     kind: Literal["box"]
-    name: str | None = None
-    """Name for messages. Default: its kind and number."""
     width: Positive
     """Extent along east, before rotation [m]."""
     depth: Positive
     """Extent along north, before rotation [m]."""
-    height: Positive
-    """Height above its base, or above the highest ground under it [m]."""
     heading_deg: float = 0.0
     """Rotation, clockwise from north."""
-    base: float | None = None
-    """Height of the lower end [m above home]. Default: the ground."""
 
     def build(self, name: str, frame: LocalFrame, ground: Ground) -> Obstacle:
         corners = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)]) * (self.width / 2, self.depth / 2)
         heading = np.radians(self.heading_deg)
         turn = np.array([(np.cos(heading), -np.sin(heading)), (np.sin(heading), np.cos(heading))])
         corners = corners @ turn + self.east_north(frame)
-        return Prism(name, _ring(corners), (), *_vertical_extent(self.base, self.height, ground, corners))
+        return Prism(name, _ring(corners), (), *self.vertical_extent(corners, ground))
 
 
-class PrismSection(Section):
+class PrismSection(UprightObstacle):
     """A building: a polygon footprint (with holes) and a height."""
 
     kind: Literal["prism"]
-    name: str | None = None
-    """Name for messages. Default: its kind and number."""
     footprint: Ring | None = None
     """Corners as [east, north]."""
     footprint_geodetic: Ring | None = None
     """Corners as [latitude_deg, longitude_deg]."""
     holes: tuple[Ring, ...] = ()
     """Courtyards, in the same coordinates as the footprint."""
-    height: Positive
-    """Height above its base, or above the highest ground under it [m]."""
-    base: float | None = None
-    """Height of the lower end [m above home]. Default: the ground."""
 
     @field_validator("footprint", "footprint_geodetic")
     @classmethod
@@ -121,20 +119,13 @@ class PrismSection(Section):
             np.asarray(ring, float) if self.footprint_geodetic is None else east_north_of(ring, frame)
             for ring in (self.footprint_geodetic or self.footprint or (), *self.holes)
         )
-        bottom, top = _vertical_extent(self.base, self.height, ground, outer)
+        bottom, top = self.vertical_extent(outer, ground)
         return Prism(name, _ring(outer), tuple(map(_ring, holes)), bottom, top)
 
 
 ObstacleSection: TypeAlias = Annotated[
     SphereSection | CylinderSection | BoxSection | PrismSection, Field(discriminator="kind")
 ]
-
-
-def _vertical_extent(base: float | None, height: float, ground: Ground, footprint: Plane) -> tuple[float, float]:
-    if base is not None:
-        return base, base + height
-    heights = ground(np.vstack([footprint, footprint.mean(axis=0)]))
-    return float(heights.min()), float(heights.max()) + height
 
 
 def _ring(corners: Plane) -> tuple[tuple[float, float], ...]:
