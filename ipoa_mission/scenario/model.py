@@ -225,11 +225,11 @@ class Scenario(Section):
 
     @cached_property
     def start_point(self) -> Vector:
-        return self._point(self.start)
+        return self._points((self.start,))[0]
 
     @cached_property
     def goal_point(self) -> Vector:
-        return self._point(self.goal)
+        return self._points((self.goal,))[0]
 
     @cached_property
     def via_points(self) -> Points:
@@ -300,11 +300,6 @@ class Scenario(Section):
         return without_repeats(self.start_point, self.via_points, self.goal_point)
 
     @property
-    def unix_s(self) -> float | None:
-        """Return the take-off time [s since 1970]."""
-        return None if self.time is None else self.time.timestamp()
-
-    @property
     def radius(self) -> float:
         return self.vehicle.radius
 
@@ -318,11 +313,8 @@ class Scenario(Section):
         zones = low_zones(self.places, self.airspace, least, min(climb, descent))
         return Limits(distance, least, planning.max_height_above_ground or np.inf, climb, descent, zones)
 
-    def _point(self, place: Place) -> Vector:
-        return place.point(self.frame, self.airspace.ground)
-
     def _points(self, places: tuple[Place, ...]) -> Points:
-        return np.array([self._point(place) for place in places]).reshape(-1, 3)
+        return np.array([place.point(self.frame, self.airspace.ground) for place in places]).reshape(-1, 3)
 
     @cached_property
     def _surroundings(self) -> Surroundings:

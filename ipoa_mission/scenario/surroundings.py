@@ -138,6 +138,7 @@ def surroundings_of(scenario: "Scenario") -> Surroundings:
 
 
 def _read_zones(scenario: "Scenario") -> _MapZones:
+    unix_s = None if scenario.time is None else scenario.time.timestamp()
     by_map = dict[int, Zones]()
     no_fly = list[NoFlyZone]()
     areas = list[Any]()
@@ -146,7 +147,7 @@ def _read_zones(scenario: "Scenario") -> _MapZones:
     for number, section in enumerate(scenario.maps):
         if isinstance(section, BuildingsMap):
             continue
-        zones = section.read(scenario.frame, scenario.unix_s)
+        zones = section.read(scenario.frame, unix_s)
         by_map[number] = zones
         if isinstance(section, NoFlyMap):
             no_fly += [(section, zone) for zone in zones.zones]
