@@ -69,7 +69,8 @@ class Node:
         """`check` reports a latitude beyond 90."""
         return self.number(f"degrees from -{limit} to {limit}", limit)
 
-    def whole(self, expected: str, least: int = 0, most: int = 65535) -> int:
+    def whole(self, expected: str = "", least: int = 0, most: int = 65535) -> int:
+        expected = expected or f"a whole number from {least} to {most}"
         value = self.number(expected)
         if not (value.is_integer() and least <= value <= most):
             raise self.wrong(expected)

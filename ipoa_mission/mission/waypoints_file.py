@@ -128,7 +128,7 @@ def _check_numbers(rows: Sequence[tuple[Node, Item]]) -> Iterator[Finding]:
     """Refuse wrong line numbers if there are jumps, else report them."""
     has_jump = any(item.command == Command.DO_JUMP for _, item in rows)
     for count, (row, _) in enumerate(rows):
-        seq = _whole(row["seq"], 65535)
+        seq = row["seq"].whole()
         if seq != count:
             if has_jump:
                 raise row["seq"].wrong(f"{count} (a jump counts on it)")
@@ -139,26 +139,22 @@ def _check_numbers(rows: Sequence[tuple[Node, Item]]) -> Iterator[Finding]:
 
 
 def _item(row: Node) -> Item:
-    _whole(row["current"], 3)
-    frame = _whole(row["frame"], 255)
+    row["current"].whole(most=3)
+    frame = row["frame"].whole(most=255)
     params = (row[name] for name in PARAMS)
     p1, p2, p3, p4 = (node.value if node.value != node.value else node.number() for node in params)  # NaN is valid
     latitude, longitude = (
         row[name].number() if frame == Frame.MISSION else _degrees(row[name]) for name in ("latitude", "longitude")
     )
     return Item(
-        _whole(row["command"], 65535),
+        row["command"].whole(),
         frame,
         (p1, p2, p3, p4),
         latitude,
         longitude,
         row["altitude"].number(),
-        bool(_whole(row["autocontinue"], 1)),
+        bool(row["autocontinue"].whole(most=1)),
     )
-
-
-def _whole(node: Node, most: int) -> int:
-    return node.whole(f"a whole number from 0 to {most}", 0, most)
 
 
 def _degrees(node: Node) -> float:
