@@ -1,7 +1,6 @@
 """Contingencies of one flight, over open, level ground, after which the vehicle may meet another's planned flight."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -26,14 +25,7 @@ class ContingencyConflict(NamedTuple):
     distance_m: float
 
 
-class UnknownContingency(NamedTuple):
-    vehicle: str
-    contingency: str
-    why: str
-
-
-@dataclass(frozen=True, eq=False)
-class ContingencyPoints:
+class ContingencyPoints(NamedTuple):
     """Points on the paths of a contingency: order, and earliest and latest presence, infinite where it stays.
 
     All (n,) [s after the departure].
@@ -48,19 +40,19 @@ class ContingencyPoints:
 
 def contingency_conflicts(
     slots: Sequence[TimetableSlot], frame: LocalFrame, separation: float
-) -> tuple[list[ContingencyConflict], list[UnknownContingency]]:
+) -> tuple[list[ContingencyConflict], list[dict[str, str]]]:
+    """Return the conflicts, and rows of unknown paths: vehicle, contingency and why."""
     found = list[ContingencyConflict]()
-    unknown = list[UnknownContingency]()
+    unknown = list[dict[str, str]]()
     for slot in slots:
         forecast = open_air(slot.vehicle.mission)
         for contingency, orders in contingency_paths(forecast).items():
             if isinstance(orders, str):
-                unknown.append(UnknownContingency(slot.vehicle.flight.name, contingency, orders))
+                unknown.append({"vehicle": slot.vehicle.flight.name, "contingency": contingency, "why": orders})
                 continue
             points = contingency_points(forecast, contingency, orders, frame)
-            for other in slots:
-                if other is not slot:
-                    found += _conflicts(points, slot.departure, other.departure, separation)
+            for other in (each for each in slots if each is not slot):
+                found += _conflicts(points, slot.departure, other.departure, separation)
     return found, unknown
 
 
@@ -81,8 +73,8 @@ def contingency_points(
     shares = np.concatenate([shares for _, (_, shares) in kept])
     order_s = np.concatenate([np.full(len(shares), second) for second, (_, shares) in kept])
     earliest, latest = _presence(forecast, contingency, order_s, shares)
-    latitude, longitude, altitude = forecast.frame.to_geodetic(np.concatenate([points for _, (points, _) in kept]))
-    return ContingencyPoints(contingency, frame.to_local(latitude, longitude, altitude), order_s, earliest, latest)
+    places = frame.moved(np.concatenate([points for _, (points, _) in kept]), forecast.frame)
+    return ContingencyPoints(contingency, places, order_s, earliest, latest)
 
 
 def _along(path: Points) -> tuple[Points, Vector]:
@@ -121,30 +113,30 @@ def _conflicts(
     distances, _ = tree.query(points.places, distance_upper_bound=reach)
     near = np.flatnonzero(np.isfinite(distances))
     samples = tree.query_ball_point(points.places[near], reach) if len(near) else []
-    begins = STEP_S * np.arange(-1.0, len(flight.places) - 1)
-    ends = begins + 2 * STEP_S
+    later = other.second - of.second
+    doubt = 2.0 * float(np.hypot(of.flight.time_deviations.max(), flight.time_deviations.max()) + 1.0)
+    seconds = later + STEP_S * np.arange(len(flight.places))
+    begins = seconds - STEP_S - doubt
+    ends = seconds + STEP_S + doubt
     if not of.flight.uses_pad(flight.places[0]):
         begins[0] = -np.inf  # it waits there
     if not of.flight.uses_pad(flight.places[-1]):
         ends[-1] = np.inf  # it remains there
-    later = other.second - of.second
-    doubt = 2.0 * float(np.hypot(of.flight.time_deviations.max(), flight.time_deviations.max()) + 1.0)
     is_met = [
-        bool(np.any((begins[at] + later - doubt <= latest) & (ends[at] + later + doubt >= earliest)))
+        bool(np.any((begins[at] <= latest) & (ends[at] >= earliest)))
         for at, earliest, latest in zip(samples, points.earliest[near], points.latest[near], strict=True)
     ]
     met = near[np.array(is_met, dtype=bool)]
     orders, number = np.unique(points.order_s, return_inverse=True)
     numbers = np.unique(number[met])
-    for run in np.split(numbers, np.flatnonzero(np.diff(numbers) > 1) + 1):
-        if len(run) > 0:
-            of_run = met[np.isin(number[met], run)]
-            nearest = of_run[np.argmin(distances[of_run])]
-            yield ContingencyConflict(
-                pair=(of.flight.name, flight.name),
-                contingency=points.contingency,
-                from_s=float(orders[run[0]]) + of.second,
-                to_s=float(orders[run[-1]]) + of.second,
-                place=points.places[nearest],
-                distance_m=float(distances[nearest]),
-            )
+    for run in filter(len, np.split(numbers, np.flatnonzero(np.diff(numbers) > 1) + 1)):
+        of_run = met[np.isin(number[met], run)]
+        nearest = of_run[np.argmin(distances[of_run])]
+        yield ContingencyConflict(
+            pair=(of.flight.name, flight.name),
+            contingency=points.contingency,
+            from_s=float(orders[run[0]]) + of.second,
+            to_s=float(orders[run[-1]]) + of.second,
+            place=points.places[nearest],
+            distance_m=float(distances[nearest]),
+        )

@@ -65,29 +65,28 @@ def deconflict(
     """
     from ipoa_mission.fleet.contingency_conflicts import contingency_conflicts
     from ipoa_mission.fleet.fleet import read_fleet
-    from ipoa_mission.fleet.repairs import Deconfliction, RepairLimits
+    from ipoa_mission.fleet.repairs import Deconfliction, RepairLimits, TimetableSlot
 
     if len(files) < 2:
         raise OptionConflict("expected two missions or more", place="FILE")
     earliest = options.earliest_departures(len(files))
     if options.out is not None:
         expect_folder(options.out)
-    fleet = read_fleet([expect_mission(file) for file in files])
-    limits = RepairLimits(1.0 - options.confidence, options.most_delay)
-    search = Deconfliction(fleet, earliest, options.separation, limits)
+    vehicles = read_fleet([expect_mission(file) for file in files])
+    planned = list(map(TimetableSlot, vehicles, earliest))
+    search = Deconfliction(planned, options.separation, RepairLimits(1.0 - options.confidence, options.most_delay))
     timetable = search.timetable()
-    slots = search.planned if timetable is None else timetable
-    meetings, unknown = contingency_conflicts(slots, fleet.frame, options.separation)
+    slots = planned if timetable is None else timetable
+    meetings, unknown = contingency_conflicts(slots, search.frame, options.separation)
     result: dict[str, Any] = {
         "separation_m": options.separation,
         "confidence": options.confidence,
-        "conflicts": [_row(each, fleet.frame) for each in search.conflicts(search.planned)],
-        "contingencies": [_row(each, fleet.frame) for each in meetings],
-        "unknown_contingencies": [each._asdict() for each in unknown],
+        "conflicts": [_row(each, search.frame) for each in search.conflicts(planned)],
+        "contingencies": [_row(each, search.frame) for each in meetings],
+        "unknown_contingencies": unknown,
     }
-    written: list[Path] = []
     if timetable is None:
-        result["blocking"] = search.blocking_pair()
+        result |= {"blocking": search.blocking_pair(), "written": []}
     else:
         result["timetable"] = [
             {"mission": slot.vehicle.flight.name, "file": str(slot.vehicle.file), "change": slot.vehicle.change}
@@ -95,17 +94,17 @@ def deconflict(
             for slot in timetable
         ]
         result["added_s"] = round(sum(slot.added_s for slot in timetable), 1)
-        result["remaining"] = [_row(each, fleet.frame) for each in search.conflicts(timetable)]
-        written = [] if options.out is None else _write(timetable, options.out, options.force, result)
+        result["remaining"] = [_row(each, search.frame) for each in search.conflicts(timetable)]
+        result["written"] = [] if options.out is None else _write(timetable, options.out, options.force, result)
     if options.as_json:
-        print_json(result | {"written": [str(file) for file in written]})
+        print_json(result)
     else:
-        _print(result, written)
+        _print(result)
     if timetable is None:
         raise typer.Exit(1)
 
 
-def _write(timetable: "list[TimetableSlot]", out: Path, force: bool, result: dict[str, Any]) -> list[Path]:
+def _write(timetable: "list[TimetableSlot]", out: Path, force: bool, result: dict[str, Any]) -> list[str]:
     """Write all changed missions and the timetable, or nothing; never over a mission of the fleet."""
     from ipoa_mission.files import write_together
 
@@ -124,7 +123,7 @@ def _write(timetable: "list[TimetableSlot]", out: Path, force: bool, result: dic
     expect_free(contents, force, ask=False)
     out.mkdir(parents=True, exist_ok=True)
     write_together(contents)
-    return list(contents)
+    return [str(file) for file in contents]
 
 
 def _row(met: "Conflict | ContingencyConflict", frame: "LocalFrame") -> dict[str, Any]:
@@ -136,7 +135,7 @@ def _row(met: "Conflict | ContingencyConflict", frame: "LocalFrame") -> dict[str
     return row | {name: round_finite(value, digits.get(name, 1)) for name, value in floats.items()}
 
 
-def _print(result: dict[str, Any], written: list[Path]) -> None:
+def _print(result: dict[str, Any]) -> None:
     if result["conflicts"]:
         _print_rows(f"possible losses of a separation of {result['separation_m']:g} m", result["conflicts"])
     else:
@@ -150,7 +149,7 @@ def _print(result: dict[str, Any], written: list[Path]) -> None:
         _print_rows(title, result["contingencies"])
     for each in result["unknown_contingencies"]:
         print_lines(f"unknown: {each['contingency']} of {each['vehicle']}: {each['why']}")
-    for file in written:
+    for file in result["written"]:
         print_lines(f"written: {file}")
 
 

@@ -102,12 +102,11 @@ class _Approach:
         reach = self.separation + farthest_deviations + a.longest_step + b.longest_step
         distances, _ = cKDTree(b.places[columns]).query(a.places[:-1], distance_upper_bound=reach)
         near = np.flatnonzero(np.isfinite(distances))
-        for run in np.split(near, np.flatnonzero(np.diff(near) > apart_s / STEP_S) + 1):
-            if len(run) > 0:
-                rows = np.arange(run[0], run[-1] + 1)
-                away, _ = cKDTree(a.places[rows]).query(b.places[columns], distance_upper_bound=reach)
-                met = columns[np.isfinite(away)]
-                yield self._encounter(rows, np.arange(met[0] - rows[-1] - 1, met[-1] - rows[0] + 2))
+        for run in filter(len, np.split(near, np.flatnonzero(np.diff(near) > apart_s / STEP_S) + 1)):
+            rows = np.arange(run[0], run[-1] + 1)
+            away, _ = cKDTree(a.places[rows]).query(b.places[columns], distance_upper_bound=reach)
+            met = columns[np.isfinite(away)]
+            yield self._encounter(rows, np.arange(met[0] - rows[-1] - 1, met[-1] - rows[0] + 2))
 
     def _encounter(self, rows: Indices, offsets: Indices) -> Encounter:
         a = self.a
@@ -199,8 +198,7 @@ class Conflict(NamedTuple):
     probability: float
 
 
-@dataclass(frozen=True, eq=False)
-class PlannedDeparture:
+class PlannedDeparture(NamedTuple):
     flight: TimedFlight
     second: float
 
@@ -213,11 +211,10 @@ class Encounters:
         self._met = dict[tuple[TimedFlight, TimedFlight], tuple[Encounter, ...]]()
 
     def of(self, a: TimedFlight, b: TimedFlight) -> tuple[Encounter, ...]:
-        if (b, a) in self._met:
-            return self._met[b, a]
-        if (a, b) not in self._met:
-            self._met[a, b] = tuple(encounters(a, b, self.separation))
-        return self._met[a, b]
+        pair = (b, a) if (b, a) in self._met else (a, b)
+        if pair not in self._met:
+            self._met[pair] = tuple(encounters(*pair, self.separation))
+        return self._met[pair]
 
     def probabilities(self, a: PlannedDeparture, b: PlannedDeparture, delays: Vector) -> Vector:
         """Return the probability (m,) of a loss of separation, with B `delays` (m,) [s] later than planned."""

@@ -3,7 +3,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import NamedTuple, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -41,10 +41,6 @@ class TimedFlight:
     def uses_pad(self, pad: Vector) -> bool:
         return bool(np.any(within_pad(self.places[[0, -1]] - pad)))
 
-    @property
-    def duration_s(self) -> float:
-        return STEP_S * (len(self.places) - 1)
-
 
 def within_pad(away: Points) -> NDArray[np.bool_]:
     """Return whether places `away` (..., 3) [m] from each other are one pad."""
@@ -53,7 +49,7 @@ def within_pad(away: Points) -> NDArray[np.bool_]:
 
 
 def timed_flight(name: str, forecast: Forecast, frame: LocalFrame) -> TimedFlight:
-    """Raise MissionError if nothing is flown, or the end, path or time is unknown."""
+    """Sample an expected flight; raise MissionError if nothing is flown, or end, path or time is unknown."""
     forecast.expect_known_path()
     prediction = forecast.expected
     track = prediction.track.local()
@@ -63,10 +59,9 @@ def timed_flight(name: str, forecast: Forecast, frame: LocalFrame) -> TimedFligh
     if len(moving) == 0:
         raise MissionError("the vehicle stays where it is", code="nothing-flown")
     deviations = (prediction.high - prediction.low) / (2 * 1.645)  # of normal times, in 90 % of flights
-    latitude, longitude, altitude = forecast.frame.to_geodetic(sampled)
     return TimedFlight(
         name=name,
-        places=frame.to_local(latitude, longitude, altitude),
+        places=frame.moved(sampled, forecast.frame),
         lifts=int(moving[0]),
         lands=int(moving[-1]) + 1,
         time_deviations=np.interp(seconds, prediction.done, deviations, left=0.0),
@@ -99,13 +94,12 @@ class FleetVehicle:
         return FleetVehicle(self.file, forecast, timed_flight(self.flight.name, forecast, frame), change, contents)
 
 
-class Fleet(NamedTuple):
-    frame: LocalFrame  # of the first one's home
-    vehicles: tuple[FleetVehicle, ...]
+def read_fleet(files: Sequence[Path]) -> list[FleetVehicle]:
+    """Return the vehicles in the frame of the first one's home.
 
-
-def read_fleet(files: Sequence[Path]) -> Fleet:
-    """Raise BadInput of missions without home or flight, of another kind or place, or named twice."""
+    Raises:
+        BadInput: a mission has no home or flight, is of another kind or place, or named twice.
+    """
     missions = dict[Path, Mission]()
     for file in files:
         if any(file.resolve() == other.resolve() for other in missions):
@@ -124,8 +118,7 @@ def read_fleet(files: Sequence[Path]) -> Fleet:
             raise BadInput(words, hint="set the planned home position", code="home-missing", place=file)
     stems = [file.stem for file in files]
     names = {file: file.stem if stems.count(file.stem) == 1 else str(file) for file in files}
-    vehicles = tuple(_vehicle(names[file], file, mission, first.frame) for file, mission in missions.items())
-    return Fleet(first.frame, vehicles)
+    return [_vehicle(names[file], file, mission, first.frame) for file, mission in missions.items()]
 
 
 def _vehicle(name: str, file: Path, mission: Mission, frame: LocalFrame) -> FleetVehicle:

@@ -3,12 +3,13 @@ from dataclasses import dataclass, replace
 from functools import cache
 from itertools import combinations
 from math import ceil
+from typing import NamedTuple
 
 import numpy as np
 
 from ipoa_mission import Command, Item, Mission, MissionError, Severity, check_mission
 from ipoa_mission.fleet.encounters import Conflict, Encounters, PlannedDeparture
-from ipoa_mission.fleet.fleet import Fleet, FleetVehicle
+from ipoa_mission.fleet.fleet import STEP_S, FleetVehicle
 
 LANDS = frozenset({Command.NAV_LAND, Command.NAV_VTOL_LAND, Command.NAV_RETURN_TO_LAUNCH})
 HOLDS = frozenset({Command.NAV_WAYPOINT, Command.NAV_LOITER_TIME})  # their first parameter is a time [s]
@@ -24,8 +25,7 @@ class RepairLimits:
     hold_margins_s: tuple[float, ...] = (0.0, 2.0, 4.0)
 
 
-@dataclass(frozen=True, eq=False)
-class TimetableSlot:
+class TimetableSlot(NamedTuple):
     vehicle: FleetVehicle
     departs_s: float
     added_s: float = 0.0  # to the flight as read, by delay and change
@@ -38,13 +38,11 @@ class TimetableSlot:
 class Deconfliction:
     """Search a timetable: vehicles take slots one after the other, in several orders."""
 
-    def __init__(self, fleet: Fleet, earliest: Sequence[float], separation: float, limits: RepairLimits) -> None:
+    def __init__(self, planned: Sequence[TimetableSlot], separation: float, limits: RepairLimits) -> None:
+        self.planned = planned
         self.encounters = Encounters(separation)
         self.limits = limits
-        self.frame = fleet.frame
-        self.planned = [
-            TimetableSlot(vehicle, second) for vehicle, second in zip(fleet.vehicles, earliest, strict=True)
-        ]
+        self.frame = planned[0].vehicle.mission.frame
         self._delays = np.arange(0.0, limits.most_delay_s + 1.0)
         self._raised = cache(self._raised_by)
 
@@ -114,7 +112,7 @@ class Deconfliction:
         if not free.any():
             return None
         delay = float(self._delays[np.argmax(free)])
-        longer = vehicle.flight.duration_s - planned.vehicle.flight.duration_s
+        longer = STEP_S * (len(vehicle.flight.places) - len(planned.vehicle.flight.places))
         return TimetableSlot(vehicle, planned.departs_s + delay, delay + longer)
 
     def _held(self, n: int, taken: Sequence[PlannedDeparture], most_s: float) -> Iterator[FleetVehicle]:
@@ -152,8 +150,7 @@ class Deconfliction:
 
 
 def _errors(mission: Mission) -> set[tuple[str, int | None]]:
-    findings = check_mission(mission)
-    return {(finding.code, finding.seq) for finding in findings if finding.severity is Severity.ERROR}
+    return {(found.code, found.seq) for found in check_mission(mission) if found.severity is Severity.ERROR}
 
 
 def raised(mission: Mission, by: float, most_height: float) -> Mission | None:
@@ -173,8 +170,7 @@ def raised(mission: Mission, by: float, most_height: float) -> Mission | None:
 
 def held(mission: Mission, seq: int, seconds: float) -> Mission:
     item = mission.items[seq - 1]
-    hold, *others = item.params
-    longer = replace(item, params=(hold + seconds, others[0], others[1], others[2]))
+    longer = replace(item, params=(item.params[0] + seconds, *item.params[1:]))
     return replace(mission, items=(*mission.items[: seq - 1], longer, *mission.items[seq:]))
 
 
