@@ -3,6 +3,7 @@
 import math
 import re
 from collections.abc import Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any, Literal, NamedTuple, TypeAlias
 
@@ -13,7 +14,7 @@ from ipoa_mission.geodesy import LocalFrame
 from ipoa_mission.geometry import union_of
 from ipoa_mission.maps.feature import Feature, Mistakes
 from ipoa_mission.maps.geoid import undulation
-from ipoa_mission.maps.geozones import RADIUS_UNIT, VerticalLimit, ZoneLimits, limits_of, may_be_active, periods_of
+from ipoa_mission.maps.geozones import RADIUS_UNIT, VerticalLimit, limits_of, may_be_active, periods_of
 from ipoa_mission.maps.kinds import Reason
 from ipoa_mission.maps.lengths import length_of
 from ipoa_mission.maps.map_window import MapWindow
@@ -70,10 +71,10 @@ def find_zones(
             notes.pass_over(feature, shape, why)
             is_excluded = True
             continue
-        limits = limits_of(feature.tags)
-        ends = {"lower": limits.lower, "upper": limits.upper}
+        ends = dict[str, VerticalLimit | None]()
         if is_near:
-            _note_not_understood(feature, limits, notes)
+            ends = limits_of(feature.tags, partial(notes.note, feature))
+            _note_not_understood(feature, notes)
             for side, limit in ends.items() if restrictions is None else ():
                 if limit is not None:
                     subject = f"{side} limit of a flight area (give it as `up` under [bounds])"
@@ -121,10 +122,8 @@ def _why_excluded(tags: Mapping[str, str], chosen: set[str], time: float | None)
     return INACTIVE if is_inactive else None
 
 
-def _note_not_understood(feature: Feature, limits: ZoneLimits, notes: MapNotes) -> None:
+def _note_not_understood(feature: Feature, notes: MapNotes) -> None:
     tags = feature.tags
-    for subject, value in limits.not_understood:
-        notes.note(feature, subject, value)
     if "restriction" in tags and not _restrictions(tags):
         notes.note(feature, "restriction, taken as one that keeps a flight out", tags["restriction"])
     kind = tags.get("type", tags.get("Type", ""))

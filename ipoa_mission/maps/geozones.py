@@ -7,7 +7,6 @@ import json
 import math
 import re
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -17,6 +16,7 @@ from ipoa_mission.errors import BadInput
 from ipoa_mission.maps.feature import Feature, read_all
 from ipoa_mission.maps.json_shapes import circle, shape_of
 from ipoa_mission.maps.lengths import FOOT, UNIT_FACTORS
+from ipoa_mission.maps.tag_heights import Odd
 
 RADIUS_UNIT = "radius in other units than M"  # internal tag
 DAY_S = 86_400.0
@@ -124,36 +124,25 @@ class VerticalLimit(NamedTuple):
     reference: str
 
 
-@dataclass(frozen=True)
-class ZoneLimits:
-    """The ends of a zone; None: no limit, or the ground. `not_understood`: subjects and values."""
-
-    lower: VerticalLimit | None = None
-    upper: VerticalLimit | None = None
-    not_understood: tuple[tuple[str, str], ...] = ()
-
-
-def limits_of(tags: Mapping[str, str]) -> ZoneLimits:
+def limits_of(tags: Mapping[str, str], odd: Odd) -> dict[str, VerticalLimit | None]:
+    """Return the `lower` and `upper` end of a zone; None: no limit, or the ground."""
     values = {name: next((tags[key].strip() for key in keys if key in tags), "") for name, keys in LIMIT_KEYS.items()}
-    odd = [
-        (f'tag "{key}", which may be a limit', value)
-        for key, value in tags.items()
-        if _MAY_LIMIT.fullmatch(key.lower()) and key not in _LIMIT_OF_KEY
-    ]
+    for key, value in tags.items():
+        if _MAY_LIMIT.fullmatch(key.lower()) and key not in _LIMIT_OF_KEY:
+            odd(f'tag "{key}", which may be a limit', value)
     lower, upper = (_limit(values, side, odd) for side in ("lower", "upper"))
     numbers = [values[side] for side in ("lower", "upper") if _is_number(values[side]) and values[f"{side}Reference"]]
     if numbers and not values["uom"]:
-        odd.append(("unit of the limits, taken as M", numbers[-1]))
+        odd("unit of the limits, taken as M", numbers[-1])
     if lower is not None and lower.reference == "AGL" and lower.height <= 0:
         lower = None
     if lower is not None and upper is not None and lower.reference == upper.reference and upper.height <= lower.height:
-        words = f"{lower.height:g} m, {upper.height:g} m"
-        odd.append(("an upper limit that is not above the lower one", words))
+        odd("an upper limit that is not above the lower one", f"{lower.height:g} m, {upper.height:g} m")
         lower = upper = None
-    return ZoneLimits(lower, upper, tuple(odd))
+    return {"lower": lower, "upper": upper}
 
 
-def _limit(values: Mapping[str, str], side: str, odd: list[tuple[str, str]]) -> VerticalLimit | None:
+def _limit(values: Mapping[str, str], side: str, odd: Odd) -> VerticalLimit | None:
     text, unit, reference = (values[key].upper() for key in (side, "uom", f"{side}Reference"))
     if text in {"UNL", "UNLTD", "UNLIMITED"}:
         return None
@@ -165,11 +154,11 @@ def _limit(values: Mapping[str, str], side: str, odd: list[tuple[str, str]]) -> 
         return VerticalLimit(float(number) * LENGTH_UNITS[name.lower()], REFERENCES[datum])
     meters = values[f"{side}Meters"]
     if _is_number(meters) and not reference:  # Estonia's, rounded
-        odd.append((f"reference of {side}Meters, taken as AGL", meters))
+        odd(f"reference of {side}Meters, taken as AGL", meters)
         return VerticalLimit(float(meters), "AGL")
     if text or meters:
         stated = " ".join(filter(None, (text or meters, values["uom"], reference)))
-        odd.append((f"{side} limit, so that the zone has none", stated))
+        odd(f"{side} limit, so that the zone has none", stated)
     return None
 
 

@@ -8,7 +8,7 @@ from ipoa_mission.maps.lengths import UNIT_FACTORS, count_storeys, length_of, st
 
 WIDEST_ROTOR = 170.0  # without a tag [m]
 UNITS_IN_KEYS = ("ft", "feet", "km", "nm", "nmi", "mi", "miles")  # smaller ones are ignored, for safety
-Odd = Callable[[str, str], None]  # of a key and value not understood
+Odd = Callable[[str, str], None]  # of a key or subject, and the value not understood
 
 
 def height_of(tags: Mapping[str, str], height_key: str, storey_height: float, odd: Odd) -> float | None:
