@@ -4,7 +4,6 @@ QGIS may name another `crs`.
 """
 
 import json
-import math
 import re
 from itertools import chain
 from pathlib import Path
@@ -19,7 +18,7 @@ from ipoa_mission.maps.feature import EMPTY_SHAPE, Feature, read_all
 from ipoa_mission.maps.geozones import ed269_features, is_ed269, layers_apart, limit_tags, zone_tags
 from ipoa_mission.maps.json_shapes import SHAPES, ToDegrees, degrees_of, highest_of, shape_of, unchanged
 from ipoa_mission.maps.osm import is_overpass, overpass_features
-from ipoa_mission.maps.properties import blank_keys, find_truncated, tags_of
+from ipoa_mission.maps.properties import feature_of_properties, tags_of
 
 _NOT_BLANK = re.compile(r"[^ \t\n\r\x1e]")  # RFC 8142: \x1e
 
@@ -99,9 +98,7 @@ def _feature(place: str, feature: Any, to_degrees: ToDegrees) -> Feature:
     shape = EMPTY_SHAPE if geometry is None else shape_of(geometry, f"{place}.geometry", to_degrees)
     if isinstance(geometry, dict) and isinstance(geometry.get("layer"), dict):
         tags |= dict(limit_tags(geometry["layer"]))
-    truncated = find_truncated(properties, shape)
-    drawn = (-math.inf, highest_of(geometry))
-    return Feature(place, shape, tags, frozenset(blank_keys(properties)), truncated, drawn)
+    return feature_of_properties(place, shape, properties, tags, highest_of(geometry))
 
 
 def _coordinate_system(crs: Any, path: Path) -> ToDegrees:

@@ -1,12 +1,13 @@
 """Convert properties to tags."""
 
 import json
+import math
 import re
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from typing import Any
 
-from ipoa_mission.maps.feature import Missing
+from ipoa_mission.maps.feature import Feature, Missing
 from ipoa_mission.maps.keys import Means, meaning
 
 # Of osmtogeojson, osm2pgsql and GDAL's OSM driver.
@@ -41,6 +42,14 @@ def blank_keys(properties: Mapping[str, Any]) -> Iterator[str]:
             yield from blank_keys(value)
         elif value is None or value != value:  # pandas' null
             yield key
+
+
+def feature_of_properties(
+    place: str, shape: Any, properties: Mapping[str, Any], tags: Mapping[str, str], altitude: float
+) -> Feature:
+    """Return a feature; `altitude` is the greatest of its shape above the sea [m]."""
+    blank = frozenset(blank_keys(properties))
+    return Feature(place, shape, tags, blank, find_truncated(properties, shape), (-math.inf, altitude))
 
 
 def find_truncated(properties: Mapping[str, Any], shape: Any) -> Missing | None:

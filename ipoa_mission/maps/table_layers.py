@@ -3,13 +3,12 @@
 Some formats open other files, and GDAL ignores the suffix: the first bytes must match it.
 """
 
-import math
 import warnings
 from collections.abc import Sequence
 from decimal import Decimal
 from itertools import chain
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import shapely
@@ -30,17 +29,9 @@ from ipoa_mission.maps.feature import BATCH, EMPTY_SHAPE, Corners, Feature, is_a
 from ipoa_mission.maps.json_shapes import ToDegrees, degrees_of
 from ipoa_mission.maps.kinds import restore_key
 from ipoa_mission.maps.map_window import MapWindow
-from ipoa_mission.maps.properties import blank_keys, find_truncated, tags_of
+from ipoa_mission.maps.properties import feature_of_properties, tags_of
 
 FIRST_BYTES = {".shp": b"\x00\x00\x27\x0a", ".fgb": b"fgb", ".gpkg": b"SQLite format 3\x00"}
-
-
-class _Shapes(NamedTuple):
-    """Their column and conversion; `is_cut`: names of columns may be truncated, as in a Shapefile."""
-
-    column: str
-    to_degrees: ToDegrees
-    is_cut: bool = False
 
 
 def read_table(path: Path, around: MapWindow) -> tuple[Feature, ...]:
@@ -79,12 +70,19 @@ def _layer(pyogrio: Any, path: Path, name: str, place: str, around: MapWindow) -
     is_cut = path.suffix.lower() == ".shp"
     chosen = {"layer": name, "return_fids": True, "batch_size": BATCH, "use_pyarrow": True}
     with pyogrio.raw.open_arrow(path, **chosen) as (meta, batches):
-        shapes = _Shapes(meta["geometry_name"] or "wkb_geometry", to_degrees, is_cut)
+        column = meta["geometry_name"] or "wkb_geometry"
         for batch in batches:
             count += batch.num_rows
             number = batch.schema.names[0]
             places = [f"{place}[{n}]" for n in batch.column(number).to_pylist()]
-            features += _features(batch.drop_columns([number]), shapes, places, around)
+            wkb = batch.column(column).to_numpy(zero_copy_only=False)
+            shapes = _drawn(wkb, to_degrees, places)
+            wanted = np.flatnonzero(around.wants(shapely.bounds(shapes)))
+            rows = batch.drop_columns([number, column]).take(wanted).to_pylist()
+            highest = _highest(wkb[wanted]).tolist()
+            for n, row, altitude in zip(wanted.tolist(), rows, highest, strict=True):
+                plain = {restore_key(key, str(value)) if is_cut else key: _plain(value) for key, value in row.items()}
+                features.append(feature_of_properties(places[n], shapes[n], plain, dict(tags_of(plain)), altitude))
     if count < info["features"]:
         raise DamagedFile(f"expected {info['features']} rows, but only {count} can be read", place=path)
     return features
@@ -107,22 +105,6 @@ def _expect_whole(path: Path) -> None:
     indexed = (sizes[".shx"][1] - header) // 8
     if first + rows * length > size or rows != indexed:
         raise DamagedFile(f"expected a .dbf file with the {indexed} rows of the .shx", place=path)
-
-
-def _features(batch: Any, shapes: _Shapes, places: Sequence[str], around: MapWindow) -> list[Feature]:
-    wkb = batch.column(shapes.column).to_numpy(zero_copy_only=False)
-    drawn = _drawn(wkb, shapes.to_degrees, places)
-    highest = _highest(wkb)
-    chosen = np.flatnonzero(around.wants(shapely.bounds(drawn)))
-    rows = batch.drop_columns([shapes.column]).take(chosen).to_pylist()
-    features = list[Feature]()
-    for n, row in zip(chosen.tolist(), rows, strict=True):
-        plain = {restore_key(key, str(value)) if shapes.is_cut else key: _plain(value) for key, value in row.items()}
-        blank = frozenset(blank_keys(plain))
-        part = find_truncated(plain, drawn[n])
-        altitudes = (-math.inf, float(highest[n]))
-        features.append(Feature(places[n], drawn[n], dict(tags_of(plain)), blank, part, altitudes))
-    return features
 
 
 def _highest(wkb: NDArray[Any]) -> NDArray[np.float64]:
