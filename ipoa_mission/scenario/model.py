@@ -225,11 +225,11 @@ class Scenario(Section):
 
     @cached_property
     def start_point(self) -> Vector:
-        return self._points((self.start,))[0]
+        return self.start.point(self.frame, self.airspace.ground)
 
     @cached_property
     def goal_point(self) -> Vector:
-        return self._points((self.goal,))[0]
+        return self.goal.point(self.frame, self.airspace.ground)
 
     @cached_property
     def via_points(self) -> Points:
