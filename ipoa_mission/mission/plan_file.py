@@ -18,7 +18,7 @@ from ipoa_mission.mission.complex_items import as_document, complex_items_in, en
 from ipoa_mission.mission.items import FenceCircle, FencePolygon, Item, Mission, MissionFile
 from ipoa_mission.mission.json_node import Node, finite, parse_document, tidy
 from ipoa_mission.mission.landing_ground import landing_ground_entry
-from ipoa_mission.mission.stored_mission import refuse_infinite, resolve_frames
+from ipoa_mission.mission.stored_mission import refuse_infinite, resolve_frames, values_of
 from ipoa_mission.unread import Unread, gathered
 
 
@@ -144,13 +144,12 @@ def _check_written(number: int, item: Item, count: int) -> None:
 
 
 def _simple_item(number: int, item: Item) -> dict[str, Any]:
-    params = [*item.params, item.latitude_deg, item.longitude_deg, item.altitude]
     written: dict[str, Any] = {
         "autoContinue": item.autocontinue,
         "command": int(item.command),
         "doJumpId": number,
         "frame": int(item.frame),
-        "params": [tidy(value) for value in params],
+        "params": [tidy(value) for value in values_of(item)],
         "type": "SimpleItem",
     }
     if item.frame not in ALTITUDE_MODES:

@@ -153,9 +153,6 @@ class Program:
     stuck_at: int | None = None
     """The item from which the firmware found no next item."""
 
-    def __len__(self) -> int:
-        return len(self.items)
-
     @cached_property
     def places(self) -> Points:
         items = self.items
