@@ -18,28 +18,22 @@ from ipoa_mission.progress import Progress, silent
 NEEDED_STREAMS = {"GLOBAL_POSITION_INT": Position, "MISSION_CURRENT": Current, "SYS_STATUS": SystemStatus}
 
 
-@dataclass(frozen=True)
-class DepartureLimits:
-    stream_s: float = 4.0
-    stream_requests: int = 3  # an answer may belong to an earlier request
-    ready_s: float = 180.0
-    check_s: float = 3.0  # per readiness check
-    retry_s: float = 1.0
-    arming_attempts: int = 5
-    disarm_attempts: int = 3
-    climb_s: float = 120.0
-    climbed_below: float = 0.5  # the requested height [m]
-
-
-LIMITS = DepartureLimits()
-
-
 class NotYet(CommandRefused, code="not-yet"):
     """Not armed, for reasons that pass with time."""
 
 
 @dataclass(frozen=True)
 class Departure:
+    STREAM_S = 4.0
+    STREAM_REQUESTS = 3  # an answer may belong to an earlier request
+    READY_S = 180.0
+    CHECK_S = 3.0  # per readiness check
+    RETRY_S = 1.0
+    ARMING_ATTEMPTS = 5
+    DISARM_ATTEMPTS = 3
+    CLIMB_S = 120.0
+    CLIMBED_BELOW = 0.5  # the requested height [m]
+
     state: VehicleState
     first: int
     moving: int  # the first moving item: ArduPilot soon reports it
@@ -58,11 +52,11 @@ def subscribe(state: VehicleState) -> Dialogue[None]:
     unheard = list(STREAMS_S)
     refused = set[str]()
     state.heard -= set(NEEDED_STREAMS.values())
-    for _ in range(LIMITS.stream_requests):
+    for _ in range(Departure.STREAM_REQUESTS):
         for name in unheard:
             is_refused = not (yield from request_stream(name, STREAMS_S[name]))
             refused = refused | {name} if is_refused else refused - {name}
-        if (yield from until(lambda: state.heard >= set(NEEDED_STREAMS.values()), LIMITS.stream_s)):
+        if (yield from until(lambda: state.heard >= set(NEEDED_STREAMS.values()), Departure.STREAM_S)):
             return
         unheard = [name for name, kind in NEEDED_STREAMS.items() if kind not in state.heard]
     refusal = f"; it refused to send {', '.join(name for name in unheard if name in refused)}" if refused else ""
@@ -75,7 +69,7 @@ def unsubscribe() -> Dialogue[None]:
         yield from request_stream(name, 0.0)
 
 
-def prepare(departure: Departure, ready_s: float = LIMITS.ready_s) -> Dialogue[None]:
+def prepare(departure: Departure, ready_s: float = Departure.READY_S) -> Dialogue[None]:
     """Raise as `Vehicle.prepare`."""
     state = departure.state
     yield from until(lambda: state.armed is not None and state.custom_mode is not None, SHOWN_S)
@@ -101,18 +95,18 @@ def _await_ready(departure: Departure, ready_s: float) -> Dialogue[None]:
                 state.replaced_mode = state.autopilot.modes.hold if runs else state.custom_mode
             reason = (yield from change_mode(state, mode)) or reason
             if state.custom_mode == mode:
-                if (yield from until(lambda: state.may_arm is not False and _has_position(state), LIMITS.check_s)):
+                if (yield from until(lambda: state.may_arm is not False and _has_position(state), Departure.CHECK_S)):
                     return
                 yield from send(VehicleCommand.RUN_PREARM_CHECKS)
-                yield from wait(LIMITS.retry_s)
+                yield from wait(Departure.RETRY_S)
                 reason = _not_ready_reason(state)
                 lasting = state.autopilot.protocol_profile.arming_words.lasting(reason)
                 if lasting:
                     words = f"the vehicle cannot be armed: {'; '.join(lasting)}"
                     raise NotReady(words, hint=str(state), code="arming-refused")
             else:
-                yield from wait(LIMITS.retry_s)
-            waited_s += LIMITS.check_s + LIMITS.retry_s
+                yield from wait(Departure.RETRY_S)
+            waited_s += Departure.CHECK_S + Departure.RETRY_S
             departure.progress(0.0, reason)
             if waited_s > ready_s:
                 raise NotReady(f"the vehicle is not ready after {waited_s:.0f} s: {reason}", hint=str(state))
@@ -194,8 +188,8 @@ def depart(departure: Departure) -> Dialogue[None]:
             if result == CommandResult.ACCEPTED:
                 break
             has_reason = bool(reasons.reasons(words))
-            is_last = has_reason or attempt == LIMITS.arming_attempts
-            if (yield from until(lambda: state.armed is True, SHOWN_S if is_last else LIMITS.retry_s)):
+            is_last = has_reason or attempt == Departure.ARMING_ATTEMPTS
+            if (yield from until(lambda: state.armed is True, SHOWN_S if is_last else Departure.RETRY_S)):
                 break  # the refusal was of an earlier order
             may_be_armed = False
             if is_last:
@@ -213,10 +207,10 @@ def _begin(departure: Departure) -> Dialogue[None]:
     if state.autopilot.protocol_profile.starts_by_command:
         if departure.climb > 0.0:
             yield from _order("take off", Command.NAV_TAKEOFF, *(0.0,) * 6, departure.climb)
-            least = departure.climb - LIMITS.climbed_below
-            yield from until(lambda: state.position is not None and state.position.height > least, LIMITS.climb_s)
+            least = departure.climb - Departure.CLIMBED_BELOW
+            yield from until(lambda: state.position is not None and state.position.height > least, Departure.CLIMB_S)
         state.current = None  # count only reports after the arming
-        yield from until(lambda: state.current is not None, LIMITS.retry_s)
+        yield from until(lambda: state.current is not None, Departure.RETRY_S)
         expect_unchanged(departure.onboard_lists)
         yield from _order("start the mission", VehicleCommand.MISSION_START)
     mode = state.autopilot.modes.mission
@@ -251,7 +245,7 @@ def _order(action: str, number: int, *params: float) -> Dialogue[None]:
 def _disarm_on_ground(state: VehicleState) -> Dialogue[None]:
     """Disarm a vehicle only if it newly reports to be on the ground."""
     try:
-        for attempt in range(LIMITS.disarm_attempts):
+        for attempt in range(Departure.DISARM_ATTEMPTS):
             if attempt > 0 and (yield from until(lambda: state.armed is False, SHOWN_S)):
                 return
             state.landed_state = None

@@ -329,7 +329,7 @@ class Vehicle(VehicleSession):
     @property
     def ready_s(self) -> float:
         total_s = self._retry_policy.total_s
-        return departure.LIMITS.ready_s if total_s == SPECIFIED.total_s else total_s
+        return departure.Departure.READY_S if total_s == SPECIFIED.total_s else total_s
 
     @property
     def changed(self) -> str:
