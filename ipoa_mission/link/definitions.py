@@ -22,11 +22,7 @@ class Definition:
     layout: struct.Struct
     names: tuple[str, ...]
     lengths: tuple[int, ...]  # values per field
-    crc_extra: int
-
-    @cached_property
-    def seed(self) -> bytes:
-        return bytes((self.crc_extra,))
+    seed: bytes  # CRC_EXTRA, one byte
 
     def pack(self, fields: Mapping[str, Any]) -> bytes:
         """Return the payload without trailing zeros."""
@@ -59,9 +55,9 @@ class Definition:
 
 _PX4_DEFINITIONS = (  # without fields that nobody reads
     Definition(
-        300, "PROTOCOL_VERSION", struct.Struct("<HHH16x"), ("version", "min_version", "max_version"), (1,) * 3, 217
+        300, "PROTOCOL_VERSION", struct.Struct("<HHH16x"), ("version", "min_version", "max_version"), (1,) * 3, b"\xd9"
     ),
-    Definition(410, "EVENT", struct.Struct("<I8xB40s"), ("id", "log_levels", "arguments"), (1,) * 3, 160),
+    Definition(410, "EVENT", struct.Struct("<I8xB40s"), ("id", "log_levels", "arguments"), (1,) * 3, b"\xa0"),
 )
 
 
@@ -74,7 +70,8 @@ def _definitions(dialect: ModuleType) -> Iterator[Definition]:
         lengths = tuple(1 if types[name] == "char" else n for name, n in zip(names, kind.lengths, strict=True))
         new = tuple(name for name in added.get(kind.msgname, ()) if name not in names)
         layout = struct.Struct(kind.unpacker.format + "I" * len(new))
-        yield Definition(kind.id, kind.msgname, layout, names + new, lengths + (1,) * len(new), kind.crc_extra)
+        seed = bytes((kind.crc_extra,))
+        yield Definition(kind.id, kind.msgname, layout, names + new, lengths + (1,) * len(new), seed)
 
 
 _DIALECTS = [ardupilotmega]
@@ -99,7 +96,7 @@ def add_dialect(dialect: str | ModuleType) -> None:
     new = list(_definitions(module))
     for message in new:
         known = DEFINITIONS.get(message.number, message)
-        if (known.name, known.crc_extra) != (message.name, message.crc_extra):
+        if (known.name, known.seed) != (message.name, message.seed):
             words = f"its message {message.number} is {message.name}, which is {known.name} here"
             raise BadInput(words, place="dialect")
     for message in new:

@@ -208,7 +208,7 @@ def test_the_seed_of_a_checksum_follows_from_the_fields() -> None:
     seed = x25crc(b"PROTOCOL_VERSION uint16_t version uint16_t min_version uint16_t max_version ")
     for name in ("spec_version_hash", "library_version_hash"):
         seed.accumulate(f"uint8_t {name} ".encode() + bytes([8]))
-    assert definition_of("PROTOCOL_VERSION").crc_extra == (seed.crc & 0xFF) ^ (seed.crc >> 8)
+    assert definition_of("PROTOCOL_VERSION").seed == bytes(((seed.crc & 0xFF) ^ (seed.crc >> 8),))
 
 
 def test_names_and_numbers_belong_together() -> None:
