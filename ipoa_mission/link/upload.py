@@ -159,7 +159,6 @@ class MissionReports(conversations.VehicleTexts):
 class UploadState:
     attempt: int = 0
     furthest: int = -1  # requested in this attempt
-    before: int = -1  # of the attempt before
     may_be_whole: bool = False  # the vehicle may hold the whole list
     checksum: int = 0  # as read back; 0: none
     reports: MissionReports = field(default_factory=MissionReports)
@@ -257,7 +256,7 @@ def _store(job: Upload, state: UploadState, progress: Progress) -> Dialogue[None
 
     while True:
         state.attempt += 1
-        state.before = state.furthest
+        furthest_before = state.furthest
         state.furthest = -1
         was_whole = state.may_be_whole
         try:
@@ -267,7 +266,7 @@ def _store(job: Upload, state: UploadState, progress: Progress) -> Dialogue[None
             state.reports.reset_at_reading()
             stored, state.checksum = yield from conversations.read_consistent(job.kind, job.numbers)
         except NoAnswer as silence:
-            if state.attempt == ATTEMPTS or max(state.before, state.furthest) < 0:
+            if state.attempt == ATTEMPTS or max(furthest_before, state.furthest) < 0:
                 silence.hint = _remaining_list(job, state)
                 raise
         except conversations.MissionRefused as refusal:
