@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from ipoa_mission import BadInput, Scenario
 from ipoa_mission.geodesy import LocalFrame, radii_of_curvature
-from ipoa_mission.geometry import Points
+from ipoa_mission.geometry import Matrix, Points
 from ipoa_mission.report.chart import round_step
 from ipoa_mission.report.drawn_flight import ground_mesh
 from ipoa_mission.scenario.place_sections import FenceSection
@@ -28,6 +28,7 @@ def world_of(scenario: Scenario) -> World:
     frame = scenario.frame
     bounds = scenario.airspace.bounds
     corners = corners_of(frame, bounds.lower[:2], bounds.upper[:2])
+    mesh = ground_mesh(scenario.airspace, CELLS)
     return World(
         box=(*corners[0], *corners[2]),
         around=corners,
@@ -37,8 +38,8 @@ def world_of(scenario: Scenario) -> World:
         bodies=tuple(_bodies(scenario)),
         spots=tuple(_spots(scenario)),
         fences=tuple(fence_of(n, fence, frame) for n, fence in enumerate(scenario.fence)),
-        ground=tuple(_terraces(scenario)),
-        heights=_heights(scenario),
+        ground=tuple(_terraces(frame, *mesh)),
+        heights=_heights(frame, *mesh),
         home_amsl=scenario.home.altitude_amsl,
         required=scenario.limits.obstacle_distance,
         remarks=scenario.remarks,
@@ -132,26 +133,24 @@ def fences_drawn(table: Mapping[str, Any]) -> Iterator[Fence]:
             yield fence_of(n, FenceSection.model_validate(fence), frame)
 
 
-def _terraces(scenario: Scenario) -> Iterator[Terrace]:
+def _terraces(frame: LocalFrame, east: Matrix, north: Matrix, up: Matrix) -> Iterator[Terrace]:
     """Yield about 12 steps, each drawn where the ground is at least as high."""
-    east, north, up = ground_mesh(scenario.airspace, CELLS)
     low, high = float(up.min()), float(up.max())
     step = round_step(max(high - low, 1.0) / 12)
     maker: Any = contour_generator(east, north, up, fill_type=FillType.OuterOffset)
     for level in np.arange(math.floor(low / step), math.floor(high / step) + 1) * step:
         polygons, offsets = maker.filled(float(level) - 1e-6, np.inf)
         drawn = [
-            tuple(on_map(scenario.frame, points[a:b]) for a, b in pairwise(offset))
+            tuple(on_map(frame, points[a:b]) for a, b in pairwise(offset))
             for points, offset in zip(polygons, offsets, strict=True)
         ]
         if drawn:
             yield Terrace(up=round(float(level), 2), polygons=tuple(drawn))
 
 
-def _heights(scenario: Scenario) -> Heights:
-    east, north, up = ground_mesh(scenario.airspace, CELLS)
+def _heights(frame: LocalFrame, east: Matrix, north: Matrix, up: Matrix) -> Heights:
     ends = np.array([[east[0, 0], north[0, 0]], [east[-1, -1], north[-1, -1]]])
-    (west, south), (far, top) = on_map(scenario.frame, ends)
+    (west, south), (far, top) = on_map(frame, ends)
     rows, columns = up.shape
     step = (far - west) / (columns - 1), (top - south) / (rows - 1)
     return Heights(corner=(west, south), step=step, columns=columns, up=tuple(up.ravel().round(1).tolist()))
