@@ -74,10 +74,6 @@ def mean_evaluations(rows: Sequence[TrialRow]) -> str:
     return ", ".join(f"{name.upper()} {mean:,.0f}" for name, mean in means.items())
 
 
-def settings_text(**settings: object) -> str:
-    return json.dumps(settings, sort_keys=True)
-
-
 _COLUMNS = [f.name for f in fields(Trial)] + [f.name for f in fields(TrialRow) if f.name != "trial"]
 
 
@@ -106,9 +102,8 @@ def _rows(path: Path, lines: Sequence[str]) -> Iterator[TrialRow]:
             raise WrongFormat(f"expected {len(_COLUMNS)} cells of a run: {error}", place=f"{path}:{number}") from error
 
 
-def line_of(row: TrialRow) -> str:
-    text = io.StringIO()
-    csv.writer(text, lineterminator="\n").writerow(
+def write_row(file: io.TextIOWrapper, row: TrialRow) -> None:
+    csv.writer(file, lineterminator="\n").writerow(
         [
             *astuple(row.trial),
             repr(row.cost),
@@ -120,7 +115,6 @@ def line_of(row: TrialRow) -> str:
             row.versions,
         ]
     )
-    return text.getvalue()
 
 
 def open_to_append(path: Path) -> io.TextIOWrapper:

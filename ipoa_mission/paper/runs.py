@@ -16,7 +16,7 @@ from ipoa_mission.optimize.registry import build_optimizer
 from ipoa_mission.optimize.search import Optimum, minimize
 from ipoa_mission.paper import problems
 from ipoa_mission.paper.published import ALGORITHMS
-from ipoa_mission.paper.rows import Trial, TrialRow, line_of, open_to_append, read_rows, settings_text
+from ipoa_mission.paper.rows import Trial, TrialRow, open_to_append, read_rows, write_row
 from ipoa_mission.progress import Progress, count, silent
 
 
@@ -32,7 +32,7 @@ class Series:
 
 
 def _trials(problem: str, cases: Sequence[str], dimension: int) -> list[Trial]:
-    return [Trial(problem, case, dimension, name, settings_text(), 0, 0) for case in cases for name in ALGORITHMS]
+    return [Trial(problem, case, dimension, name, "{}", 0, 0) for case in cases for name in ALGORITHMS]
 
 
 _WEIGHTED = [f"map-8-1/{experiment}" for experiment in problems.WEIGHTS]
@@ -98,7 +98,7 @@ def measure(
             for future in as_completed(waiting):
                 row = future.result()
                 row_of[row.trial] = row
-                file.write(line_of(row))
+                write_row(file, row)
                 file.flush()
                 done += 1
                 count(progress, done, len(wanted), label)

@@ -1,14 +1,15 @@
+import json
 import tomllib
 from pathlib import Path
 
 import pytest
 
 from ipoa_mission import files
-from ipoa_mission.paper.rows import Trial, settings_text
+from ipoa_mission.paper.rows import Trial
 from ipoa_mission.paper.runs import run_trial
 
 REPOSITORY = Path(__file__).parents[2]
-SMALL = settings_text(evaluations=15_000)
+SMALL = json.dumps({"evaluations": 15_000})
 
 
 @pytest.mark.parametrize("mission", ["campus.toml", "paper"])

@@ -1,3 +1,4 @@
+import json
 import math
 import multiprocessing
 from concurrent.futures import Executor, Future, ThreadPoolExecutor
@@ -7,13 +8,13 @@ from typing import Any
 import pytest
 
 from ipoa_mission.paper.reproduce import open_processes
-from ipoa_mission.paper.rows import Trial, TrialRow, open_to_append, read_rows, settings_text
+from ipoa_mission.paper.rows import Trial, TrialRow, open_to_append, read_rows
 from ipoa_mission.paper.runs import CHECKPOINTS, measure, run_trial
 from tests.refused import refuses
 
 pytest.importorskip("minionpy")
 
-SMALL = settings_text(population=10, iterations=20)
+SMALL = json.dumps({"iterations": 20, "population": 10})
 TRIALS = [Trial("cec2022", function, 10, "poa", SMALL, 0, run) for run in range(2) for function in ("f1", "f2")]
 
 

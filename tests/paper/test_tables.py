@@ -1,3 +1,4 @@
+import json
 from collections.abc import Callable, Mapping, Sequence
 from functools import cache
 from pathlib import Path
@@ -10,7 +11,7 @@ from ipoa_mission.paper.markdown_table import Table, number
 from ipoa_mission.paper.problems import FUNCTIONS
 from ipoa_mission.paper.published import PRINTED
 from ipoa_mission.paper.reproduce import ITEMS, Artifact, open_processes, page, reproduce
-from ipoa_mission.paper.rows import Trial, TrialRow, settings_text
+from ipoa_mission.paper.rows import Trial, TrialRow
 from ipoa_mission.paper.runs import CHECKPOINTS, Series
 from tests.refused import refuses
 
@@ -138,7 +139,7 @@ def test_reproduce_measures_what_is_missing_and_tells_how_far_it_is(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     pytest.importorskip("minionpy")
-    small = settings_text(population=6, iterations=3)
+    small = json.dumps({"iterations": 3, "population": 6})
     tiny = Series("tiny", 2, [Trial("cec2022", "f1", 10, name, small, 0, 0) for name in ("poa", "ipoa")])
     progress: list[str] = []
 
