@@ -88,21 +88,18 @@ def reproduce(
             for name, series in needed.items():
                 rows[name] = measure(series.trials(runs), out / "rows" / f"{name}.csv", executor, progress, f"{name}: ")
     made = {name: ITEMS[name].make(rows) for name in names}
-    written = []
+    texts = dict[Path, str]()
     for name, item in made.items():
         if isinstance(item, Table):
-            written.append(_write(out / f"{name}.md", item.markdown()))
+            texts[out / f"{name}.md"] = item.markdown()
         else:
-            written.append(_write(out / f"{name}.svg", item))
+            texts[out / f"{name}.svg"] = item
     if what == "all":
-        written.append(_write(out / "README.md", page(made, rows)))
-    return written
-
-
-def _write(path: Path, text: str) -> Path:
-    path.parent.mkdir(parents=True, exist_ok=True)
-    write_atomically(path, text)
-    return path
+        texts[out / "README.md"] = page(made, rows)
+    out.mkdir(parents=True, exist_ok=True)
+    for path, text in texts.items():
+        write_atomically(path, text)
+    return list(texts)
 
 
 def page(made: Mapping[str, Table | str], rows: Rows) -> str:
