@@ -52,10 +52,8 @@ def logged_track(flight: LoggedFlight) -> LoggedTrack:
 
 
 #: Shares of the hover power, and their deviations.
-PRIOR, PRIOR_DEVIATIONS = (
-    np.array([1.0, 0.0, 0.0, 0.1, 0.0]),
-    np.array([10.0, 0.5 / 10.0**2, 0.5 / 10.0**3, 0.1, 0.05]),  # at 10 m/s
-)
+PRIOR = np.array([1.0, 0.0, 0.0, 0.1, 0.0])
+PRIOR_DEVIATIONS = np.array([10.0, 0.5 / 10.0**2, 0.5 / 10.0**3, 0.1, 0.05])  # at 10 m/s
 
 
 @dataclass(frozen=True, eq=False)
