@@ -58,12 +58,11 @@ PRIOR_DEVIATIONS = np.array([10.0, 0.5 / 10.0**2, 0.5 / 10.0**3, 0.1, 0.05])  # 
 
 @dataclass(frozen=True, eq=False)
 class PowerSeconds:
-    """A flight by second (n,): power [W], airspeed and climb [m/s], aloft."""
+    """The seconds aloft of a flight (n,): power [W], airspeed and climb [m/s]."""
 
     watts: Vector
     airspeed: Vector
     climb: Vector
-    aloft: NDArray[np.bool_]
 
     @classmethod
     def of(cls, times: Vector, watts: Vector, track: LoggedTrack, wind: tuple[float, float]) -> "PowerSeconds":
@@ -77,15 +76,15 @@ class PowerSeconds:
             return np.bincount(seconds, values)[there] / counted[there]
 
         airspeed = np.hypot(velocity[:, 0] - wind[0], velocity[:, 1] - wind[1])
-        return cls(mean(watts), mean(airspeed), mean(-velocity[:, 2]), mean(heights) > AIRBORNE_HEIGHT)
+        flown = cls(mean(watts), mean(airspeed), mean(-velocity[:, 2]))
+        return flown.selected(mean(heights) > AIRBORNE_HEIGHT)
 
     def selected(self, which: NDArray[np.bool_]) -> "PowerSeconds":
-        return PowerSeconds(self.watts[which], self.airspeed[which], self.climb[which], self.aloft[which])
+        return PowerSeconds(self.watts[which], self.airspeed[which], self.climb[which])
 
 
 def learned_powers(flights: Sequence[PowerSeconds]) -> dict[str, Learned]:
     """`energy_ratio`: measured over forecast, of each flight or half minute, from the others."""
-    flights = [flight.selected(flight.aloft) for flight in flights]
     if not flights:
         return {}
     min_speed = 4.0  # [m/s]

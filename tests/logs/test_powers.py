@@ -91,7 +91,7 @@ def test_numbers_that_made_the_seconds_are_found_again() -> None:
     curve = PowerCurve(300.0, -1.2, 0.16, 25.0, -8.0)
     airspeed, climb = rng.uniform(0.0, 14.0, 900), rng.uniform(-2.0, 2.5, 900)
     watts = curve.power(airspeed, climb) * rng.normal(1.0, 0.03, 900)
-    numbers = learned_powers([PowerSeconds(watts, airspeed, climb, np.ones(900, bool))])
+    numbers = learned_powers([PowerSeconds(watts, airspeed, climb)])
     fitted = PowerCurve(*(numbers[name].value for name in NAMES))
     speeds = np.linspace(0.0, 14.0, 8)
     assert fitted.level(speeds) == pytest.approx(curve.level(speeds), rel=0.03)
@@ -99,12 +99,12 @@ def test_numbers_that_made_the_seconds_are_found_again() -> None:
 
 
 def test_slow_flights_give_no_power_curve_and_no_hover_widens_its_range() -> None:
-    slow = PowerSeconds(np.full(300, 200.0), np.full(300, 2.0), np.zeros(300), np.ones(300, bool))
+    slow = PowerSeconds(np.full(300, 200.0), np.full(300, 2.0), np.zeros(300))
     assert learned_powers([slow]) == {}
     assert learned_powers([]) == {}
-    fast = PowerSeconds(np.full(300, 200.0), np.linspace(6.0, 9.0, 300), np.zeros(300), np.ones(300, bool))
+    fast = PowerSeconds(np.full(300, 200.0), np.linspace(6.0, 9.0, 300), np.zeros(300))
     both = np.concatenate([np.zeros(100), np.linspace(0.0, 9.0, 200)])
-    seen = PowerSeconds(np.full(300, 200.0), both, np.zeros(300), np.ones(300, bool))
+    seen = PowerSeconds(np.full(300, 200.0), both, np.zeros(300))
     assert learned_powers([fast])["energy_ratio"].high > 1.09 > learned_powers([seen])["energy_ratio"].high
 
 
@@ -128,8 +128,7 @@ def test_learn_takes_one_flight_for_its_power_alone(tmp_path: Path) -> None:
 def test_real_flights_are_foretold_by_the_others(samples: Path) -> None:
     """Five flights of a real quadrotor in dronekit's replay log, each by the others."""
     flights, _, _, _ = flights_in(samples / "dronekit+dronekit-python" / "examples" / "flight_replay" / "flight.tlog")
-    powers = [flight.measured.powers for flight in flights if flight.measured.powers is not None]
-    seconds = [power.selected(power.aloft) for power in powers]
+    seconds = [flight.measured.powers for flight in flights if flight.measured.powers is not None]
     errors = []
     for n, second in enumerate(seconds):
         numbers = learned_powers([*seconds[:n], *seconds[n + 1 :]])
