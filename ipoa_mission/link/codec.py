@@ -94,7 +94,7 @@ def frames(data: bytes, more_follows: bool = False) -> Generator[bytes, None, by
     """Yield good frames; return a begun one if `more_follows`."""
     start = next_magic(data, 0)
     while start >= 0:
-        if more_follows and not _frame_length(data, start):
+        if more_follows and not frame_length(data, start):
             return data[start:]
         frame = frame_at(data, start)
         if frame:
@@ -105,18 +105,13 @@ def frames(data: bytes, more_follows: bool = False) -> Generator[bytes, None, by
 
 def frame_at(data: bytes, start: int) -> bytes | None:
     """Return a known message's whole frame with the right checksum."""
-    frame = data[start : start + _frame_length(data, start)]
+    frame = data[start : start + frame_length(data, start)]
     definition = DEFINITIONS.get(number_of(frame)) if frame else None
     if definition is None or (frame[1] > definition.layout.size if is_old(frame) else frame[2] & ~SIGNED):
         return None
     end = len(frame) - (SIGNATURE_BYTES if is_signed(frame) else 0)
     is_whole = mcrf4xx(frame[1 : end - 2] + definition.seed) == int.from_bytes(frame[end - 2 : end], "little")
     return frame if is_whole else None
-
-
-def unknown_frame(data: bytes, start: int) -> bytes | None:
-    frame = data[start : start + _frame_length(data, start)]
-    return frame if frame and number_of(frame) not in DEFINITIONS else None
 
 
 def number_of(frame: bytes) -> int:
@@ -142,7 +137,7 @@ def next_magic(data: bytes, at: int) -> int:
     return match.start() if match else -1
 
 
-def _frame_length(data: bytes, start: int) -> int:
+def frame_length(data: bytes, start: int) -> int:
     """Return 0 unless the header and all its bytes are there."""
     if len(data) < start + 3 or data[start] not in (MAGIC_1, MAGIC_2):
         return 0

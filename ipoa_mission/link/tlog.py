@@ -11,7 +11,8 @@ from typing import BinaryIO
 
 from ipoa_mission.errors import Unwritable
 from ipoa_mission.files import note_written, read_bytes
-from ipoa_mission.link.codec import frame_at, next_magic, numbered, unknown_frame
+from ipoa_mission.link.codec import frame_at, frame_length, next_magic, number_of, numbered
+from ipoa_mission.link.definitions import DEFINITIONS
 
 log = logging.getLogger(__name__)
 STAMP_BYTES = 8
@@ -99,8 +100,8 @@ def _next_record(data: bytes, at: int) -> int:
 
 def _unknown_frame(data: bytes, start: int) -> bytes | None:
     """Return an unknown message's frame before another record or the end."""
-    frame = unknown_frame(data, start)
-    if frame is None:
+    frame = data[start : start + frame_length(data, start)]
+    if not frame or number_of(frame) in DEFINITIONS:
         return None
     end = start + len(frame)
     is_followed = end == len(data) or next_magic(data, end + STAMP_BYTES) == end + STAMP_BYTES
