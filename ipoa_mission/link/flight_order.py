@@ -294,10 +294,6 @@ class Conformance:
         return self._is_ordered and self.on_deviation is OnDeviation.HOLD and self.order.is_held
 
     @property
-    def is_over(self) -> bool:
-        return self.ends_held and self.is_held
-
-    @property
     def why_not(self) -> str:
         if not self.is_held and (self._disobeyed or not self._is_ordered):
             return self._disobeyed

@@ -273,7 +273,9 @@ class Vehicle(VehicleSession):
                 try:
                     if is_back:
                         self._subscribe_again()
-                    dialogue = watch(self._logbook, progress, *observers, is_over=lambda: compared.is_over)
+                    dialogue = watch(
+                        self._logbook, progress, *observers, is_over=lambda: compared.ends_held and compared.is_held
+                    )
                     record = self._run(dialogue, SILENT_S)
                 except (Silence, LinkDown) as lost:
                     self._reconnect(lost, progress)
