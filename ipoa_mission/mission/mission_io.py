@@ -180,6 +180,14 @@ def digest(text: str) -> str:
 
 
 def write_files(
+    mission: Mission, folder: Path, name: str, about: Mapping[str, Any], pages: Mapping[Path, str] | None = None
+) -> tuple[Path, ...]:
+    """Write a mission's files, NAME.json of `about` and the pages together; return the paths."""
+    contents, _ = _mission_contents(mission, folder, name, about)
+    return _write({**contents, **(pages or {})})
+
+
+def write_several(
     missions: Iterable[tuple[str, Mission, Mapping[str, Any] | None]],
     folder: Path,
     name: str,
