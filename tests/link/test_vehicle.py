@@ -115,3 +115,13 @@ def test_vehicle_with_another_sessions_mission_is_prepared(autopilot: Autopilot)
     vehicle.prepare()
     vehicle.start()
     assert vehicle.state.armed
+
+
+@pytest.mark.parametrize("autopilot", registered(), ids=str)
+def test_set_current_item_is_reported_by_the_vehicle(autopilot: Autopilot) -> None:
+    vehicle = met(autopilot)
+    vehicle.upload(suited(vehicle, MISSION))
+    vehicle.set_current(1)
+    vehicle.home()  # meanwhile it reports its current item
+    assert vehicle.state.current is not None
+    assert vehicle.state.current.seq == 1 + autopilot.seq_offset
