@@ -85,7 +85,7 @@ def test_a_flight_that_was_tried_is_not_made_again(battery: dict[str, Any], monk
         made.append(tour.swaths)
         return assemble_survey(tour, *rest)
 
-    monkeypatch.setattr("ipoa_mission.survey.flight_maker.assemble_survey", counted)
+    monkeypatch.setattr("ipoa_mission.survey.survey_plan.assemble_survey", counted)
     flights = plan_survey(scenario=scenario(LINES, vehicle=battery)).plan.flights
     assert (len(flights) > 1) == bool(battery)
     assert [made.count(flight.tour.swaths) for flight in flights] == [1] * len(flights)
