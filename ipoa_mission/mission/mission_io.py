@@ -194,7 +194,7 @@ def write_several(
     about: Mapping[str, Any],
     pages: Mapping[Path, str] | None = None,
 ) -> tuple[Path, ...]:
-    """Write the files of all missions, NAME.json of `about` and the pages together; return the paths."""
+    """Write the files of all missions, the pages and NAME.json of `about` together; return the paths."""
     contents = Contents()
     digests = dict[str, str]()
     for part, mission, about_part in missions:
@@ -202,7 +202,7 @@ def write_several(
         contents |= part_contents
         digests |= part_digests
     whole = folder / f"{name}.json"
-    return _write({**contents, whole: _as_text({**about, "sha256": digests}), **(pages or {})})
+    return _write({**contents, **(pages or {}), whole: _as_text({**about, "sha256": digests})})
 
 
 def _write(contents: Contents) -> tuple[Path, ...]:
