@@ -75,10 +75,8 @@ def find_zones(
         if is_near:
             ends = limits_of(feature.tags, partial(notes.note, feature))
             _note_not_understood(feature, notes)
-            for side, limit in ends.items() if restrictions is None else ():
-                if limit is not None:
-                    subject = f"{side} limit of a flight area (give it as `up` under [bounds])"
-                    notes.note(feature, subject, f"{limit.height:g} m {limit.reference}")
+            if restrictions is None:
+                _note_limits_of_area(feature, ends, notes)
             ends = {side: _above_sea(side, limit, feature, notes) for side, limit in ends.items()}
         parts = [_outline(part, feature.tags, restrictions is None) for part in simple_parts(shape)]
         open_parts = [part for part in parts if part.geom_type != "Polygon"]
@@ -120,6 +118,13 @@ def _why_excluded(tags: Mapping[str, str], chosen: set[str], time: float | None)
         return Reason(f"its restriction is {' and '.join(sorted(restrictions))}", False)
     is_inactive = "limitedApplicability" in tags and time is not None and not may_be_active(tags, time)
     return INACTIVE if is_inactive else None
+
+
+def _note_limits_of_area(feature: Feature, ends: Mapping[str, VerticalLimit | None], notes: MapNotes) -> None:
+    for side, limit in ends.items():
+        if limit is not None:
+            subject = f"{side} limit of a flight area (give it as `up` under [bounds])"
+            notes.note(feature, subject, f"{limit.height:g} m {limit.reference}")
 
 
 def _note_not_understood(feature: Feature, notes: MapNotes) -> None:
