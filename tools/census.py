@@ -88,7 +88,7 @@ def single_importers() -> Iterator[str]:
 
 
 def arrows() -> Iterator[str]:
-    """Yield pairs of top folders of which the first imports the second."""
+    """Yield pairs of top folders: the importing one, the imported one."""
     pairs = {(_folder(a), _folder(b)) for b, by in importers().items() for a in by}
     yield from sorted(f"{a} -> {b}" for a, b in pairs if a != b and "" not in (a, b))
 

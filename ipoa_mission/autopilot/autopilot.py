@@ -56,12 +56,12 @@ class Autopilot(metaclass=_ByName):
     PX4: ClassVar["Autopilot"]
     ARDUPILOT: ClassVar["Autopilot"]
 
-    name: ClassVar[str]  # in files and the command line
+    name: ClassVar[str]  # in scenarios, files and the command line
     rank: ClassVar[int] = 9  # in lists; the lowest is the default
     model: ClassVar[str]  # its display name
     mav_autopilot: ClassVar[int]  # HEARTBEAT.autopilot (MAV_AUTOPILOT)
     mav_types: ClassVar[frozenset[int]]  # HEARTBEAT.type (MAV_TYPE) of its vehicles
-    measured: ClassVar[tuple[Version, ...]]  # in flight, oldest first; the last is the default
+    measured: ClassVar[tuple[Version, ...]]  # verified in flight, oldest first; the last is the default
     modes: ClassVar[profile.Modes]
     parameter_table: ClassVar[ParameterTable]
     tables: ClassVar[FirmwareTables]

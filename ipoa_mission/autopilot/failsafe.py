@@ -21,7 +21,7 @@ class Cause(StrEnum):
     POSITION_INACCURATE = "position inaccurate"
     TERRAIN_UNKNOWN = "terrain data missing"
     TRAFFIC_NEAR = "traffic near"
-    BY_HAND = "by hand"  # an order; the vehicle refuses a mode that it cannot enter
+    BY_HAND = "by hand"  # an order by a pilot or station; the vehicle refuses a mode that it cannot enter
 
 
 @dataclass(frozen=True)
@@ -89,7 +89,7 @@ class Failsafe:
     parameter: str
     value: float
     action: FailsafeAction  # in cruise
-    differs: Mapping[FlightStage, FailsafeAction] = field(default_factory=dict)  # in other stages
+    differs: Mapping[FlightStage, FailsafeAction] = field(default_factory=dict)  # the actions of other stages
     returns_at: int | None = None  # the parameter's value with RTL
 
     @property
@@ -102,7 +102,7 @@ class Failsafe:
 
 
 class StationLoss(NamedTuple):
-    """Parameters; a tuple lists names of one."""
+    """Parameters of a lost ground station; a tuple lists names of one parameter."""
 
     timeout: str  # of its silence [s]
     default_s: float

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 class Contingency(StrEnum):
-    """It replaces the rest of the mission."""
+    """An action that replaces the rest of the mission."""
 
     RTL = "rtl"  # home or a rally point, by `Autopilot.return_route` and `return_height`
     LAND = "land"  # in place
@@ -82,7 +82,7 @@ class ReturnOrder(NamedTuple):
 
 class OverTerrain(NamedTuple):
     margin: float  # of the height [m]
-    always_over_terrain: bool  # never by heights above home
+    always_over_terrain: bool  # it never falls back to heights above home
 
 
 SLOWEST = 0.05  # [m/s]
@@ -90,12 +90,12 @@ HEIGHT_UNCERTAINTY = 2.0  # of heights and terrain maps; least slow stretch [m]
 
 
 class SinkingBrake(NamedTuple):
-    """LAND's."""
+    """LAND from level flight: its braking, and its sink meanwhile, as flown."""
 
-    accel: float  # [m/s^2]
-    descent: float  # [m/s]
-    settles_s: float
-    overshoots_s: float
+    accel: float  # horizontal deceleration [m/s^2]
+    descent: float  # descent speed [m/s]
+    settles_s: float  # added to the braking time
+    overshoots_s: float  # of the speed, beyond the stopping point
 
 
 class SlowedBy(NamedTuple):

@@ -86,7 +86,7 @@ def _along(path: Points) -> tuple[Points, Vector]:
 
 def _presence(forecast: Forecast, contingency: Contingency, order_s: Vector, shares: Vector) -> tuple[Vector, Vector]:
     """Return from when to when the vehicle may be at `shares` (n,) of its paths [s]."""
-    every_s = 20.0  # orders of which the progress is predicted
+    every_s = 20.0  # interval of the orders whose progress is predicted
     timed_s = np.linspace(order_s[0], order_s[-1], 2 + int((order_s[-1] - order_s[0]) / every_s))
     even = np.linspace(0.0, 1.0, 101)
     seconds = list[Vector]()

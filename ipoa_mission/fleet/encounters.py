@@ -22,6 +22,8 @@ TIME_SPREADS = ((0.75, 0.55), (0.25, 1.8))
 
 
 class Phase(Enum):
+    """Of the other vehicle: on its pad, in flight, or where it landed."""
+
     WAITING = 0
     FLYING = 1
     LANDED = 2

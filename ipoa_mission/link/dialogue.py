@@ -144,7 +144,7 @@ class RoundTrip:
     def __init__(self, policy: RetryPolicy) -> None:
         self.policy = policy
         self.loses = False  # a repeat was too late for an echo
-        self.doubts = 0  # since the last round trip
+        self.doubts = 0  # answers to repeated questions since the last round trip
         self._mean: float | None = None
         self._shortest = self._spread = 0.0
         self._backoff = 1.0

@@ -262,7 +262,8 @@ class PositionLoss:
 class Conformance:
     """React to deviations of one vehicle's flight; `report` gets each, with its time from the arming [s].
 
-    A refused order is given again while the vehicle flies on in its mode. RTL does not replace a hold.
+    A refused order is given again while the vehicle flies on in its mode. RTL does not replace a hold: PX4
+    requires a position for both.
     """
 
     state: VehicleState

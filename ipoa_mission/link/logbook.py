@@ -35,7 +35,7 @@ class _Recording:
 
 
 class Logbook:
-    """A flight begins whenever the vehicle is armed."""
+    """Messages of a vehicle as flights; one begins whenever the vehicle is armed."""
 
     def __init__(self, items: Sequence[Item], autopilot: Autopilot, armed: bool = False) -> None:
         self._items = tuple(items)

@@ -343,7 +343,7 @@ class Sketch(NamedTuple):
 def sketch_path(task: PathTask) -> Sketch:
     """Return the best of a few routes, deterministic for a task, in some tens of milliseconds.
 
-    If its proof does not hold, another route may.
+    If its proof does not hold, another route may exist.
 
     Raises:
         NoPath: a given place breaks a limit.

@@ -45,7 +45,7 @@ class Composition(NamedTuple):
     spacings: tuple[float, ...] = (6.0, 2.5)  # of even levels [m]
     max_rounds: int = 16
     min_spacing: float = 1.0  # where two levels meet [m]
-    remaining_risk: float = 0.7  # share of the chance
+    remaining_risk: float = 0.7  # share of the chance that unchanged passings may take
 
 
 COMPOSITION = Composition()
@@ -233,7 +233,7 @@ def candidates(curve: Spline, scenario: Scenario) -> Iterator[Route]:
 
 
 def braking_length(scenario: Scenario) -> float:
-    """Return the braking distance on a curve [m]: v² / (2 a / 2)."""
+    """Return the braking distance on a curve [m]: v² / (2 a / 2), with half the acceleration."""
     limits = kinematics(scenario.vehicle.autopilot, scenario.vehicle.autopilot_parameters())
     return scenario.vehicle.cruise_speed**2 / limits.accel
 
@@ -261,11 +261,11 @@ class RouteSearch(NamedTuple):
     patience: int = 15  # trials without gain
     step_shares: tuple[float, ...] = (0.5, 0.2)  # of the tolerance
     min_gain_s: float = 0.1
-    settled_s: float = 4.0  # after a changed leg
-    local_share: float = 0.5  # of the waypoints
+    settled_s: float = 4.0  # after a changed leg, until the flight is as before
+    local_share: float = 0.5  # of the waypoints, that a shorter flight may take
     local_doubt_s: float = 0.06  # of a gain until then
     equal_share: float = 0.005  # of the time, of equally quick routes
-    max_delay: float = 1.02  # of the time without noise
+    max_delay: float = 1.02  # flight time with noise to that without
 
 
 SEARCH = RouteSearch()

@@ -68,7 +68,7 @@ class MockProfile:
     retry_policy: RetryPolicy
     timeout_result: int | None = None
     timeout_text: str
-    truncating: frozenset[int] = frozenset()
+    truncating: frozenset[int] = frozenset()  # lists cleared at COUNT
     separate_lists: bool = False  # in transfers
     reads_item_by_item: bool = False  # else the list is frozen
     count_from_stranger: Answer

@@ -309,7 +309,7 @@ def _sampled_distances(obstacle: Obstacle, starts: Points, ends: Points, parts: 
 def _floor(away: NDArray[np.float64], part: Vector, convex: bool) -> Vector:
     """Bound the distance along legs, from the ends of their parts (n, parts + 1).
 
-    For a convex obstacle it is not below the line through adjacent ends.
+    It changes by at most 1 m per meter. For a convex obstacle it is not below the line through adjacent ends.
     """
     before, after = away[:, :-1], away[:, 1:]
     floor = (before + after - part[:, None]) / 2

@@ -121,7 +121,9 @@ def main() -> None:
     parser.add_argument("--repaired", action="store_true")
     parser.add_argument("--most-delay", type=float, default=600.0, help="of a timetable; 0: holds and heights only [s]")
     parser.add_argument("--meet", action="store_true", help="depart so that a loss of separation is most probable")
-    parser.add_argument("--ardupilot-later", type=float, default=0.0, help="it arms so much sooner after its start [s]")
+    parser.add_argument(
+        "--ardupilot-later", type=float, default=0.0, help="delay of ArduCopter's start [s], as it arms sooner"
+    )
     for name in AUTOPILOTS:
         for part in ("", "-link", "-logs"):
             parser.add_argument(f"--{name}{part}", required=True)
