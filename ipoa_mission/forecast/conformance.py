@@ -9,7 +9,7 @@ import numpy as np
 from ipoa_mission.autopilot.commands import FLOWN_TO, LANDINGS, TAKEOFFS, Command, Frame, plain_frame
 from ipoa_mission.errors import MissionError
 from ipoa_mission.forecast.deviation.kept_limits import deviation_bound_of
-from ipoa_mission.forecast.deviation.law import DeviationLaw, law_of
+from ipoa_mission.forecast.deviation.law import DeviationLaw
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.timing.track import interpolate, pieces_of
 from ipoa_mission.geodesy import Geodetic
@@ -79,10 +79,8 @@ class ConformanceMonitor:
             raise MissionError("the mission has no items", code="empty")
         safety = None if forecast.scenario is None else forecast.scenario.safety.chance
         self._chance = LIMITS.exceeding_share if safety is None else safety
-        wind = forecast.wind.speed if forecast.scenario is None else forecast.scenario.wind.strongest
         self._unknown = {item.seq for item in forecast.unknown}
-        autopilot = forecast.mission.autopilot
-        self._law = law_of(autopilot, wind)
+        self._law = forecast.deviation_law
         frames = {plain_frame(item.frame) for item in forecast.mission.items if item.has_position}
         self._counts_from_home = Frame.GLOBAL not in frames
         self._knows_height = not forecast.itinerary.over_terrain

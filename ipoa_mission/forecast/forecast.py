@@ -198,7 +198,8 @@ class Forecast:
 
     @property
     def deviation_law(self) -> DeviationLaw:
-        return law_of(self.mission.autopilot, self.wind.speed)
+        """Return the law in the strongest wind."""
+        return law_of(self.mission.autopilot, self.wind.strongest)
 
     def timed(self, fast: bool | None = None) -> Estimate:
         times = times_of(self.itinerary, self.expected if fast is None else self.predicted(noise_free=False, fast=fast))

@@ -17,7 +17,10 @@ from ipoa_mission.forecast.deviation.kept_limits import (
 )
 from ipoa_mission.forecast.deviation.law import law_of, not_measured
 from ipoa_mission.forecast.deviation.proximity import proximity_risks
+from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.timing.track import Pieces
+from ipoa_mission.geodesy import Geodetic
+from ipoa_mission.mission.items import Mission
 from ipoa_mission.planning.obstruction import NoPath
 from ipoa_mission.planning.planner import Plan
 from ipoa_mission.progress import silent
@@ -63,6 +66,14 @@ def test_recorded_passes_go_beyond_a_quantile_no_oftener_than_it_says(autopilot:
     distances, law = beside(autopilot, "01"), law_of(autopilot)
     assert len(distances) >= 600
     assert (distances > law.lateral.distance(chance)).mean() <= (1 + 4.0 / law.decorrelation_s) * chance
+
+
+@pytest.mark.parametrize("autopilot", list(registered()))
+def test_deviation_law_of_a_forecast_counts_gusts_as_its_clearance_does(autopilot: Autopilot) -> None:
+    gusty = Wind(3.0, from_deg=270.0, spread=2.0)
+    mission = Mission(Geodetic(47.4, 8.5, 488.0), (), autopilot)
+    assert Forecast(mission, wind=gusty).deviation_law == law_of(autopilot, 5.0)
+    assert Forecast(mission, wind=gusty).deviation_law != law_of(autopilot, 3.0)
 
 
 @pytest.mark.parametrize("side", ["down", "up"])

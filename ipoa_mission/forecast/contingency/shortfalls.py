@@ -12,7 +12,6 @@ from ipoa_mission.forecast.contingency.contingency_paths import ContingencyPaths
 from ipoa_mission.forecast.contingency.contingency_samples import GROUND, SAMPLING, ContingencySamples, ReturnLeg
 from ipoa_mission.forecast.contingency.enlarged_airspace import SHARING, EnlargedAirspace
 from ipoa_mission.forecast.deviation.kept_limits import clearance_task, with_margins
-from ipoa_mission.forecast.deviation.law import law_of
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.itinerary.flown_legs import Leg
 from ipoa_mission.planning.proof import Check, prove_ground
@@ -61,7 +60,7 @@ def highest_return(forecast: Forecast) -> float:
     allowed = [MAX_HEIGHT, ceiling, world.planning.max_height_above_ground or math.inf]
     fence = mission.autopilot.own_fence(values)
     if fence is not None:
-        allowed.append(fence.ceiling.value - law_of(mission.autopilot).highest.distance(0.01))
+        allowed.append(fence.ceiling.value - forecast.deviation_law.highest.distance(0.01))
     return min(allowed)
 
 

@@ -12,7 +12,7 @@ from ipoa_mission.geometry import Vector
 class Quantiles:
     """Measured quantiles of a distance: exceeded with `chances` (falling) at `distances` (rising) [m].
 
-    Between them the probability falls exponentially, and beyond the last at the same rate as before it.
+    Between them the probability falls exponentially, and beyond the last at that rate.
 
     >>> import numpy as np
     >>> spread = Quantiles((0.0, 0.5, 1.0), (1.0, 0.1, 0.01))
@@ -114,7 +114,7 @@ class DeviationLaw:
 
 
 def not_measured(autopilot: Autopilot, wind: float) -> str | None:
-    """Return why the law is extrapolated in this wind [m/s]; None if it was measured."""
+    """Return why the law is extrapolated in this wind [m/s], or None."""
     strongest = autopilot.part(DeviationLaw).strongest
     if wind <= strongest:
         return None
