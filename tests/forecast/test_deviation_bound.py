@@ -29,7 +29,7 @@ from ipoa_mission.scenario import Scenario
 from ipoa_mission.vehicles.px4_multicopter.flight_model import LAW as PX4
 from ipoa_mission.wind import Wind
 from ipoa_mission.world.airspace import Airspace, Bounds
-from ipoa_mission.world.obstacles import Cylinder, Obstacle, Sphere, box
+from ipoa_mission.world.obstacles import Cylinder, Obstacle, Prism, Sphere
 from ipoa_mission.world.terrain import Flat
 from tests.quick_search import search_quickly
 from tests.refused import refuses
@@ -56,7 +56,8 @@ def straight(*obstacles: Obstacle, seconds: float = 3.9, height: float = 20.0) -
 
 
 def wall(distance: float, length: float = 100.0) -> Obstacle:
-    return box("wall", (-length, distance, 0.0), (length, distance + 5.0, 60.0))
+    corners = ((-length, distance), (length, distance), (length, distance + 5.0), (-length, distance + 5.0))
+    return Prism("wall", corners, (), 0.0, 60.0)
 
 
 @pytest.mark.parametrize("autopilot", list(registered()))
@@ -113,7 +114,7 @@ def test_two_walls_add_up_and_two_passes_are_two_draws() -> None:
 
 
 def test_height_errors_over_a_roof_last_a_whole_flight() -> None:
-    roof = box("hall", (-100.0, -50.0, 0.0), (5000.0, 50.0, 15.0))
+    roof = Prism("hall", ((-100.0, -50.0), (5000.0, -50.0), (5000.0, 50.0), (-100.0, 50.0)), (), 0.0, 15.0)
     course, world = straight(roof)
     moment, flight = (5.0 - spread.distance(0.01) for spread in (PX4.down, PX4.lowest))
     assert proximity_risks(course, world, PX4, 3.0).clearance_at(0.01) == pytest.approx(moment, abs=0.002)

@@ -21,7 +21,7 @@ from ipoa_mission.scenario import read_scenario
 from ipoa_mission.vehicles.px4_multicopter.flight_model import spread_of
 from ipoa_mission.vehicles.px4_multicopter.flights import RUNS
 from ipoa_mission.world.airspace import Airspace, Bounds
-from ipoa_mission.world.obstacles import box
+from ipoa_mission.world.obstacles import Prism
 from ipoa_mission.world.terrain import Flat
 
 FOLDER = Path(__file__).parents[1] / "data" / "short_legs"
@@ -66,7 +66,7 @@ def test_spread_exceeds_the_usual_noise_where_runs_differ() -> None:
 
 
 def test_obstacle_is_nearer_by_the_spread() -> None:
-    wall = box("wall", (-10.0, 8.0, -5.0), (200.0, 12.0, 60.0))
+    wall = Prism("wall", ((-10.0, 8.0), (200.0, 8.0), (200.0, 12.0), (-10.0, 12.0)), (), -5.0, 60.0)
     air = Airspace(Bounds((-500.0, -500.0, -50.0), (500.0, 500.0, 200.0)), Flat(), (wall,))
     spread = np.tile([1.25, 0.0, 0.0], (len(STRAIGHT.times), 1))
     usual, wider = (

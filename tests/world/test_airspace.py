@@ -5,7 +5,7 @@ import pytest
 import shapely
 
 from ipoa_mission.world.airspace import Airspace, Bounds
-from ipoa_mission.world.obstacles import Cylinder, Obstacle, Sphere, box
+from ipoa_mission.world.obstacles import Cylinder, Obstacle, Prism, Sphere
 from ipoa_mission.world.polygon import Polygon
 from ipoa_mission.world.terrain import Flat
 from tests.refused import refuses
@@ -22,7 +22,8 @@ def a_town(rng: np.random.Generator, count: int) -> tuple[Obstacle, ...]:
         elif i % 3 == 1:
             town.append(Cylinder(f"mast {i}", east, north, rng.uniform(2, 20), 0.0, rng.uniform(5, 100)))
         else:
-            town.append(box(f"house {i}", (east, north, 0.0), (east + 20, north + 30, rng.uniform(5, 100))))
+            corners = ((east, north), (east + 20, north), (east + 20, north + 30), (east, north + 30))
+            town.append(Prism(f"house {i}", corners, (), 0.0, rng.uniform(5, 100)))
     return tuple(town)
 
 

@@ -5,7 +5,7 @@ import pytest
 import shapely
 
 from ipoa_mission.errors import BadInput
-from ipoa_mission.world.obstacles import Cylinder, Obstacle, Prism, Sphere, Zone, box
+from ipoa_mission.world.obstacles import Cylinder, Obstacle, Prism, Sphere, Zone
 from ipoa_mission.world.obstacles.obstacle import CYLINDER, SPHERE
 from ipoa_mission.world.polygon import Polygon
 from tests.plain_python import as_plain_python
@@ -23,8 +23,9 @@ def a_cylinder(rng: Rng) -> Obstacle:
 
 
 def a_box(rng: Rng) -> Obstacle:
-    lower = rng.uniform(-20, 10, 3)
-    return box("box", tuple(lower), tuple(lower + rng.uniform(2, 30, 3)))
+    west, south, base = lower = rng.uniform(-20, 10, 3)
+    east, north, top = lower + rng.uniform(2, 30, 3)
+    return Prism("box", ((west, south), (east, south), (east, north), (west, north)), (), base, top)
 
 
 def a_ring(rng: Rng, corners: int, low: float, high: float, center: np.ndarray) -> tuple[tuple[float, float], ...]:

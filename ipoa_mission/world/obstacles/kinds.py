@@ -309,8 +309,3 @@ class Zone(Prism):
     """A prism of forbidden air."""
 
     solid: ClassVar[bool] = False
-
-
-def box(name: str, lower: tuple[float, float, float], upper: tuple[float, float, float]) -> Prism:
-    (e0, n0, base), (e1, n1, top) = lower, upper
-    return Prism(name, ((e0, n0), (e1, n0), (e1, n1), (e0, n1)), (), base, top)
