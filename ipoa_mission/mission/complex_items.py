@@ -17,25 +17,19 @@ TRANSECTS = "TransectStyleComplexItem"
 ITEMS = "Items"
 
 
-def complex_item(items: Sequence[Item], document: Any) -> ComplexItem:
-    kept = dict(document)
-    has_items = isinstance(kept.get(TRANSECTS), dict) and ITEMS in kept[TRANSECTS]
-    if has_items:
-        kept[TRANSECTS] = {key: value for key, value in kept[TRANSECTS].items() if key != ITEMS}
-    return ComplexItem(tuple(items), json.dumps(kept, sort_keys=True), has_items)
-
-
 def complex_items_in(parts: Sequence[Node | None], items: Sequence[Item]) -> tuple[ComplexItem, ...]:
     groups: dict[str, tuple[Node, list[Item]]] = {}
     for part, item in zip(parts, items, strict=True):
         if part is not None:
             groups.setdefault(part.place, (part, []))[1].append(item)
-    return tuple(complex_item(part_items, part.value) for part, part_items in groups.values())
+
+    return tuple(ComplexItem(tuple(of_part), json.dumps(part.value)) for part, of_part in groups.values())
 
 
 def entries(items: Sequence[Item], complexes: Sequence[ComplexItem]) -> Iterator[tuple[range, ComplexItem | None]]:
     """Yield a range of item indices for each plain item (None) and each complex item."""
     targets = {int(item.params[0]) - 1 for item in items if item.command == Command.DO_JUMP}
+
     first = 0
     while first < len(items):
         of = next((each for each in complexes if _is_here(each, items, first, targets)), None)
@@ -55,11 +49,10 @@ def _is_here(part: ComplexItem, items: Sequence[Item], first: int, targets: set[
 def as_document(part: ComplexItem, number: int, simple: Sequence[dict[str, Any]]) -> dict[str, Any]:
     """`simple` are its items; the first is mission item `number`."""
     document: dict[str, Any] = json.loads(part.json_text, parse_constant=partial(_refuse_constant, number))
-    if part.has_items:
-        keys = ("autoContinue", "command", "frame", "params", "type")
-        document[TRANSECTS][ITEMS] = [
-            {key: item[key] for key in keys} | {"doJumpId": number + n} for n, item in enumerate(simple)
-        ]
+
+    holder = document.get(TRANSECTS, document)
+    keys = ("autoContinue", "command", "frame", "params", "type")
+    holder[ITEMS] = [{key: item[key] for key in keys} | {"doJumpId": number + n} for n, item in enumerate(simple)]
     return document
 
 

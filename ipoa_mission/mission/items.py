@@ -153,11 +153,10 @@ class FenceCircle:
 
 @dataclass(frozen=True)
 class ComplexItem:
-    """A survey or scan of QGroundControl; `json_text` is without its list of items, if it `has_items`."""
+    """A survey or scan of QGroundControl; `json_text` is its entry in a file."""
 
     items: tuple[Item, ...]
     json_text: str
-    has_items: bool
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,7 @@ from ipoa_mission.autopilot.commands import FLOWN_TO, PLAIN_FRAME, Command, Fram
 from ipoa_mission.errors import BadInput
 from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.geodesy import Geodetic
-from ipoa_mission.mission.complex_items import as_document, complex_items_in, entries
+from ipoa_mission.mission.complex_items import ITEMS, TRANSECTS, as_document, complex_items_in, entries
 from ipoa_mission.mission.items import FenceCircle, FencePolygon, Item, Mission, MissionFile
 from ipoa_mission.mission.json_node import Node, finite, parse_document, tidy
 from ipoa_mission.mission.landing_ground import landing_ground_entry
@@ -223,7 +223,7 @@ def _listed(node: Node) -> list[ListedItem]:
         return [read_item(node)]
     if kind.value != "ComplexItem":
         raise kind.wrong('"SimpleItem" or "ComplexItem"')
-    items = (node.get("TransectStyleComplexItem") or node).get("Items")
+    items = (node.get(TRANSECTS) or node).get(ITEMS)
     if items is None:
         raise BadInput(
             f'expected the waypoints of the complex item "{node["complexItemType"].text()}", but it holds none',

@@ -1,5 +1,6 @@
 """Assemble a tour's mission: lines, transits, camera and gimbal commands."""
 
+import json
 import math
 from collections import defaultdict
 from collections.abc import Mapping
@@ -13,7 +14,7 @@ from ipoa_mission import Airspace, Command, Forecast, Frame, MissionError, Scena
 from ipoa_mission.forecast.contingency.shortfalls import clear_in
 from ipoa_mission.forecast.deviation.kept_limits import clearance_task, with_margins
 from ipoa_mission.geometry import Plane, Points, Vector, arc_lengths, union_of
-from ipoa_mission.mission.complex_items import ITEMS, TRANSECTS, complex_item
+from ipoa_mission.mission.complex_items import ITEMS, TRANSECTS
 from ipoa_mission.mission.items import ComplexItem, Item, Mission, camera_trigger
 from ipoa_mission.planning.path_problem import PathProblem, problem_of
 from ipoa_mission.planning.proof import prove
@@ -204,7 +205,7 @@ def _qgroundcontrol_item(items: tuple[Item, ...], tour: Tour, sight: Sight, scen
             "polygon": _degrees(shapely.get_coordinates(outer.exterior)[:-1], scenario),
             "splitConcavePolygons": False,
         }
-    return complex_item(items, entry)
+    return ComplexItem(items, json.dumps(entry))
 
 
 def _qgroundcontrol_camera(sight: Sight, camera: CameraSection | None) -> dict[str, Any]:

@@ -80,3 +80,5 @@ def test_unknown_complex_items_are_read_and_written_with_their_waypoints() -> No
     mission = read(document(AHEAD | {"type": "SimpleItem"}, scan, BEHIND))
     assert [item.altitude for item in mission.items] == [50.0, 30.0, 0.0]
     assert written(mission)[1] == scan
+    later = replace(mission, items=(mission.items[0], *mission.items))
+    assert written(later)[2]["Items"][0]["doJumpId"] == 3

@@ -110,7 +110,7 @@ NOT_FINITE = {
     "item 1 (DO_DIGICAM_CONTROL): altitude": {"items": (Item(203, 2, altitude=math.inf),)},
     "no.params: MPC_XY_CRUISE": {"parameters": {"MPC_XY_CRUISE": math.inf}},
     "landing_ground": {"items": (*MISSION.items, land(HOME)), "landing_ground": replace(HOME, altitude=math.nan)},
-    "complex item at item 1": {"complex_items": (ComplexItem(MISSION.items, '{"camera": Infinity}', False),)},
+    "complex item at item 1": {"complex_items": (ComplexItem(MISSION.items, '{"camera": Infinity}'),)},
 }
 
 
