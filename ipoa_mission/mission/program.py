@@ -19,7 +19,7 @@ from ipoa_mission.autopilot.guidance_profile import JumpProfile
 from ipoa_mission.autopilot.version import Version
 from ipoa_mission.geodesy import Geodetic, LocalFrame
 from ipoa_mission.geometry import Place, Points
-from ipoa_mission.mission.items import Item, Mission, Numbered, numbered_items
+from ipoa_mission.mission.items import Item, Mission, Numbered, item_of, numbered_items
 
 Steps: TypeAlias = list[tuple[list[int], int | None]]  # items done in passing, and the next place
 MAX_ACTIONS = 255  # in passing, of ArduPilot
@@ -122,13 +122,14 @@ def stays_at(mission: Mission) -> list[Numbered]:
 
 
 def behind_landing(mission: Mission) -> tuple[Numbered, Numbered] | None:
-    """Return the landing that ends the mission and the item behind; None also with jumps."""
+    """Return the landing that ends the mission, and the item behind it in the order of flight."""
     flies_on = mission.autopilot.command_effects.flies_on
-    listed = (at for at in numbered_items(mission) if at.item.command <= LAST_NAV)
-    moving = [at for at in listed if at.item.command != Command.NAV_DELAY]
+    steps, _ = program_of(mission, mission.items).followed()
+    flown = (item_of(mission, n + 1) for _, n in steps if n is not None)
+    moving = [at for at in flown if at.item.command <= LAST_NAV and at.item.command != Command.NAV_DELAY]
     for at, after in pairwise(moving):
         if not flies_on(at.item.command, after.item.is_takeoff, mission.complete_parameters):
-            return None if any(item.is_jump for item in mission.items) else (at, after)
+            return at, after
     return None
 
 

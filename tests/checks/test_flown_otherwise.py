@@ -42,6 +42,10 @@ def codes(autopilot: str, items: Sequence[Item], **parameters: float) -> list[st
         ("ardupilot", (UP, THERE, RTL, act(Command.DO_SET_RELAY, 0, 1)), {}, []),
         ("px4", (UP, THERE, LAND, AGAIN, RTL), {}, []),
         ("px4", (UP, THERE, RTL, AGAIN, LAND), {}, ["warning behind-landing 4"]),
+        ("ardupilot", (UP, THERE, LAND, act(Command.DO_JUMP, 1, 1)), {}, ["warning behind-landing 1"]),
+        ("ardupilot", (UP, THERE, LAND, act(Command.DO_JUMP, 1, 1)), {"MIS_OPTIONS": 4.0}, []),
+        ("ardupilot", (UP, THERE, act(Command.DO_JUMP, 2, 1), LAND, RTL), {}, ["warning behind-landing 5"]),
+        ("px4", (UP, THERE, RTL, act(Command.DO_JUMP, 1, 1)), {}, ["warning behind-landing 1"]),
     ],
 )
 def test_items_behind_a_landing_that_ends_the_mission_are_reported(
