@@ -21,7 +21,7 @@ from ipoa_mission.forecast.flight_energy import Consumption
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.timing.estimate import COUNTED_TERMS, Estimate
 from ipoa_mission.mission.items import Mission
-from ipoa_mission.mission.mission_io import write_files, write_several
+from ipoa_mission.mission.mission_io import write_files
 from ipoa_mission.mission.waypoints_file import left_out
 from ipoa_mission.planning.planner import Plan
 from ipoa_mission.planning.proof import Proof
@@ -122,7 +122,7 @@ class Flight:
         folder = Path(folder)
         make_folder(folder)
         pages = {folder / f"{self.name}.html": self._page()} if report else {}
-        return write_files(self.mission, folder, self.name, self.summary(), pages)
+        return write_files([(self.name, self.mission, self.summary())], folder, pages)
 
     def summary(self) -> dict[str, object]:
         """Return NAME.json in meters, seconds and degrees."""
@@ -260,7 +260,7 @@ def write_parts(
         panel = parts_panel(parts, [path.name for path in plans])
         notes = PageNotes(whole.findings, whole.remarks, panel)
         pages[folder / f"{whole.name}.html"] = report_html(whole.forecast, notes, whole.plan)
-    return write_several(missions, folder, whole.name, summary, pages)
+    return write_files(missions, folder, pages, whole=(whole.name, summary))
 
 
 def names_of(whole: Flight, parts: Sequence[Forecast], folder: Path) -> list[Path]:

@@ -22,6 +22,7 @@ from ipoa_mission.mission.waypoints_file import FIRST_LINE, lost_in_waypoints, p
 
 LANDING_GROUND_KEY = "landing_ground_m"
 Contents: TypeAlias = dict[Path, str | None]  # None: to remove
+About: TypeAlias = Mapping[str, Any]  # contents of a NAME.json
 
 
 def read_mission(path: str | Path, autopilot: Autopilot | None = None) -> Mission:
@@ -143,7 +144,7 @@ def write_mission(mission: Mission, path: str | Path, read_from: MissionFile | N
     if suffix not in MISSIONS:
         raise WrongSuffix(f'expected a name that ends in .plan or .waypoints, not in "{suffix}"', place=path)
     text = mission_text(mission, suffix, read_from)
-    _write({Path(path): text, **parameter_contents(mission, Path(path))})
+    write_together({Path(path): text, **parameter_contents(mission, Path(path))})
     return lost_in_waypoints(mission) if suffix == ".waypoints" else ()
 
 
@@ -180,49 +181,33 @@ def digest(text: str) -> str:
 
 
 def write_files(
-    mission: Mission, folder: Path, name: str, about: Mapping[str, Any], pages: Mapping[Path, str] | None = None
-) -> tuple[Path, ...]:
-    """Write a mission's files, NAME.json of `about` and the pages together; return the paths."""
-    contents, _ = _mission_contents(mission, folder, name, about)
-    return _write({**contents, **(pages or {})})
-
-
-def write_several(
-    missions: Iterable[tuple[str, Mission, Mapping[str, Any] | None]],
+    missions: Iterable[tuple[str, Mission, About | None]],
     folder: Path,
-    name: str,
-    about: Mapping[str, Any],
     pages: Mapping[Path, str] | None = None,
+    whole: tuple[str, About] | None = None,
 ) -> tuple[Path, ...]:
-    """Write the files of all missions, the pages and NAME.json of `about` together; return the paths."""
+    """Write missions by name, the pages, and a NAME.json of each and of the `whole` together; return the paths."""
     contents = Contents()
     digests = dict[str, str]()
-    for part, mission, about_part in missions:
-        part_contents, part_digests = _mission_contents(mission, folder, part, about_part)
-        contents |= part_contents
-        digests |= part_digests
-    whole = folder / f"{name}.json"
-    return _write({**contents, **(pages or {}), whole: _as_text({**about, "sha256": digests})})
-
-
-def _write(contents: Contents) -> tuple[Path, ...]:
+    for name, mission, about in missions:
+        plan = folder / f"{name}.plan"
+        texts = {plan: plan_text(mission), folder / f"{name}.waypoints": waypoints_text(mission)}
+        of_mission = {path.name: digest(text) for path, text in texts.items()}
+        contents |= texts
+        if about is not None:
+            contents[folder / f"{name}.json"] = _about_text(about, of_mission)
+        contents |= parameter_contents(mission, plan)
+        digests |= of_mission
+    contents |= pages or {}
+    if whole is not None:
+        name, about = whole
+        contents[folder / f"{name}.json"] = _about_text(about, digests)
     write_together(contents)
     return tuple(path for path, text in contents.items() if text is not None)
 
 
-def _mission_contents(
-    mission: Mission, folder: Path, name: str, about: Mapping[str, Any] | None
-) -> tuple[Contents, dict[str, str]]:
-    plan = folder / f"{name}.plan"
-    contents: Contents = {plan: plan_text(mission), folder / f"{name}.waypoints": waypoints_text(mission)}
-    digests = {path.name: digest(text) for path, text in contents.items() if text is not None}
-    if about is not None:
-        contents[folder / f"{name}.json"] = _as_text({**about, "sha256": digests})
-    return contents | parameter_contents(mission, plan), digests
-
-
-def _as_text(contents: Mapping[str, Any]) -> str:
-    return json.dumps(contents, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+def _about_text(about: About, digests: Mapping[str, str]) -> str:
+    return json.dumps({**about, "sha256": digests}, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
 
 
 def not_as_written(folder: Path, name: str, report: bool = False) -> list[Path]:

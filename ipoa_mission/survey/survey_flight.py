@@ -18,7 +18,7 @@ from ipoa_mission.errors import BadInput, NothingThere
 from ipoa_mission.files import make_folder
 from ipoa_mission.geometry import Plane, Points
 from ipoa_mission.maps.map_reader import read_features
-from ipoa_mission.mission.mission_io import write_files, write_several
+from ipoa_mission.mission.mission_io import write_files
 from ipoa_mission.mission.waypoints_file import left_out
 from ipoa_mission.progress import Progress, silent
 from ipoa_mission.report.summary import passed_over_as_json
@@ -100,12 +100,12 @@ class Survey:
         make_folder(folder)
         pages = self._pages(folder) if report else {}
         if len(self.flights) == 1:
-            return write_files(self.flights[0].mission, folder, self.name, self.summary(), pages)
+            return write_files([(self.name, self.flights[0].mission, self.summary())], folder, pages)
         parts = []
         for name, forecast in zip(self.names, self.flights, strict=True):
             about = {"name": name, "version": version("ipoa-mission"), **forecast_as_json(forecast)}
             parts.append((name, forecast.mission, about))
-        return write_several(parts, folder, self.name, self.summary(), pages)
+        return write_files(parts, folder, pages, whole=(self.name, self.summary()))
 
     def summary(self) -> dict[str, object]:
         """Return NAME.json in meters, seconds and watt hours."""

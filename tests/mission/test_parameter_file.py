@@ -10,7 +10,7 @@ from ipoa_mission.autopilot.parameters import SINGLE_MAX
 from ipoa_mission.errors import BadInput
 from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.mission.items import Item, Mission, takeoff
-from ipoa_mission.mission.mission_io import read_mission, read_mission_file, write_mission, write_several
+from ipoa_mission.mission.mission_io import read_mission, read_mission_file, write_files, write_mission
 from ipoa_mission.mission.parameter_file import read_parameter_file
 from tests.refused import refuses
 
@@ -188,10 +188,10 @@ def test_several_missions_are_written_all_or_none(tmp_path: Path) -> None:
     slow = replace(MISSION, parameters={"MPC_XY_CRUISE": 6.0})
     page = {tmp_path / "s.html": "a page"}
     with refuses("already-there", "s-2.params", kind=BadInput):
-        write_several([("s-1", slow, {}), ("s-2", slow, {})], tmp_path, "s", {}, page)
+        write_files([("s-1", slow, {}), ("s-2", slow, {})], tmp_path, page, ("s", {}))
     assert [*tmp_path.iterdir()] == [theirs]
-    write_several([("s-1", slow, {}), ("s-2", MISSION, None)], tmp_path, "s", {}, page)
-    written = write_several([("s-1", MISSION, {}), ("s-2", MISSION, None)], tmp_path, "s", {}, page)
+    write_files([("s-1", slow, {}), ("s-2", MISSION, None)], tmp_path, page, ("s", {}))
+    written = write_files([("s-1", MISSION, {}), ("s-2", MISSION, None)], tmp_path, page, ("s", {}))
     names = ["s-1.plan", "s-1.waypoints", "s-1.json", "s-2.plan", "s-2.waypoints", "s.html", "s.json"]
     assert [path.name for path in written] == names
     assert {*tmp_path.iterdir()} == {theirs, *written}
