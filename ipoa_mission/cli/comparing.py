@@ -60,10 +60,10 @@ def compare(
 
     Example: `ipoa-mission compare campus.plan campus.tlog`
     """
+    from ipoa_mission.autopilot.learned import read_vehicle
     from ipoa_mission.cli.reading import read_world
     from ipoa_mission.flight.post_flight import landed_elsewhere
     from ipoa_mission.logs.flight_log import read_flights
-    from ipoa_mission.logs.vehicle_file import read_vehicle
     from ipoa_mission.report.compare import Assumptions
     from ipoa_mission.terminal import expect_free
     from ipoa_mission.wind import CALM

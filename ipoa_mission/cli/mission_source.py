@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from ipoa_mission.autopilot.known_parameters import expect_own
+from ipoa_mission.autopilot.learned import read_vehicle
 from ipoa_mission.checks.check import check
 from ipoa_mission.checks.unsafe import refuse_errors
 from ipoa_mission.cli.groups import FlownByOptions, SearchOptions
@@ -13,7 +14,6 @@ from ipoa_mission.flight.flight import Flight
 from ipoa_mission.forecast.contingency.energy_budget import ReserveNow
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.timing.estimate import Estimate
-from ipoa_mission.logs.vehicle_file import read_vehicle
 from ipoa_mission.mission.flight_record import FlightRecord
 from ipoa_mission.mission.item_words import count_words
 from ipoa_mission.mission.items import Mission

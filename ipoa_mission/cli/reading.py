@@ -4,10 +4,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 from ipoa_mission.autopilot.autopilot import Autopilot, registered
+from ipoa_mission.autopilot.learned import read_vehicle
 from ipoa_mission.cli.groups import FlownByOptions, WorldOptions
 from ipoa_mission.errors import BadInput
 from ipoa_mission.finding import Finding
-from ipoa_mission.logs.vehicle_file import read_vehicle
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.mission.mission_io import read_by_items, read_mission_file
 from ipoa_mission.mission.parameter_file import parameter_path

@@ -35,9 +35,9 @@ def learn(
     """
     from dataclasses import asdict, replace
 
+    from ipoa_mission.autopilot.learned import write_vehicle
     from ipoa_mission.files import write_atomically
     from ipoa_mission.learn.fit import PRIOR_DEVIATIONS, cross_validate, energy_error, fit, median_errors
-    from ipoa_mission.logs.vehicle_file import write_vehicle
     from ipoa_mission.terminal import expect_free
 
     expect_free([out], force, ask=not as_json)
@@ -120,7 +120,7 @@ def _reasons(name: str, flights: list["Evidence"]) -> list[str]:
 
 
 def _words(vehicle: "LearnedVehicle", flights: list["Evidence"]) -> Iterator[str]:
-    from ipoa_mission.logs.vehicle_file import QUANTITIES
+    from ipoa_mission.autopilot.learned import QUANTITIES
 
     for name, quantity in QUANTITIES.items():
         learned = getattr(vehicle, name)

@@ -1,4 +1,4 @@
-"""Read flights from logs, and vehicles learned from them.
+"""Read flights from logs.
 
 Read `flight_log` first. `logged` is the content of any log; `telemetry_log` reads `.tlog`.
 """

@@ -10,9 +10,9 @@ from pathlib import Path
 
 import pytest
 
+from ipoa_mission.autopilot.learned import read_vehicle
 from ipoa_mission.errors import MissionError
 from ipoa_mission.logs.flight_log import read_flights
-from ipoa_mission.logs.vehicle_file import read_vehicle
 from ipoa_mission.maps.elevation import ground_altitude
 from ipoa_mission.maps.map_reader import READERS, read_features
 from ipoa_mission.mission.mission_io import read_mission

@@ -15,11 +15,10 @@ import pytest
 from typer.testing import CliRunner
 
 from ipoa_mission.autopilot.autopilot import Autopilot
-from ipoa_mission.autopilot.learned import Learned, LearnedVehicle
+from ipoa_mission.autopilot.learned import Learned, LearnedVehicle, read_vehicle
 from ipoa_mission.cli.app import app
 from ipoa_mission.learn.fit import Evidence, cross_validate, energy_error, fit, flights_in, median_errors, timed
 from ipoa_mission.learn.flight_measurements import FlightMeasurements, hover_power
-from ipoa_mission.logs.vehicle_file import read_vehicle
 from ipoa_mission.mission.mission_io import write_mission
 from tests.logs.test_learning import ARDUPILOT, PX4, recorded
 from tests.refused import refuses

@@ -14,12 +14,11 @@ import numpy as np
 import pytest
 
 from ipoa_mission.autopilot.autopilot import Autopilot
-from ipoa_mission.autopilot.learned import Learned, LearnedVehicle
+from ipoa_mission.autopilot.learned import Learned, LearnedVehicle, read_vehicle, write_vehicle
 from ipoa_mission.errors import BadInput
 from ipoa_mission.forecast.forecast import estimate
 from ipoa_mission.geodesy import Geodetic, LocalFrame
 from ipoa_mission.learn.fit import Evidence, cross_validate, errors, evidence_between, fit, median_errors, timed
-from ipoa_mission.logs.vehicle_file import read_vehicle, write_vehicle
 from ipoa_mission.mission.items import Item, Mission, land, takeoff, waypoint
 from ipoa_mission.simulator.fly import fly_built_in
 from tests.examples import vehicles

@@ -16,12 +16,11 @@ from typer.testing import CliRunner
 
 from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.autopilot.energy import Interval, PowerCurve
-from ipoa_mission.autopilot.learned import LearnedVehicle
+from ipoa_mission.autopilot.learned import LearnedVehicle, read_vehicle
 from ipoa_mission.cli.app import app
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.learn.fit import fit, flights_in
 from ipoa_mission.learn.flight_measurements import PowerSeconds, learned_powers
-from ipoa_mission.logs.vehicle_file import read_vehicle
 from ipoa_mission.mission.mission_io import read_mission
 from ipoa_mission.wind import CALM, Wind
 from tests.recorded_flights import FLOWN_ON
