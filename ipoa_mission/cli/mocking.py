@@ -66,8 +66,7 @@ def mock(worse: FaultOptions, how: MockOptions, as_json: options.JsonOption = Fa
     """
     from ipoa_mission.link.channel import open_channel, parse_address
     from ipoa_mission.simulator.faults import Faults
-    from ipoa_mission.simulator.mock_server import Server
-    from ipoa_mission.simulator.station import Station
+    from ipoa_mission.simulator.station import Server, Station
 
     address = parse_address(how.link)
     system = how.system or 1

@@ -1,15 +1,18 @@
-"""Serve the three mission lists, as measured (see `mock_profile`) or by the firmware's source."""
+"""Serve and judge the three mission lists, as measured (see `mock_profile`) or by the firmware's source."""
 
 import math
 import zlib
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from typing import Any
 
-from ipoa_mission.autopilot.commands import PLAIN_FRAME
+from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.autopilot.commands import PLAIN_FRAME, Command, Frame
+from ipoa_mission.autopilot.firmware_tables import Firmware
+from ipoa_mission.autopilot.parameters import Parameters
 from ipoa_mission.errors import MissionError
-from ipoa_mission.geodesy import Geodetic
+from ipoa_mission.geodesy import Geodetic, LocalFrame
 from ipoa_mission.link import messages as m
 from ipoa_mission.link.codec import EVERYONE, Target
 from ipoa_mission.link.conversations import MissionRefused, fetch, offer
@@ -17,8 +20,7 @@ from ipoa_mission.link.dialogue import Exchange, NoAnswer, Tell
 from ipoa_mission.link.item_run import ItemsRead
 from ipoa_mission.link.wire import item_of
 from ipoa_mission.mission.items import Item
-from ipoa_mission.mission.stored_mission import as_stored, fence_from_wire, home_item
-from ipoa_mission.simulator.judgement import judge
+from ipoa_mission.mission.stored_mission import as_stored, fence_from_wire, home_item, values_of
 from ipoa_mission.simulator.mock_profile import Answer, MockProfile
 
 KINDS = (m.MissionType.MISSION, m.MissionType.FENCE, m.MissionType.RALLY)
@@ -319,3 +321,56 @@ class MissionService:
             self.say(m.Text(m.WARNING, "mission transfer busy"), client)
         elif answer is not Answer.SILENCE:
             self._ack(m.Result[answer.value], kind, client)
+
+
+def judge(autopilot: Autopilot, firmware: Firmware, item: Item, kind: int, count: int) -> m.Result:
+    refusals = autopilot.refusals
+    about = (firmware, item.command, item.frame, values_of(item))
+    if kind == m.MissionType.MISSION:
+        refusal = refusals.mission(*about, count)
+    else:
+        refusal = (refusals.fence if kind == m.MissionType.FENCE else refusals.rally)(*about)
+    return m.Result.ACCEPTED if refusal is None else m.Result[refusal.result]
+
+
+@dataclass(frozen=True)
+class Infeasible:
+    """`event`: without `navigator_mis_`."""
+
+    words: str
+    event: str
+    values: tuple[float, ...] = ()
+
+
+def infeasibility(
+    firmware: Firmware, items: Sequence[Item], home: Geodetic, parameters: Parameters
+) -> Infeasible | None:
+    """Return PX4's verdict; None if it can be flown."""
+    radius = parameters["NAV_MC_ALT_RAD"]
+    needs_takeoff = int(parameters.get("MIS_TKO_LAND_REQ", 0.0)) in (1, 3)
+    first_limit = parameters.get("MIS_DIST_1WP", 10_000.0)
+    has_position = has_takeoff = False
+    for seq, item in enumerate(items):
+        if item.command in firmware.never_flown:
+            words = f"Mission rejected: item {seq + 1}: unsupported cmd: {item.command}"
+            return Infeasible(words, "unsup_cmd", (seq + 1, item.command))
+        if seq == 0 and item.command == Command.NAV_LAND:
+            return Infeasible("Mission rejected: starts with landing", "starts_w_landing")
+        if item.command == Command.NAV_TAKEOFF:
+            if item.height(home) - 1.0 < radius:
+                return Infeasible("Mission rejected: Takeoff altitude too low!", "takeoff_too_low", (radius + 1.0,))
+            if has_position:
+                return Infeasible("Mission rejected: takeoff not first waypoint item", "takeoff_not_first")
+            has_takeoff = True
+        if item.has_position and not has_position:
+            place = Geodetic(item.latitude_deg, item.longitude_deg, home.altitude)
+            east, north, _ = LocalFrame(home).local(place)
+            distance = math.hypot(east, north)
+            if not distance < first_limit:
+                values = (int(min(distance, 4e9)), int(first_limit))
+                words = f"First waypoint too far away: {values[0]}m, {values[1]} max"
+                return Infeasible(words, "first_wp_too_far", values)
+        has_position = has_position or item.frame != Frame.MISSION
+    if needs_takeoff and not has_takeoff:
+        return Infeasible("Mission rejected: Takeoff waypoint required.", "takeoff_missing")
+    return None

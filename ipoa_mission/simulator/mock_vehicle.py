@@ -16,8 +16,7 @@ from ipoa_mission.link.messages import CRITICAL, INFO, Message, MissionState, Mi
 from ipoa_mission.link.vehicle_state import PREARM_CHECK
 from ipoa_mission.link.wire import saturated
 from ipoa_mission.mission.items import Item
-from ipoa_mission.simulator.judgement import Infeasible, infeasibility
-from ipoa_mission.simulator.mission_service import MissionService
+from ipoa_mission.simulator.mission_service import Infeasible, MissionService, infeasibility
 from ipoa_mission.simulator.mock_profile import MockProfile
 from ipoa_mission.simulator.simulated_flight import SimulatedFlight
 from ipoa_mission.simulator.situation import FlightMode
@@ -148,7 +147,7 @@ class MockVehicle:
         now = self.now
         is_placed = self.age >= profile.start_up.origin_s
         place = flight.position
-        east, north, up = map(float, flight.velocity)
+        east, north, up = flight.motion
         roll, pitch, yaw = flight.attitude
         match name:
             case "HEARTBEAT":
@@ -175,7 +174,7 @@ class MockVehicle:
             case "HOME_POSITION":
                 return m.HomePosition(*astuple(flight.home)) if is_placed else None
             case "LOCAL_POSITION_NED":
-                x, y, z = map(float, flight.local)
+                x, y, z = flight.place
                 return m.LocalPosition(now, (y, x, -z), (north, east, -up))
             case "GPS_RAW_INT":
                 return m.Gps(now, place.latitude_deg, place.longitude_deg, place.altitude, math.hypot(east, north))

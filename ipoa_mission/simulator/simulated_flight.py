@@ -9,7 +9,7 @@ import numpy as np
 from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.autopilot.parameters import Parameters
 from ipoa_mission.geodesy import Geodetic, LocalFrame
-from ipoa_mission.geometry import GRAVITY, Vector
+from ipoa_mission.geometry import GRAVITY
 from ipoa_mission.link.messages import MissionState
 from ipoa_mission.mission.items import Item
 from ipoa_mission.mission.program import Program
@@ -44,16 +44,6 @@ class SimulatedFlight(Situation):
         """ArduCopter's by their names before 4.7, without values that would stop a flight."""
         complete = self.autopilot.complete(self._parameters, self.conditions.version)
         return self.autopilot.parameter_table.usable(complete)
-
-    @property
-    def local(self) -> Vector:
-        """East, north, up of home, (3,) [m]."""
-        return np.array(self.place)
-
-    @property
-    def velocity(self) -> Vector:
-        """East, north, up, (3,) [m/s]."""
-        return np.array(self.motion)
 
     @property
     def position(self) -> Geodetic:

@@ -10,7 +10,7 @@ from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.link.messages import MissionType, Result
 from ipoa_mission.mission.items import Item, Mission, return_to_launch, takeoff
 from ipoa_mission.mission.stored_mission import to_wire
-from ipoa_mission.simulator.judgement import judge
+from ipoa_mission.simulator.mission_service import judge
 from tests.verdicts import RECORDS, Record, read_record
 
 HOME = Geodetic(47.397742, 8.545594, 488.0)

@@ -21,9 +21,8 @@ from ipoa_mission.mission.items import Mission, land, takeoff
 from ipoa_mission.mission.mission_io import write_mission
 from ipoa_mission.scenario import read_scenario
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot
-from ipoa_mission.simulator.mock_server import Server
 from ipoa_mission.simulator.situation import Conditions
-from ipoa_mission.simulator.station import Station
+from ipoa_mission.simulator.station import Server, Station
 from tests.px4_waypoints import waypoint
 from tests.quick_link import hurry
 from tests.quick_search import search_quickly

@@ -11,8 +11,7 @@ from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.link.channel import UdpChannel, parse_address
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as Mock
 from ipoa_mission.simulator.faults import Faults
-from ipoa_mission.simulator.mock_server import Server
-from ipoa_mission.simulator.station import Station
+from ipoa_mission.simulator.station import Server, Station
 from tests.cli.conftest import Run
 
 MISSIONS = Path(__file__).parents[2] / "missions"

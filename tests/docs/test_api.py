@@ -24,8 +24,7 @@ from ipoa_mission.planning.planner import Plan, plan_path
 from ipoa_mission.report.exports import EXPORTS
 from ipoa_mission.scenario import Scenario, read_scenario
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot
-from ipoa_mission.simulator.mock_server import Server
-from ipoa_mission.simulator.station import Station
+from ipoa_mission.simulator.station import Server, Station
 from tests.quick_link import hurry
 from tests.quick_search import QUICK, search_quickly
 

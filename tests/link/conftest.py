@@ -9,8 +9,7 @@ from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.link.channel import TcpChannel, UdpChannel, parse_address
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as Mock
-from ipoa_mission.simulator.mock_server import Server
-from ipoa_mission.simulator.station import Station
+from ipoa_mission.simulator.station import Server, Station
 from tests.quick_link import hurry
 
 HOME = Geodetic(47.4, 8.5, 400.0)

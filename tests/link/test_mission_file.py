@@ -35,8 +35,8 @@ from ipoa_mission.link.vehicle import ConnectionOptions, Vehicle
 from ipoa_mission.mission.items import Item
 from ipoa_mission.mission.stored_mission import compare
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as Mock
+from ipoa_mission.simulator.built_in_autopilot import FileService
 from ipoa_mission.simulator.faults import Faults
-from ipoa_mission.simulator.file_service import FileService
 from ipoa_mission.simulator.station import Loopback, Station
 from tests.examples import examples
 from tests.link_pair import HOME, connection_of, items_of

@@ -43,7 +43,7 @@ def test_a_mission_is_flown_item_by_item_and_ends_disarmed_at_home(autopilot: Au
     assert [r.index for r in flight.reached] == list(range(len(MISSION)))
     assert not flight.armed
     assert flight.on_ground
-    assert math.hypot(*flight.local[:2]) < 1.0
+    assert math.hypot(*flight.place[:2]) < 1.0
     assert flight.mission is MissionState.COMPLETE
 
 
@@ -62,7 +62,7 @@ def test_a_disarmed_vehicle_stays_on_the_ground(autopilot: Autopilot) -> None:
     flight.start()
     flight.advance(30.0)
     assert flight.on_ground
-    assert flight.local[2] == pytest.approx(0.0, abs=0.01)
+    assert flight.place[2] == pytest.approx(0.0, abs=0.01)
 
 
 @both

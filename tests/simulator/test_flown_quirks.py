@@ -160,11 +160,11 @@ def under_way(autopilot: Autopilot, items: Sequence[Item] = LEGS) -> Flown:
 )
 def test_a_mission_uploaded_in_flight_goes_on_at_the_current_item(autopilot: Autopilot, items: list[Item]) -> None:
     flown = under_way(autopilot)
-    before = float(flown.mock.flight.local[1])
+    before = float(flown.mock.flight.place[1])
     assert Ack(OK) in flown.upload(items)
     assert flown.current == Current(flown.first + 2, len(items), 3)
     assert flown.mock.flight.mode is FlightMode.MISSION
-    assert flown.mock.flight.local[1] > before
+    assert flown.mock.flight.place[1] > before
 
 
 @pytest.mark.parametrize("autopilot", registered())
@@ -191,7 +191,7 @@ def test_clearing_in_flight_stops_the_vehicle(autopilot: Autopilot, order: Messa
     assert flown.current == Current(0, 0 if autopilot is ARDUPILOT else 65535, 1)
     flown.fly(15.0)
     assert flown.mock.flight.mode is FlightMode.HOLD
-    assert float(abs(flown.mock.flight.velocity).max()) < 0.5
+    assert max(map(abs, flown.mock.flight.motion)) < 0.5
     assert not flown.mock.flight.on_ground
 
 

@@ -159,7 +159,7 @@ def test_ardupilot_climbs_by_command_in_guided_alone() -> None:
     session.order(176, 1.0, 4.0)
     assert session.order(22, *(0.0,) * 6, 8.0) == [0]
     session.wait(15.0)
-    assert session.vehicle.flight.local[2] == pytest.approx(8.0, abs=0.3)
+    assert session.vehicle.flight.place[2] == pytest.approx(8.0, abs=0.3)
     assert session.order(400, 0.0) == [4]
 
 

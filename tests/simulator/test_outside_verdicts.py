@@ -13,7 +13,7 @@ from ipoa_mission.autopilot.commands import Command
 from ipoa_mission.autopilot.version import Version
 from ipoa_mission.link.messages import MissionType, Result
 from ipoa_mission.mission.items import Item
-from ipoa_mission.simulator.judgement import judge
+from ipoa_mission.simulator.mission_service import judge
 
 PX4, ARDUPILOT = Autopilot.PX4, Autopilot.ARDUPILOT
 PLACE = (37.6234, -122.0811, 20.0)

@@ -47,5 +47,5 @@ def test_checks_estimate_and_built_in_autopilot_return_equally_high(parameters: 
     highest = 0.0
     while flight.armed:
         flight.advance(flight.time_s + 0.5)
-        highest = max(highest, flight.local[2])
+        highest = max(highest, flight.place[2])
     assert highest == pytest.approx(top, abs=HOME_JUMPS)

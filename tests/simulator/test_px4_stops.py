@@ -23,9 +23,11 @@ def test_built_in_px4_stops_where_the_forecast_says(contingency: Contingency, pa
     flight.load((takeoff(HOME, 20.0), waypoint(far, 20.0)))
     flight.arm()
     flight.start()
-    while flight.local[0] < 100.0:
+    while flight.place[0] < 100.0:
         flight.advance(flight.time_s + 0.1)
-    ordered, velocity, until = flight.local[:2], flight.velocity[:2], flight.time_s + 30.0
+    ordered = np.array(flight.place[:2])
+    velocity = np.array(flight.motion[:2])
+    until = flight.time_s + 30.0
     offsets = {
         each: Autopilot.PX4.stopping_offset(parameters, velocity[None], np.zeros((1, 2)), each)[0] for each in MODES
     }
@@ -33,7 +35,7 @@ def test_built_in_px4_stops_where_the_forecast_says(contingency: Contingency, pa
     track = [ordered]
     while flight.armed and flight.time_s < until:
         flight.advance(flight.time_s + 0.1)
-        track.append(flight.local[:2])
+        track.append(np.array(flight.place[:2]))
     farthest = max(place[0] - ordered[0] for place in track)
     if contingency is Contingency.RTL:
         counted = float(offsets[contingency][0] + Autopilot.PX4.guidance.brakes_after * velocity[0])

@@ -40,7 +40,7 @@ def flown(folder: Path) -> tuple[Mission, Mapping[int, tuple[float, float]], dic
         assert mock.flight.time_s < 1000.0, "it does not come down"
         left -= not mock.flight.armed
         mock.tick(mock.deadline)
-        east, north, _ = mock.flight.local
+        east, north, _ = mock.flight.place
         for message, _ in mock.outgoing():
             if isinstance(message, Reached):
                 reached.setdefault(message.seq + 1 - first, (float(east), float(north)))

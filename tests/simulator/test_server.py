@@ -10,8 +10,7 @@ from ipoa_mission.link.channel import Peer, open_channel
 from ipoa_mission.link.codec import Codec, Target
 from ipoa_mission.link.messages import CommandLong, Count, Heartbeat, MavAutopilot, Message, MissionType
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot
-from ipoa_mission.simulator.mock_server import Server
-from ipoa_mission.simulator.station import Station
+from ipoa_mission.simulator.station import Server, Station
 
 HOME = Geodetic(47.397742, 8.545594, 488.0)
 

@@ -55,7 +55,7 @@ def flown(mission: Mission, seed: int, frame: LocalFrame = FRAME) -> Matrix:
     rows = list[tuple[float, ...]]()
     begin = flight.time_s
     while flight.armed:
-        rows.append((flight.time_s - begin, *flight.local))
+        rows.append((flight.time_s - begin, *flight.place))
         flight.advance(flight.time_s + EVERY_S)
     track = np.array(rows)
     places = frame.to_local(*LocalFrame(mission.home).to_geodetic(track[:, 1:]))
