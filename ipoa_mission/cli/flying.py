@@ -4,13 +4,12 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from functools import partial
-from itertools import compress
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from ipoa_mission.cli.groups import FileOutput, FlightOptions, FlownByOptions, SearchOptions
+from ipoa_mission.cli.groups import FileOutput, FlownByOptions, SearchOptions
 from ipoa_mission.cli.interrupting import ChangesMade, interruptible
 from ipoa_mission.cli.linking import connect_to, states_firmware
 from ipoa_mission.cli.planners import FlyJob, FlyOptions, planner_of, planners
@@ -65,8 +64,11 @@ def fly(
     link = asked.on_vehicle.link
     ignore = asked.ignore or ()
     if not is_planned:
-        _expect_no_plan(source, {"--report": to.report, "--optimizer": search.optimizer})
-    _expect_link(asked.on_vehicle)
+        of_planning = {"--report": to.report, "--optimizer": search.optimizer is not None}
+        _refuse(of_planning, f"expected a scenario, not {source}", "a mission is flown as it is")
+    if link is None:
+        hint = "the built-in autopilot begins at the first item, and flies by the forecast's model"
+        _refuse(asked.on_vehicle.given_for_link(), "needs --link", hint)
     expect_folder(to.folder)
     expect_log(asked.on_link.log)
     fly_job: FlyJob = partial(_fly_built_in, changes, search.seed)
@@ -217,20 +219,10 @@ def _begun(job: "Job", first: int) -> "Job":
     return replace(job, begun=procedure.begun_forecast(job.forecast, first))
 
 
-def _expect_no_plan(source: Path, options: dict[str, object]) -> None:
-    for option, value in options.items():
-        if value:
-            raise OptionConflict(f"expected a scenario, not {source}", hint="a mission is flown as it is", place=option)
-
-
-def _expect_link(on_vehicle: FlightOptions) -> None:
-    if on_vehicle.link is None and on_vehicle != (defaults := FlightOptions()):
-        changed = (on_vehicle.begin != 1, on_vehicle.set_params, on_vehicle.on_deviation != defaults.on_deviation)
-        raise OptionConflict(
-            "needs --link",
-            hint="the built-in autopilot begins at the first item, and flies by the forecast's model",
-            place=", ".join(compress(("--from", "--set-params", "--on-deviation"), changed)),
-        )
+def _refuse(options: dict[str, bool], words: str, hint: str) -> None:
+    given = [option for option, is_given in options.items() if is_given]
+    if given:
+        raise OptionConflict(words, hint=hint, place=", ".join(given))
 
 
 def demo(

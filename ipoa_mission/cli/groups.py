@@ -122,3 +122,7 @@ class FlightOptions:
         OnDeviation,
         options.link_option("--on-deviation", help="Order sent once if the flight deviates from the forecast."),
     ] = OnDeviation.HOLD
+
+    def given_for_link(self) -> dict[str, bool]:
+        deviates = self.on_deviation is not OnDeviation.HOLD
+        return {"--from": self.begin != 1, "--set-params": self.set_params, "--on-deviation": deviates}
