@@ -18,8 +18,6 @@ from ipoa_mission.files import plug_ins
 from ipoa_mission.interrupts import noted_terminations
 from ipoa_mission.terminal import discard_output, print_error, print_lines, replace_unencodable, shown
 
-LEVELS = (logging.WARNING, logging.INFO, logging.DEBUG)
-
 
 def print_version(wanted: bool) -> None:
     if wanted:
@@ -44,7 +42,8 @@ def before_the_verb(verbose: VerboseOption = 0, version: VersionOption = False) 
 
     Example: `ipoa-mission fly missions/campus.toml --out out --report`
     """
-    listen_to_log(LEVELS[min(verbose, len(LEVELS) - 1)])
+    levels = (logging.WARNING, logging.INFO, logging.DEBUG)
+    listen_to_log(levels[min(verbose, 2)])
 
 
 def listen_to_log(level: int) -> None:
