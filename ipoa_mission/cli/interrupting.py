@@ -91,8 +91,9 @@ class ChangesMade:
         from ipoa_mission.progress import silent
 
         stored = "the new mission is on the vehicle"
+        either = "the mission on the vehicle may be the old one, the new one or a mixture: upload again, or clear it"
         change, if_interrupted, after = {
-            Stage.UPLOAD: (ChangeKind.MISSION, "the mission on the vehicle may be the old or the new one", stored),
+            Stage.UPLOAD: (ChangeKind.MISSION, either, stored),
             Stage.RECHECK: (ChangeKind.MISSION, stored, stored),
             Stage.READY: (ChangeKind.START, "the vehicle was not armed", ""),  # START replaces it
             Stage.START: (ChangeKind.START, "the start may have been completed", "the vehicle was started"),

@@ -5,7 +5,8 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -13,23 +14,29 @@ from typing import Any, NamedTuple
 import pytest
 import typer
 
-from ipoa_mission.cli import flight_output, linking
+from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.autopilot.commands import Command
+from ipoa_mission.cli import flight_output, interrupting, linking
 from ipoa_mission.cli.interrupting import ChangeKind, ChangesMade, Interrupted, interruptible
 from ipoa_mission.flight import preflight, procedure
 from ipoa_mission.flight.flight import Flight
 from ipoa_mission.flight.procedure import Stage
 from ipoa_mission.link import departure
+from ipoa_mission.link import vehicle as link_vehicle
 from ipoa_mission.link.dialogue import Cancelled, wait
+from ipoa_mission.link.mavftp import FileRefused
 from ipoa_mission.link.messages import MissionType
 from ipoa_mission.link.vehicle import Vehicle
+from ipoa_mission.mission.items import Mission, return_to_launch, takeoff, waypoint
 from ipoa_mission.mission.mission_io import read_mission, write_mission
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot
 from ipoa_mission.simulator.mock_vehicle import MockVehicle
 from ipoa_mission.terminal import confirm
-from tests.cli.conftest import Run, Serve
+from tests.cli.conftest import ZURICH, Run, Serve
 
 WRITTEN = "stopped: parameters were written: MPC_XY_CRUISE, RTL_RETURN_ALT"
 STORED = f"{WRITTEN}; the new mission is on the vehicle"
+EITHER = "the mission on the vehicle may be the old one, the new one or a mixture: upload again, or clear it"
 
 
 class Pressed(NamedTuple):
@@ -54,9 +61,7 @@ STAGES = {
         False,
     ),
     Stage.CHECK: Pressed(preflight, "expect_fit", "stopped: the mission was not sent", (5.0, 30.0), 0, False),
-    Stage.UPLOAD: Pressed(
-        Vehicle, "upload", f"{WRITTEN}; the mission on the vehicle may be the old or the new one", (6.0, 41.0), 0, False
-    ),
+    Stage.UPLOAD: Pressed(Vehicle, "upload", f"{WRITTEN}; {EITHER}", (6.0, 41.0), 0, False),
     Stage.RECHECK: Pressed(preflight, "idle_fence", STORED, (6.0, 41.0), 3, False),
     Stage.READY: Pressed(Vehicle, "prepare", f"{STORED}; the vehicle was not armed", (6.0, 41.0), 3, False),
     Stage.START: Pressed(Vehicle, "start after", f"{STORED}; the start may have been completed", (6.0, 41.0), 3, True),
@@ -233,6 +238,38 @@ def test_ctrl_c_while_the_vehicle_s_other_lists_are_read_sends_nothing(
         ended = run(f"upload {hop} --link {link}")
     assert (ended.code, ended.err.splitlines()[0]) == (130, "error: stopped: the mission was not sent")
     assert not aboard[0].transfers.listed(MissionType.MISSION)
+
+
+@pytest.mark.parametrize(("family", "left"), [(Autopilot.PX4, {30.0}), (Autopilot.ARDUPILOT, {30.0, 40.0})])
+def test_a_second_ctrl_c_in_an_upload_names_all_that_the_vehicle_may_hold(
+    run: Run,
+    autopilot: Serve,
+    aboard: list[BuiltInAutopilot],
+    monkeypatch: pytest.MonkeyPatch,
+    family: Autopilot,
+    left: set[float],
+) -> None:
+    for height in (30.0, 40.0):
+        items = (takeoff(ZURICH, height), *[waypoint(ZURICH, height)] * 6, return_to_launch())
+        write_mission(Mission(ZURICH, items, family), Path(f"{height}.plan"))
+
+    @contextmanager
+    def impatient(*_: object, **__: object) -> Iterator[Callable[[float, str], None]]:
+        def press_twice(share: float, words: str) -> None:
+            if share > 0.4:
+                raise KeyboardInterrupt
+
+        yield press_twice
+
+    press(monkeypatch, link_vehicle, "upload_by_file", FileRefused)  # item by item also to ArduPilot
+    with autopilot(family=family) as link:
+        assert run(f"upload 30.0.plan --link {link}").code == 0
+        monkeypatch.setattr(interrupting, "progress_bar", impatient)
+        ended = run(f"upload 40.0.plan --link {link}")
+        held = aboard[0].transfers.listed(MissionType.MISSION)
+    assert (ended.code, ended.err.splitlines()[0]) == (130, f"error: stopped: {EITHER}")
+    heights = {item.altitude for item in held if item.command == Command.NAV_WAYPOINT}
+    assert heights - {ZURICH.altitude} == left
 
 
 def test_ctrl_c_at_a_question_is_no_answer(monkeypatch: pytest.MonkeyPatch) -> None:
