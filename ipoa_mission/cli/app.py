@@ -10,9 +10,15 @@ from typing import Annotated, Any
 
 import typer
 
-from ipoa_mission.cli import checking, comparing, flying, linking, mocking, planning, showing
+from ipoa_mission.cli.checking import check, estimate
+from ipoa_mission.cli.comparing import compare
+from ipoa_mission.cli.flying import demo, fly
 from ipoa_mission.cli.interrupting import interruptible
+from ipoa_mission.cli.linking import clear, download, pause, resume, rtl, scan, upload
+from ipoa_mission.cli.mocking import mock
 from ipoa_mission.cli.planners import grouped
+from ipoa_mission.cli.planning import new, plan, schema
+from ipoa_mission.cli.showing import export, show
 from ipoa_mission.errors import MissionError
 from ipoa_mission.files import plug_ins
 from ipoa_mission.interrupts import noted_terminations
@@ -74,21 +80,12 @@ app = typer.Typer(
 app.callback(no_args_is_help=True)(before_the_verb)
 
 HEADINGS: dict[str, tuple[str | Callable[..., None], ...]] = {
-    "Begin here": (flying.demo,),
-    "Plan and look": (
-        planning.new,
-        planning.plan,
-        "studio",
-        checking.check,
-        checking.estimate,
-        showing.show,
-        showing.export,
-        "deconflict",
-    ),
-    "Fly": (flying.fly, mocking.mock, comparing.compare, "learn"),
-    "The mission on a vehicle": (linking.scan, linking.upload, linking.download, linking.clear),
-    "A vehicle in flight": (linking.pause, linking.resume, linking.rtl),
-    "More": ("reproduce", planning.schema),
+    "Begin here": (demo,),
+    "Plan and look": (new, plan, "studio", check, estimate, show, export, "deconflict"),
+    "Fly": (fly, mock, compare, "learn"),
+    "The mission on a vehicle": (scan, upload, download, clear),
+    "A vehicle in flight": (pause, resume, rtl),
+    "More": ("reproduce", schema),
 }
 
 
