@@ -83,7 +83,7 @@ def report_html(
         "page_js": _asset("page.js"),
         "data": _page_data(predicted, legs, returns),
     }
-    return page_of("page.html", parts)
+    return _page_of(parts)
 
 
 def _page_data(predicted: SampledTrack, legs: Sequence[ItemLeg], returns: Sequence[Mapping[str, Any]]) -> str:
@@ -127,12 +127,12 @@ def _footer(scenario: Scenario, plan: Plan | None, mission: Mission) -> str:
     return f"<dl>{body}</dl>"
 
 
-def page_of(template: str, parts: Mapping[str, str]) -> str:
-    """Remove control characters, which a page may not contain; `title` is a part."""
+def _page_of(parts: Mapping[str, str]) -> str:
+    """Remove control characters, which a page may not contain."""
     controls = dict.fromkeys((*range(9), 11, 12, *range(14, 32), *range(127, 160)), "\N{REPLACEMENT CHARACTER}")
     css = "".join(map(_asset, ("palette.css", "page.css", "ways.css")))
     head = Template(_asset("head.html")).substitute(parts, css=css)
-    return Template(_asset(template)).substitute(parts, head=head).translate(controls)
+    return Template(_asset("page.html")).substitute(parts, head=head).translate(controls)
 
 
 def _asset(name: str) -> str:

@@ -1,21 +1,16 @@
-"""Report a survey as JSON and as a web page."""
+"""Report a survey as JSON, and as a part of its flights' pages."""
 
 from collections.abc import Sequence
 from html import escape
 from typing import Any
-from urllib.parse import quote
 
 import shapely
 
 from ipoa_mission import Forecast
-from ipoa_mission.report.drawn_flight import find_dangers, sample_track
-from ipoa_mission.report.number_format import seconds
-from ipoa_mission.report.page import page_of
 from ipoa_mission.report.panels.ground_plan import line_path, ring_path
-from ipoa_mission.report.panels.headline import verdict, warnings
 from ipoa_mission.report.panels.tables import scrolled_table
 from ipoa_mission.report.summary import clearance_as_json, findings_as_json, items_as_json, rounded
-from ipoa_mission.survey.survey_plan import SurveyFlight, SurveyPlan, coverage_lines, flight_table
+from ipoa_mission.survey.survey_plan import SurveyPlan, coverage_lines, flight_table
 
 
 def survey_as_json(plan: SurveyPlan, names: tuple[str, ...]) -> dict[str, Any]:
@@ -128,24 +123,3 @@ def _table(plan: SurveyPlan, names: Sequence[str]) -> str:
         head_of = f'<th scope="row"><span aria-hidden="true" style="color:{_hue(n)}">━</span> {escape(file)}</th>'
         rows += f"<tr>{head_of}{''.join(f'<td>{escape(cell)}</td>' for cell in cells)}</tr>"
     return scrolled_table(f"<tr>{head}</tr>", rows)
-
-
-def survey_html(plan: SurveyPlan, names: Sequence[str], remarks: Sequence[str]) -> str:
-    """`names`: of the flights' files in the same folder."""
-    total_s = sum(flight.forecast.estimate.total_s for flight in plan.flights)
-    parts = {
-        "title": escape(plan.scenario.name),
-        "subtitle": f"Survey in {len(names)} flights, {seconds(total_s)} together",
-        "warnings": warnings([], [], remarks, plan.scenario.remarks),
-        "survey": survey_panel(plan, names),
-        "flights": "".join(_flight(flight, name) for name, flight in zip(names, plan.flights, strict=True)),
-    }
-    return page_of("survey.html", parts)
-
-
-def _flight(flight: SurveyFlight, name: str) -> str:
-    forecast = flight.forecast
-    dangers = find_dangers(sample_track(forecast.estimate.track, forecast.world.airspace), forecast.world)
-    judged = verdict(forecast.proof_if_known, forecast.guarantee_if_known, dangers, flight.findings)
-    link = f'<a href="{quote(name)}.html">{escape(name)}</a>'
-    return f"<h3>{link}: {seconds(forecast.estimate.total_s)}</h3>{judged}"
