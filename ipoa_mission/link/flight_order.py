@@ -48,7 +48,7 @@ def resume(state: VehicleState) -> Dialogue[None]:
 
 
 def return_to_launch(state: VehicleState) -> Dialogue[None]:
-    """Return and land, by the vehicle's parameters; raise NotReady."""
+    """Raise NotReady."""
     yield from _expect_flying(state)
     yield from _enter(state, state.autopilot.modes.returning)
 
@@ -75,6 +75,7 @@ class FlightOrder:
     words: str = ""  # why it does not obey
     is_refused: bool = False  # in this mode, and nobody took over
     is_paused: bool = False
+    _was_paused: bool = False  # as reported
     _is_cut: bool = False
     _mode: int | None = None  # before the order
     _steps: list[_Step] = field(default_factory=list)
@@ -114,6 +115,9 @@ class FlightOrder:
 
     def observe(self, heard: m.Message, now_s: float) -> Dialogue[None]:
         state = self.state
+        if state.is_paused != self._was_paused:  # by any station
+            self._was_paused = state.is_paused
+            self.is_paused = state.is_paused
         self.is_paused = self.is_paused and state.custom_mode == state.autopilot.modes.mission
         if not state.armed:
             self._steps.clear()

@@ -132,6 +132,14 @@ class VehicleState:
             return self.landed_state != ON_GROUND
         return None if self.position is None else self.position.height > IN_AIR_HEIGHT
 
+    @property
+    def is_paused(self) -> bool:
+        """Return whether it reports a pause within its mission."""
+        if self.current is None or self.custom_mode != self.autopilot.modes.mission:
+            return False
+        is_reported = self.current.mission_state == m.MissionState.PAUSED
+        return is_reported and self.autopilot.protocol_profile.pauses_in_mission
+
     def __str__(self) -> str:
         if self.armed is None:
             return "the vehicle has not reported its state"
@@ -145,7 +153,7 @@ class VehicleState:
             return f"the vehicle is armed, {where}, in {mode}"
         height = "" if self.position is None else f" {self.position.height:.0f} m above home"
         item = "" if self.current is None else f", at item {self.current.seq + 1 - self.autopilot.seq_offset}"
-        after = self.autopilot.modes.does_next(self.custom_mode)
+        after = "it is paused" if self.is_paused else self.autopilot.modes.does_next(self.custom_mode)
         return f"the vehicle is armed and in the air{height}, in {mode}{item}: {after}"
 
 
@@ -157,7 +165,7 @@ class ModeWatch:
     words: str = ""
     was_away: bool = False
     _modes: frozenset[int] = frozenset()
-    _mode: int | None = None
+    _seen: tuple[int, bool] | None = None
     _since_s: float = 0.0
     _is_reported: bool = False
     _warnings: list[tuple[float, str]] = field(default_factory=list)
@@ -165,7 +173,7 @@ class ModeWatch:
     @contextmanager
     def watched(self, modes: frozenset[int]) -> Iterator[None]:
         self.words = ""
-        self._mode = None
+        self._seen = None
         self._modes = modes
         self._warnings.clear()
         try:
@@ -179,11 +187,12 @@ class ModeWatch:
         mode = self.state.custom_mode
         if not self._modes or mode is None or not self.state.armed or not self.state.in_air:
             return
-        if mode != self._mode:
-            self._mode = mode
+        is_paused = self.state.is_paused
+        if (mode, is_paused) != self._seen:
+            self._seen = (mode, is_paused)
             self._since_s = now_s
             self._is_reported = False
-        if mode in self._modes:
+        if mode in self._modes and not is_paused:
             if self.words:
                 log.warning("the vehicle continues its mission")
             self.words = ""
@@ -198,6 +207,8 @@ class ModeWatch:
             log.warning("%s (%s)", self.words, hint)
 
     def _left(self) -> str:
+        if self.state.is_paused:
+            return f"a pilot or a station paused the mission: {self.state}"
         since_s = self._since_s - 3.0  # warnings this old may be the reason
         warnings = list(dict.fromkeys(text for when, text in self._warnings if when >= since_s))
         why = "its reason may not have been heard" if self.was_away else "does not say why"

@@ -252,7 +252,7 @@ class Commander(MockVehicle):
         return True
 
     def _pause(self, resume: float) -> CommandResult:
-        """Command 193: ArduPilot stays in AUTO, and stops on the way to a waypoint."""
+        """Command 193: ArduPilot stays in AUTO."""
         if resume >= 0.5:
             if self.mode != self.mission_mode or self.flight.mission is not MissionState.PAUSED:
                 return CommandResult.FAILED
@@ -266,7 +266,7 @@ class Commander(MockVehicle):
         return CommandResult.ACCEPTED
 
     def _climb(self, height: float) -> CommandResult:
-        """Command 22: ArduPilot climbs in GUIDED to a height above home."""
+        """Command 22, in GUIDED [m above home]."""
         is_guided = self.mode == self.profile.autopilot.modes.arming
         if not is_guided or not self._is_armed_on_ground() or not 0.0 < height < math.inf:
             return CommandResult.FAILED

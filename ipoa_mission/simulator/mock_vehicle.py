@@ -234,6 +234,8 @@ class MockVehicle:
                 state = MissionState.ACTIVE
             if flight.armed and is_complete:
                 state = MissionState.COMPLETE
+            elif flight.armed and self.mode == self.mission_mode and flight.mission is MissionState.PAUSED:
+                state = MissionState.PAUSED
             return m.Current(seq, total, state, int(self.mode == self.mission_mode), list_id)
         is_active = self.mode in profile.placed_modes - {profile.modes[FlightMode.HOLD]}
         state = MissionState.ACTIVE if is_active else MissionState.NOT_STARTED

@@ -95,7 +95,7 @@ class SimulatedFlight(Situation):
             self._controller.enter()
 
     def start(self) -> None:
-        """Begin or continue the mission; it moves once armed."""
+        """It moves once armed."""
         if not self.program.items:
             return
         if self.mission is MissionState.COMPLETE:

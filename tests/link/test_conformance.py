@@ -24,6 +24,7 @@ from ipoa_mission.link.messages import (
     Message,
     Position,
 )
+from ipoa_mission.link.orders import command_long
 from ipoa_mission.link.vehicle import Vehicle
 from ipoa_mission.mission.flight_record import Deviation, DeviationKind, OnDeviation
 from ipoa_mission.mission.items import Mission, land, takeoff
@@ -298,6 +299,57 @@ def test_a_pilot_who_takes_over_is_not_compared(family: Autopilot) -> None:
         )
     assert compared.deviations == []
     assert commands == []
+
+
+@pytest.mark.parametrize("ours", [False, True])
+@pytest.mark.parametrize("family", registered())
+def test_pause_by_another_station_is_named_and_followed(
+    family: Autopilot, ours: bool, caplog: pytest.LogCaptureFixture
+) -> None:
+    """Its pause, or its end of ours; ArduCopter 4.8 stays in AUTO and reports a paused mission."""
+    vehicle, commands = begun(family)
+    compared = vehicle.conformance
+    heard = far_end(connection_of(vehicle)).autopilot.receive
+    paused_s = list[float]()
+    places = list[Position]()
+
+    def order(resumes: bool) -> None:
+        modes = family.modes
+        number, *params = (176, 1.0, *modes.numbers(modes.mission if resumes else modes.hold))
+        if family.protocol_profile.pauses_in_mission:
+            number, *params = (Command.DO_PAUSE_CONTINUE, float(resumes))
+        heard(command_long(number, *params), Target(254, 190), vehicle.connection.now())
+
+    def overhear(message: Message) -> None:
+        if not isinstance(message, Position):
+            return
+        if len(paused_s) == 0 and message.longitude_deg > place(60.0, 0.0).longitude_deg:
+            paused_s.append(message.time_s)
+            if ours:
+                vehicle.order.hold()
+            else:
+                order(resumes=False)
+        if len(paused_s) == 1 and message.time_s > paused_s[0] + 40.0:
+            paused_s.append(message.time_s)
+            places.append(message)
+            assert vehicle.order.is_held
+            order(resumes=True)
+        if len(paused_s) == 2 and message.time_s < paused_s[1] + 10.0:
+            places.append(message)
+
+    vehicle.overhearing = overhear
+    record = vehicle.watch()
+    assert record.completed, record.why_not
+    assert compared.deviations == []
+    assert not vehicle.order.is_held
+    orders = [each for each in commands if each.command in (Command.DO_PAUSE_CONTINUE, 176)]
+    assert len(orders) == 2
+    assert places[-1].longitude_deg > places[0].longitude_deg + 1e-4
+    warned = [each.getMessage() for each in caplog.records if each.levelno == logging.WARNING]
+    paused = "a pilot or a station paused the mission: the vehicle is armed and in the air 5 m above home, in AUTO"
+    left = "the vehicle has left its mission: the vehicle is armed and in the air 5 m above home, in AUTO.LOITER"
+    assert warned[0].startswith(paused if family.protocol_profile.pauses_in_mission else left)
+    assert warned[1:] == ["the vehicle continues its mission"]
 
 
 @pytest.mark.parametrize("family", registered())
