@@ -2,15 +2,15 @@
 
 import re
 import struct
-from collections.abc import Generator, Iterator
-from dataclasses import dataclass
+from collections.abc import Generator, Iterable, Iterator
+from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
 from fastcrc.crc16 import mcrf4xx
 
 from ipoa_mission.link import wire
 from ipoa_mission.link.definitions import DEFINITIONS, Definition, definition_of
-from ipoa_mission.link.messages import Message
+from ipoa_mission.link.messages import Message, Text
 from ipoa_mission.link.signing import SIGNED, Signer
 
 MAGIC_1 = 0xFE
@@ -76,6 +76,57 @@ class Codec:
         raw = definition.unpack(frame[6:-2] if is_old(frame) else frame[HEADER_BYTES : HEADER_BYTES + frame[1]])
         target = Target(getattr(raw, "target_system", 0), getattr(raw, "target_component", 0))
         return Heard(system, component, target, wire.read(definition.name, raw), frame)
+
+
+@dataclass
+class _Begun:
+    text: Text  # chunks so far
+    number: int  # of the sender's last frame
+    ends_s: float
+    end: str = ""
+
+    @property
+    def whole(self) -> Text:
+        raw = f"{self.text.text}{self.end}".encode("utf-8", "surrogateescape")
+        return replace(self.text, text=raw.decode("utf-8", "replace"), chunk_seq=0)
+
+
+@dataclass
+class LongTexts:
+    """Join chunks of STATUSTEXT; `GAP` is a missing one. After one of 50 bytes PX4 may send no other."""
+
+    GAP = "[...]"
+    CHUNK_BYTES = 50
+    WAIT_S = 1.0
+    _begun: dict[Target, _Begun] = field(default_factory=dict)
+
+    def joined(self, heard: Iterable[Heard], now_s: float) -> Iterator[Heard]:
+        """Yield each frame; a text that none ended has no `raw`."""
+        for each in heard:
+            sender = Target(each.system, each.component)
+            number = numbered(each.raw)[1] if each.raw else 0
+            begun = self._begun.get(sender)
+            if begun is not None:
+                begun.end = self.GAP if number != (begun.number + 1) % 256 and each.raw else begun.end
+                begun.number = number
+            chunk = each.message
+            if not isinstance(chunk, Text):
+                yield each
+                continue
+            if begun is not None and (chunk.id != begun.text.id or chunk.chunk_seq <= begun.text.chunk_seq):
+                yield replace(each, message=begun.whole, raw=b"")
+                begun = None
+            before = replace(chunk, text="", chunk_seq=-1) if begun is None else begun.text
+            text = before.text + self.GAP * (chunk.chunk_seq - before.chunk_seq - 1) + chunk.text
+            begun = _Begun(replace(chunk, text=text), number, now_s + self.WAIT_S)
+            is_last = chunk.id == 0 or len(chunk.text.encode("utf-8", "surrogateescape")) < self.CHUNK_BYTES
+            self._begun |= {sender: begun}
+            if is_last:
+                del self._begun[sender]
+            yield replace(each, message=begun.whole if is_last else None)
+        for sender, begun in [*self._begun.items()]:
+            if now_s > begun.ends_s:
+                yield Heard(*sender, EVERYONE, self._begun.pop(sender).whole, b"")
 
 
 class Framer:

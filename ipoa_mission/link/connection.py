@@ -10,7 +10,7 @@ from typing import Protocol
 from ipoa_mission.errors import MissionError
 from ipoa_mission.interrupts import noted_interrupts
 from ipoa_mission.link.channel import Channel, Peer
-from ipoa_mission.link.codec import EVERYONE, Codec, Heard, Target, is_old, is_signed
+from ipoa_mission.link.codec import EVERYONE, Codec, Heard, LongTexts, Target, is_old, is_signed
 from ipoa_mission.link.definitions import Definition
 from ipoa_mission.link.dialogue import Cancelled, Dialogue, Exchange, NoAnswer, RoundTrip, Silence, T, TimeUp
 from ipoa_mission.link.messages import AUTOPILOT_COMPONENT, Heartbeat, MavAutopilot, Message
@@ -113,6 +113,7 @@ class Connection(MessageLink):
         self._signing: set[Target] = set()
         self._understands: set[Target] = set()
         self._next_heartbeat = channel.now()
+        self._texts = LongTexts()
 
     def now(self) -> float:
         return self.channel.now()
@@ -186,7 +187,7 @@ class Connection(MessageLink):
                     heard.append(decoded)
                     if self._log:
                         self._log.write(frame, self.channel.unix_s())
-        return heard
+        return list(self._texts.joined(heard, now))
 
     def contested(self, system: int) -> bool:
         name = Target(system, AUTOPILOT_COMPONENT)

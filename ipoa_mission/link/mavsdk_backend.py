@@ -15,7 +15,7 @@ from ipoa_mission.errors import BadInput, MissionError, imported
 from ipoa_mission.link import messages as m
 from ipoa_mission.link import wire
 from ipoa_mission.link.channel import Address, LinkDown, Transport, parse_address
-from ipoa_mission.link.codec import EVERYONE, Heard, Target
+from ipoa_mission.link.codec import EVERYONE, Heard, LongTexts, Target
 from ipoa_mission.link.connection import MessageLink
 from ipoa_mission.link.dialogue import NoAnswer, until
 from ipoa_mission.link.discovery import FoundVehicle
@@ -81,6 +81,7 @@ class MavsdkConnection(MessageLink):
         self._message = direct.MavlinkMessage
         self._direct = direct.MavlinkDirect(system)
         self._queue: queue.SimpleQueue[Any] = queue.SimpleQueue()
+        self._texts = LongTexts()
         self._handle = self._direct.subscribe_message("", lambda message, _: self._queue.put(message))
 
     def now(self) -> float:
@@ -97,10 +98,11 @@ class MavsdkConnection(MessageLink):
         try:
             heard = [self._queue.get(timeout=max(until - self.now(), 0.0))] if until > self.now() else []
         except queue.Empty:
-            return []
+            heard = []
         while not self._queue.empty():
             heard.append(self._queue.get())
-        return [self._read(raw) for raw in heard if raw.system_id == self._system]
+        read = (self._read(raw) for raw in heard if raw.system_id == self._system)
+        return list(self._texts.joined(read, self.now()))
 
     def close(self) -> None:
         self._direct.unsubscribe_message(self._handle)

@@ -70,7 +70,7 @@ def messages_from(
     until = connection.now() + seconds
     while connection.now() < until:
         for heard in [frame for frame in connection.overhear(until) if frame.system == system]:
-            messages.append(as_pymavlink(heard.raw))
+            messages += [as_pymavlink(heard.raw)] if heard.raw else []
             if heard.message is not None and connection.is_for_us(heard):
                 note(heard.message)
     return [message for message in messages if not names or message.get_type() in names]

@@ -138,14 +138,14 @@ def _item(raw: Any, latitude: float, longitude: float) -> Item:
     return Item(raw.command, raw.frame, params, latitude, longitude, raw.z, bool(raw.autocontinue))
 
 
-def _clean(text: str | bytes) -> str:
+def _clean(text: str | bytes, errors: str = "replace") -> str:
     raw = text.encode("utf-8", "surrogateescape") if isinstance(text, str) else text
-    return raw.split(b"\0")[0].decode("utf-8", "replace")
+    return raw.split(b"\0")[0].decode("utf-8", errors)
 
 
 #: By MAVLink's name of a field: to it and back.
 _CONVERSIONS: Mapping[str, tuple[Callable[[Any], Any], Callable[[Any], Any]]] = {
-    "text": (lambda text: text.encode()[:50], _clean),
+    "text": (lambda text: text.encode()[:50], lambda raw: _clean(raw, "surrogateescape")),  # a chunk may cut a letter
     "param_id": (lambda name: name.encode(), _clean),
     "payload": (lambda payload: payload.ljust(251, b"\0"), bytes),
     "arguments": (lambda packed: packed.ljust(40, b"\0")[:40], lambda raw: bytes(raw).rstrip(b"\0")),
@@ -163,7 +163,6 @@ def _layout(kind: type[m.Message]) -> list[_Value]:
 
 
 def _value(message: str, ours: str, theirs: tuple[str, ...]) -> _Value:
-    """Scale a value by MAVLink's unit."""
     if not theirs:
         return _Value(ours, (ours,))
     if theirs[0] in _CONVERSIONS:

@@ -15,7 +15,7 @@ from ipoa_mission.autopilot.commands import Command
 from ipoa_mission.errors import BadInput, MissionError, NothingThere
 from ipoa_mission.geometry import Vector
 from ipoa_mission.link import messages as m
-from ipoa_mission.link.codec import Codec
+from ipoa_mission.link.codec import Codec, Heard, LongTexts
 from ipoa_mission.link.mavftp import MISSION_FILE, Opcode, unpack, unpack_mission
 from ipoa_mission.link.orders import parameter_value
 from ipoa_mission.link.tlog import LostFrames, read_tlog
@@ -148,14 +148,12 @@ NO_CLOCK = "the log has no clock of the vehicle: its times are those of the grou
 
 def read_telemetry_log(path: Path, system: int | None = None) -> Log:
     """Return positions and events of system `system`, by default of the first multicopter."""
-    codec = Codec(m.STATION_SYSTEM, m.STATION_COMPONENT)
     missing = LostFrames()
     stamps = list[float]()
     kinds = dict[int, VehicleKind]()
     reader: _Reader | None = None
-    for record in read_tlog(path, missing):
-        heard = codec.decode(record.frame)
-        if heard is None or heard.message is None:
+    for unix_s, heard in _heard_in(path, missing):
+        if heard.message is None:
             continue
         beat = heard.message if heard.component == m.AUTOPILOT_COMPONENT else None
         if heard.system not in kinds and isinstance(beat, m.Heartbeat) and beat.autopilot != m.MavAutopilot.INVALID:
@@ -165,7 +163,7 @@ def read_telemetry_log(path: Path, system: int | None = None) -> Log:
         if reader is None:
             continue
         number = len(stamps)
-        stamps.append(record.unix_s)
+        stamps.append(unix_s)
         if (heard.system, heard.component) == (reader.system, m.AUTOPILOT_COMPONENT):
             reader.note_vehicle(number, heard.message)
         elif heard.target.system in (0, reader.system):
@@ -174,6 +172,14 @@ def read_telemetry_log(path: Path, system: int | None = None) -> Log:
         raise _not_in(path, kinds, system)
     log = reader.log(growing(stamps))
     return replace(log, remarks=(*_others(kinds, reader.system), *missing.remarks(reader.system), *log.remarks))
+
+
+def _heard_in(path: Path, missing: LostFrames) -> Iterator[tuple[float, Heard]]:
+    codec = Codec(m.STATION_SYSTEM, m.STATION_COMPONENT)
+    texts = LongTexts()
+    for record in read_tlog(path, missing):
+        heard = codec.decode(record.frame)
+        yield from ((record.unix_s, each) for each in texts.joined([heard] if heard else [], record.unix_s))
 
 
 def _is_flown(kind: VehicleKind) -> bool:
