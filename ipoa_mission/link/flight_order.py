@@ -48,7 +48,7 @@ def resume(state: VehicleState) -> Dialogue[None]:
 
 
 def return_to_launch(state: VehicleState) -> Dialogue[None]:
-    """Raise NotReady."""
+    """Return and land, by the vehicle's parameters; raise NotReady."""
     yield from _expect_flying(state)
     yield from _enter(state, state.autopilot.modes.returning)
 

@@ -113,7 +113,7 @@ class Logbook:
                     flight.state = state
 
     def note_return(self) -> None:
-        """The mode may say how a vehicle landed meanwhile."""
+        """Note the end of a link loss: the mode may say how a vehicle landed meanwhile."""
         self._was_away = True
         self.note_gap()
 
@@ -197,7 +197,7 @@ class Logbook:
         return f"it landed {off_m:.0f} m from the place of its LAND" if off_m > LANDING_RADIUS else ""
 
     def _landing_offset(self, flight: _Recording) -> float:
-        """Return the distance from a final LAND [m]."""
+        """Return the horizontal distance from the place of a final LAND [m]."""
         last = self._items[self._final]
         if last.command != Command.NAV_LAND or not last.has_position or not flight.path:
             return 0.0

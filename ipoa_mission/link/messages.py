@@ -172,7 +172,7 @@ class Heartbeat(Message, name="HEARTBEAT"):
 
 
 class Text(Message, name="STATUSTEXT"):
-    """Severity 0 (emergency) to 7 (debug)."""
+    """Severity 0 (emergency) to 7 (debug); chunks of a long text share an `id`."""
 
     severity: int
     text: Annotated[str, "text"]

@@ -95,7 +95,7 @@ class SimulatedFlight(Situation):
             self._controller.enter()
 
     def start(self) -> None:
-        """It moves once armed."""
+        """Begin or continue the mission; it moves once armed."""
         if not self.program.items:
             return
         if self.mission is MissionState.COMPLETE:

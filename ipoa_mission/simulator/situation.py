@@ -48,7 +48,7 @@ class ItemDone:
 
 @dataclass
 class Situation:
-    """Its controller and its commands write to it."""
+    """State of a flight. Its controller and its commands write to it."""
 
     program: Program
     conditions: Conditions = STANDARD_CONDITIONS
