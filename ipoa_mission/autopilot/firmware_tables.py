@@ -12,7 +12,7 @@ PX4 1.17.0. A row gives the read-back of each of the seven params:
 
 import json
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence, Set
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
@@ -166,8 +166,9 @@ Refusal: TypeAlias = Callable[[Firmware, int, int, Sequence[float]], Refused | N
 
 
 class Refusals(NamedTuple):
-    """Checks of each list; `mission` takes the number of items on the wire."""
+    """Checks of each list; `mission` takes the number of items on the wire, `ends` all commands."""
 
     mission: Callable[[Firmware, int, int, Sequence[float], int], Refused | None]
     fence: Refusal
     rally: Refusal
+    ends: Callable[[Set[int], Mapping[str, float]], Refused | None] = lambda *_: None

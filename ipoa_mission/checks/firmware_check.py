@@ -11,7 +11,7 @@ from ipoa_mission.autopilot.firmware_tables import PARAM_NAMES, Firmware
 from ipoa_mission.autopilot.guidance_profile import JumpProfile
 from ipoa_mission.autopilot.parameters import SINGLE_MAX
 from ipoa_mission.autopilot.version import Version
-from ipoa_mission.errors import BadInput
+from ipoa_mission.errors import BadInput, Remedy
 from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.itinerary.copter_curves import circle_turn
@@ -29,16 +29,13 @@ from ipoa_mission.mission.program import (
 )
 from ipoa_mission.mission.stored_mission import fence_to_wire, to_wire, values_of
 
-NOT_MEASURED = "version-not-measured"
-
 
 def check_firmware(mission: Mission) -> Iterator[Finding]:
     firmware = mission.firmware
-    is_development = mission.firmware_version is not None and mission.firmware_version.stage == "dev"
     wire = to_wire(mission)
     yield from _limits(mission, firmware, len(wire))
     for at in numbered_items(mission):
-        yield from _command_and_frame(at, mission.autopilot, firmware, is_development)
+        yield from _command_and_frame(at, firmware, mission)
         yield from _params(at, firmware, mission)
     yield from _jumps(mission)
     yield from _waits(mission)
@@ -75,10 +72,10 @@ def _limits(mission: Mission, firmware: Firmware, count: int) -> Iterator[Findin
             yield Finding("too-many", Severity.ERROR, None, message)
 
 
-def _command_and_frame(
-    at: Numbered, autopilot: Autopilot, firmware: Firmware, is_development: bool
-) -> Iterator[Finding]:
+def _command_and_frame(at: Numbered, firmware: Firmware, mission: Mission) -> Iterator[Finding]:
     item = at.item
+    autopilot = mission.autopilot
+    is_development = mission.firmware_version is not None and mission.firmware_version.stage == "dev"
     has_place = item.command in firmware.placed
     has_none = item.command in firmware.plain
     if not has_place and not has_none:
@@ -126,6 +123,13 @@ def _refused(mission: Mission, firmware: Firmware, wire: Sequence[Item]) -> Iter
         if wrong is not None and wrong.words and wrong.result != "ERROR":  # `checks.fence` reports too few vertices
             words = f"fence item {seq}: {wrong.words}: {firmware} refuses the fence"
             yield Finding("fence-refused", Severity.ERROR, None, words)
+    commands = {item.command for item in mission.items}
+    wrong = mission.autopilot.refusals.ends(commands, mission.parameters)
+    if wrong is not None and commands and not mission.other_vehicle:
+        words = f"the mission: {firmware} refuses it by MIS_TKO_LAND_REQ: {wrong.words}"
+        hint = "add the item, for which an RTL is no landing, or change the parameter in the vehicle"
+        remedies = () if Command.NAV_LAND in commands else (Remedy(("route", "ending"), "land"),)
+        yield Finding("ends-refused", Severity.ERROR, None, words, hint, remedies)
 
 
 def _params(at: Numbered, firmware: Firmware, mission: Mission) -> Iterator[Finding]:
@@ -165,9 +169,8 @@ def _takeoff(mission: Mission) -> Iterator[Finding]:
         if guidance.needs_takeoff or lands or any(at.item.is_takeoff for at in moving):
             yield first.error("takeoff-not-first", f"expected the take-off first, not {first.item.name}")
         else:
-            yield first.warning(
-                "takeoff-missing", "the mission has no take-off: it is for a vehicle that already flies"
-            )
+            words = "the mission has no take-off: it is for a vehicle that already flies"
+            yield first.warning("takeoff-missing", words)
     if name := guidance.waits_armed:
         disarm_time = parameters[name]
         for at in numbered_items(mission)[: first.seq - 1]:
@@ -197,11 +200,9 @@ def _terrain(mission: Mission) -> Iterator[Finding]:
     over = [seq for seq, item in enumerate(mission.items, 1) if item.is_over_terrain]
     sensor = mission.autopilot.guidance.terrain_by
     if over and sensor and not mission.parameters.get(sensor):
-        message = (
-            f"{name_items(over)}: above terrain: {mission.autopilot.model} arms only with terrain data, which a ground "
-            f"station sends or its card holds, or with a range finder ({sensor})"
-        )
-        yield Finding("terrain-data", Severity.WARNING, over[0], message)
+        arms = f"{mission.autopilot.model} arms only with terrain data, which a ground station sends or its card holds"
+        words = f"{name_items(over)}: above terrain: {arms}, or with a range finder ({sensor})"
+        yield Finding("terrain-data", Severity.WARNING, over[0], words)
 
 
 def _waits(mission: Mission) -> Iterator[Finding]:
@@ -237,12 +238,11 @@ def check_aboard(
 
 
 def _not_measured(why: str, is_allowed: bool) -> Finding:
-    hint = (
-        "fly it in simulation first (docs/lab/flown.md), or go on with --unmeasured-version "
-        "(in a scenario vehicle.unmeasured_version = true)"
-    )
-    severity = Severity.WARNING if is_allowed else Severity.ERROR
-    return Finding("version-not-measured", severity, None, why, None if is_allowed else hint)
+    if is_allowed:
+        return Finding("version-not-measured", Severity.WARNING, None, why)
+    allow = "--unmeasured-version (in a scenario vehicle.unmeasured_version = true)"
+    hint = f"fly it in simulation first (docs/lab/flown.md), or go on with {allow}"
+    return Finding("version-not-measured", Severity.ERROR, None, why, hint)
 
 
 def _jumps(mission: Mission) -> Iterator[Finding]:

@@ -343,13 +343,12 @@ class Infeasible:
 
 
 def infeasibility(
-    firmware: Firmware, items: Sequence[Item], home: Geodetic, parameters: Parameters
+    autopilot: Autopilot, firmware: Firmware, items: Sequence[Item], home: Geodetic, parameters: Parameters
 ) -> Infeasible | None:
     """Return PX4's verdict; None if it can be flown."""
     radius = parameters["NAV_MC_ALT_RAD"]
-    needs_takeoff = int(parameters.get("MIS_TKO_LAND_REQ", 0.0)) in (1, 3)
     first_limit = parameters.get("MIS_DIST_1WP", 10_000.0)
-    has_position = has_takeoff = False
+    has_position = False
     for seq, item in enumerate(items):
         if item.command in firmware.never_flown:
             words = f"Mission rejected: item {seq + 1}: unsupported cmd: {item.command}"
@@ -361,7 +360,6 @@ def infeasibility(
                 return Infeasible("Mission rejected: Takeoff altitude too low!", "takeoff_too_low", (radius + 1.0,))
             if has_position:
                 return Infeasible("Mission rejected: takeoff not first waypoint item", "takeoff_not_first")
-            has_takeoff = True
         if item.has_position and not has_position:
             place = Geodetic(item.latitude_deg, item.longitude_deg, home.altitude)
             east, north, _ = LocalFrame(home).local(place)
@@ -371,6 +369,5 @@ def infeasibility(
                 words = f"First waypoint too far away: {values[0]}m, {values[1]} max"
                 return Infeasible(words, "first_wp_too_far", values)
         has_position = has_position or item.frame != Frame.MISSION
-    if needs_takeoff and not has_takeoff:
-        return Infeasible("Mission rejected: Takeoff waypoint required.", "takeoff_missing")
-    return None
+    wrong = autopilot.refusals.ends({item.command for item in items}, parameters)
+    return None if wrong is None else Infeasible(f"Mission rejected: {wrong.words}", wrong.result)

@@ -129,8 +129,9 @@ class MockVehicle:
             return
         items = self.transfers.listed(kind)[self.first_item :]
         self.infeasible = None
-        if self.profile.autopilot.protocol_profile.judges_later and items:
-            self.infeasible = infeasibility(self.profile.firmware, items, self.flight.home, self.parameters)
+        autopilot = self.profile.autopilot
+        if autopilot.protocol_profile.judges_later and items:
+            self.infeasible = infeasibility(autopilot, self.profile.firmware, items, self.flight.home, self.parameters)
         if self.infeasible:
             self.send_text(CRITICAL, f"{self.infeasible.words}\t")  # an event says the same
             number, arguments = mission_event(self.infeasible.event, *self.infeasible.values)

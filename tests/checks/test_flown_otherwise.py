@@ -102,6 +102,23 @@ def test_px4_refuses_a_mission_that_begins_with_a_landing() -> None:
     assert "error takeoff-not-first 1" in codes("px4", (LAND, THERE, RTL))
 
 
+@pytest.mark.parametrize(
+    ("items", "refusing"),
+    [
+        ((UP, THERE, RTL), {2, 3, 4, 5}),
+        ((UP, THERE, LAND), set()),
+        ((THERE, LAND), {1, 3, 4}),
+        ((THERE,), {1, 2, 3, 5}),
+    ],
+)
+def test_px4_refuses_a_mission_without_the_required_ends(items: Sequence[Item], refusing: set[int]) -> None:
+    """As in PX4 1.17 and 1.18, of a vehicle on the ground, without a take-off of one in the air."""
+    for required in range(7):
+        found = "error ends-refused" in codes("px4", items, MIS_TKO_LAND_REQ=float(required))
+        assert found == (required in refusing)
+    assert "error ends-refused" not in codes("ardupilot", items)
+
+
 @pytest.mark.parametrize(("value", "expected"), [(0.0, ["warning fence-off 2"]), (1.0, []), (2.0, [])])
 def test_an_item_that_switches_the_fence_off_is_reported(value: float, expected: list[str]) -> None:
     items = (UP, act(Command.DO_FENCE_ENABLE, value), THERE, RTL)

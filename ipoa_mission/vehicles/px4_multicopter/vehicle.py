@@ -2,7 +2,7 @@
 
 import math
 import re
-from collections.abc import Container, Mapping, Sequence
+from collections.abc import Container, Mapping, Sequence, Set
 from enum import IntEnum
 from pathlib import Path
 from typing import ClassVar
@@ -83,6 +83,24 @@ def _refused_anywhere(firmware: Firmware, command: int, frame: int, values: Sequ
             expected = "NaN" if is_integer else "0 or NaN"
             words = f"expected {expected}, as {firmware} does not use this param here, not {value:g}"
             return Refused(places.get(n, f"INVALID_PARAM{n}"), n, words)
+    return None
+
+
+def _refused_ends(commands: Set[int], parameters: Mapping[str, float]) -> Refused | None:
+    """RTL counts as no landing."""
+    takes_off = Command.NAV_TAKEOFF in commands
+    lands = Command.NAV_LAND in commands
+    match int(parameters.get("MIS_TKO_LAND_REQ", 0.0)), takes_off, lands:
+        case (1, False, _):
+            return Refused("takeoff_missing", words="Takeoff waypoint required.")
+        case (3, False, _) | (3, _, False):
+            return Refused("takeoff_or_land_missing", words="Takeoff or Landing item missing.")
+        case (4 | 5, True, False):
+            return Refused("add_land_or_rm_to", words="Add Landing item or remove Takeoff.")
+        case (2 | 5, _, False):
+            return Refused("land_missing", words="Landing waypoint/pattern required.")
+        case (4, False, True):
+            return Refused("add_to_or_rm_land", words="Add Takeoff item or remove Landing.")
     return None
 
 
@@ -202,7 +220,7 @@ class Px4Multicopter(Autopilot):
         keeps_types=True,
         widen_fence="give the vehicle a wider fence (0: no limit); --anyway sends it all the same",
     )
-    refusals = Refusals(refused, refused_in_fence, refused_in_rally)
+    refusals = Refusals(refused, refused_in_fence, refused_in_rally, _refused_ends)
     slowed_by = returning.SlowedBy(
         names=("MPC_LAND_ALT1", "MPC_LAND_ALT2"),
         unit=1.0,
