@@ -284,25 +284,20 @@ def _at_place(variable: Any, winds: ForecastWinds) -> tuple[Any, float | None]:
             f"{' or '.join(ALONG_AXES)}, with a grid_mapping; or take the GRIB file",
             place=f"{winds.path}: {variable.name}",
         )
-    north = np.asarray(latitude, float) - place.latitude_deg
-    east = (np.asarray(longitude, float) - place.longitude_deg + 180.0) % 360.0 - 180.0
-    if latitude.dims == longitude.dims:
-        away = np.nan_to_num(np.hypot(north, east * np.cos(np.radians(place.latitude_deg))), nan=np.inf)
-        nearest = np.unravel_index(int(away.argmin()), away.shape)
-        indices = dict(zip(latitude.dims, map(int, nearest), strict=True))
-        off = np.abs(north[nearest]), np.abs(east[nearest])
-    else:
-        axes = ((latitude, np.abs(north)), (longitude, np.abs(east)))
-        indices = {axis.dims[0]: int(far.argmin()) for axis, far in axes if axis.ndim}
-        off = np.abs(north).min(), np.abs(east).min()
-    if not max(off) <= wind_levels.FARTHEST_DEG:
+    north = latitude - place.latitude_deg
+    east = (longitude - place.longitude_deg + 180.0) % 360.0 - 180.0
+    away = np.hypot(north, east * np.cos(np.radians(place.latitude_deg))).fillna(np.inf)
+    nearest = {name: int(index) for name, index in away.argmin(away.dims).items()}
+    north_off, east_off, *point = (
+        float(each.isel(nearest, missing_dims="ignore")) for each in (abs(north), abs(east), latitude, longitude)
+    )
+    if not max(north_off, east_off) <= wind_levels.FARTHEST_DEG:
         raise NotCovered(
             f"expected a forecast of home's place, {place.latitude_deg:g}, {place.longitude_deg:g}; "
-            f"the nearest {latitude.name} and {longitude.name} are {off[0]:g} and {off[1]:g} degrees away",
+            f"the nearest {latitude.name} and {longitude.name} are {north_off:g} and {east_off:g} degrees away",
             place=winds.path,
         )
-    point = (float(axis.isel({name: indices[name] for name in axis.dims})) for axis in (latitude, longitude))
-    return variable.isel(indices), None if grid is None or not is_along else wind_levels.grid_north(grid, *point)
+    return variable.isel(nearest), None if grid is None or not is_along else wind_levels.grid_north(grid, *point)
 
 
 def _degrees(variable: Any, kind: str, path: Path) -> Any:
@@ -311,7 +306,7 @@ def _degrees(variable: Any, kind: str, path: Path) -> Any:
         unit = coordinate.attrs.get("units", "degrees")
         is_named = standard == kind or (standard is None and str(name).lower() in (kind, kind[:3]))
         if is_named and str(unit).lower().startswith("deg"):
-            return variable[name]
+            return variable[name].astype(float)
     words = f"expected latitudes and longitudes [degrees] of a wind by {', '.join(map(str, variable.dims))}"
     raise BadInput(words, place=f"{path}: {variable.name}")
 
