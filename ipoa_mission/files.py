@@ -1,6 +1,7 @@
 """Read user files; write files atomically; list plug-ins."""
 
 import errno
+import json
 import os
 import secrets
 import sys
@@ -10,7 +11,7 @@ from functools import cache
 from importlib.metadata import EntryPoints, entry_points
 from pathlib import Path
 
-from ipoa_mission.errors import Unreadable, Unwritable, WrongFormat
+from ipoa_mission.errors import TooLarge, Unreadable, Unwritable, WrongFormat
 
 MISSIONS = (".plan", ".waypoints")
 _records: list[list[Path]] = []  # of `recorded_writes`
@@ -122,8 +123,36 @@ def read_text(path: Path) -> str:
         raise WrongFormat(words, place=path) from error
 
 
-def why_no_json(text: str, offset: int) -> str | None:
-    """Return why a text is not JSON from an offset on, if known."""
+@contextmanager
+def reading(path: Path, text: str = "") -> Iterator[None]:
+    """Raise BadInput where a file cannot be read, or its `text` is no JSON."""
+    try:
+        yield
+    except OSError as error:
+        raise Unreadable(f"cannot be read: {error.strerror or error}", place=path) from error
+    except json.JSONDecodeError as error:
+        place = f"{path}: line {error.lineno}, column {error.colno}"
+        raise WrongFormat(f"expected JSON: {error.msg}", hint=_why_no_json(text, error.pos), place=place) from error
+    except RecursionError:
+        raise TooLarge("expected a file without endlessly nested brackets", place=path) from None
+    except ValueError:
+        raise TooLarge("expected numbers that fit in 64 bits, not one of thousands of digits", place=path) from None
+
+
+@contextmanager
+def reading_xml(path: Path) -> Iterator[None]:
+    from xml.etree import ElementTree  # slow import
+
+    with reading(path):
+        try:
+            yield
+        except ElementTree.ParseError as error:
+            raise WrongFormat("expected well-formed XML", place=f"{path}: line {error.position[0]}") from error
+        except (LookupError, ValueError) as error:  # unknown or multi-byte encoding
+            raise WrongFormat(f"expected XML in an encoding such as UTF-8: {error}", place=path) from error
+
+
+def _why_no_json(text: str, offset: int) -> str | None:
     if not text.strip():
         return "the file is empty"
     if offset >= len(text.rstrip()):
@@ -135,11 +164,8 @@ def why_no_json(text: str, offset: int) -> str | None:
 
 
 def read_bytes(path: Path, most: int = -1) -> bytes:
-    try:
-        with path.open("rb") as file:
-            return file.read(most)
-    except OSError as error:
-        raise Unreadable(f"cannot be read: {error.strerror}", place=path) from error
+    with reading(path), path.open("rb") as file:
+        return file.read(most)
 
 
 def packed(mission: str) -> Path:

@@ -12,8 +12,8 @@ from typing import Any
 from pyproj import CRS
 from pyproj.exceptions import CRSError
 
-from ipoa_mission.errors import BadInput, NoCoordinateSystem, TooLarge, WrongFormat
-from ipoa_mission.files import read_text, why_no_json
+from ipoa_mission.errors import BadInput, NoCoordinateSystem, WrongFormat
+from ipoa_mission.files import read_text, reading
 from ipoa_mission.maps.feature import EMPTY_SHAPE, Feature, read_all
 from ipoa_mission.maps.geozones import ed269_features, is_ed269, layers_apart, limit_tags, zone_tags
 from ipoa_mission.maps.json_shapes import SHAPES, ToDegrees, degrees_of, highest_of, shape_of, unchanged
@@ -25,15 +25,8 @@ _NOT_BLANK = re.compile(r"[^ \t\n\r\x1e]")  # RFC 8142: \x1e
 
 def read_geojson(path: Path) -> tuple[Feature, ...]:
     text = read_text(path)
-    try:
+    with reading(path, text):
         values = _values(text)
-    except json.JSONDecodeError as error:
-        words = f"{error.msg[:1].lower()}{error.msg[1:]}"
-        raise WrongFormat(words, hint=why_no_json(text, error.pos), place=f"{path}: line {error.lineno}") from error
-    except ValueError:
-        raise TooLarge("expected numbers that fit in 64 bits, not one of thousands of digits", place=path) from None
-    except RecursionError:
-        raise TooLarge("expected a map, not endlessly nested brackets", place=path) from None
     if len(values) == 1:
         return _features_of(values[0], path, str(path))
     numbered = ((value, path, f"{path}: value {n}") for n, value in enumerate(values, 1))

@@ -9,7 +9,8 @@ from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
-from ipoa_mission.errors import BadInput, NotCovered, NothingThere, Unreadable, WrongFormat, imported
+from ipoa_mission.errors import BadInput, NotCovered, NothingThere, WrongFormat, imported
+from ipoa_mission.files import reading
 from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.maps import wind_levels
 from ipoa_mission.maps.wind_levels import Component, Datum, ForecastWinds, WindSamples
@@ -95,7 +96,7 @@ def _messages(eccodes: Any, path: Path) -> Iterator[Any]:
     count = 0
     eccodes.codes_grib_multi_support_on()  # several fields in a message (NCEP)
     try:
-        with path.open("rb") as file:
+        with reading(path), path.open("rb") as file:
             while (handle := eccodes.codes_grib_new_from_file(file)) is not None:
                 count += 1
                 try:
@@ -105,8 +106,6 @@ def _messages(eccodes: Any, path: Path) -> Iterator[Any]:
     except eccodes.CodesInternalError as error:
         words = f"expected a forecast of winds in GRIB: {error}"
         raise WrongFormat(words, place=f"{path}: message {count + 1}") from error
-    except OSError as error:
-        raise Unreadable(f"cannot be read: {error.strerror}", place=path) from error
     finally:
         eccodes.codes_grib_multi_support_off()
     if not count:

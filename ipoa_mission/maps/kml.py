@@ -16,8 +16,8 @@ from xml.etree import ElementTree
 import numpy as np
 import shapely
 
-from ipoa_mission.errors import BadInput, NothingThere, TooLarge, Unreadable, WrongFormat
-from ipoa_mission.files import read_text
+from ipoa_mission.errors import BadInput, NothingThere, TooLarge, WrongFormat
+from ipoa_mission.files import read_text, reading, reading_xml
 from ipoa_mission.maps.feature import DEEPEST, EMPTY_SHAPE, Corners, Feature, Missing, is_altitude, on_earth, read_all
 
 # Content in another file.
@@ -41,17 +41,16 @@ def read_kml(path: Path) -> tuple[Feature, ...]:
 def read_kmz(path: Path) -> tuple[Feature, ...]:
     """Read the first KML, as Google Earth."""
     largest = 64 << 20  # bytes; a .kmz may expand a thousandfold
-    try:
-        with zipfile.ZipFile(path) as archive:
-            names = [name for name in archive.namelist() if name.lower().endswith(".kml")]
-            if not names:
-                raise NothingThere("expected a .kml in the archive, but it has none", place=path)
-            with archive.open(names[0]) as file:
-                text = file.read(largest + 1)
-    except OSError as error:
-        raise Unreadable(f"cannot be read: {error.strerror or error}", place=path) from error
-    except BROKEN_ZIP as error:
-        raise WrongFormat(f"expected a KMZ, a .kml in a zip archive: {error}", place=path) from error
+    with reading(path):
+        try:
+            with zipfile.ZipFile(path) as archive:
+                names = [name for name in archive.namelist() if name.lower().endswith(".kml")]
+                if not names:
+                    raise NothingThere("expected a .kml in the archive, but it has none", place=path)
+                with archive.open(names[0]) as file:
+                    text = file.read(largest + 1)
+        except BROKEN_ZIP as error:
+            raise WrongFormat(f"expected a KMZ, a .kml in a zip archive: {error}", place=path) from error
     if len(text) > largest:
         raise TooLarge(f"expected a .kml of at most {largest >> 20} MB in the archive", place=path)
     others = (
@@ -62,13 +61,8 @@ def read_kmz(path: Path) -> tuple[Feature, ...]:
 
 
 def _read(text: bytes, path: Path) -> tuple[Feature, ...]:
-    try:
+    with reading_xml(path):
         root = _parse(text, path)
-    except ElementTree.ParseError as error:
-        line = getattr(error, "position", (1, 0))[0]
-        raise WrongFormat("expected well-formed XML", place=f"{path}: line {line}") from error
-    except (LookupError, ValueError) as error:  # unknown or multi-byte encoding
-        raise WrongFormat(f"expected XML in an encoding such as UTF-8: {error}", place=path) from error
     if root.tag != "kml":
         raise WrongFormat(f"expected a kml document, not {root.tag}", place=path)
     placemarks = enumerate([*_placemarks(root, path)])

@@ -10,7 +10,8 @@ from xml.etree import ElementTree
 import numpy as np
 import shapely
 
-from ipoa_mission.errors import BadInput, NothingThere, Unreadable, WrongFormat
+from ipoa_mission.errors import BadInput, NothingThere, WrongFormat
+from ipoa_mission.files import reading_xml
 from ipoa_mission.geometry import union_of
 from ipoa_mission.maps.feature import EMPTY_SHAPE, Feature, Missing, on_earth
 
@@ -85,14 +86,8 @@ class Extract:
 
 
 def read_osm(path: Path) -> tuple[Feature, ...]:
-    try:
+    with reading_xml(path):
         extract = _extract(path)
-    except OSError as error:
-        raise Unreadable(f"cannot be read: {error.strerror or error}", place=path) from error
-    except ElementTree.ParseError as error:
-        raise WrongFormat(f"expected OpenStreetMap's XML: {error}", place=path) from error
-    except (LookupError, ValueError) as error:  # unknown or multi-byte encoding
-        raise WrongFormat(f"expected XML in an encoding such as UTF-8: {error}", place=path) from error
     return features_of(extract, path)
 
 

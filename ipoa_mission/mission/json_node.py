@@ -9,8 +9,8 @@ from functools import partial
 from pathlib import Path
 from typing import Any, NoReturn
 
-from ipoa_mission.errors import BadInput, TooLarge, WrongFormat
-from ipoa_mission.files import why_no_json
+from ipoa_mission.errors import BadInput, WrongFormat
+from ipoa_mission.files import reading
 from ipoa_mission.finding import Finding, Severity
 
 
@@ -88,17 +88,10 @@ class Node:
 
 
 def parse_document(path: Path, text: str) -> Node:
-    try:
-        reject_constant = partial(_reject_constant, path, text)
+    reject_constant = partial(_reject_constant, path, text)
+    with reading(path, text):
         document = json.loads(text, parse_constant=reject_constant, object_pairs_hook=partial(_unique, path))
-        return Node(str(path), "", document)
-    except json.JSONDecodeError as error:
-        place = f"{path}: line {error.lineno}, column {error.colno}"
-        raise WrongFormat(f"expected JSON: {error.msg}", hint=why_no_json(text, error.pos), place=place) from error
-    except RecursionError:
-        raise TooLarge("expected JSON, not brackets nested without end", place=path) from None
-    except ValueError:
-        raise TooLarge("expected numbers that fit in 64 bits, not one of thousands of digits", place=path) from None
+    return Node(str(path), "", document)
 
 
 def _unique(path: Path, pairs: list[tuple[str, Any]]) -> dict[str, Any]:

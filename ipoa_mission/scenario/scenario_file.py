@@ -12,8 +12,8 @@ import shapely
 from pydantic import ValidationError
 
 from ipoa_mission.autopilot.autopilot import default_autopilot
-from ipoa_mission.errors import BadInput, NothingThere, TooLarge, WrongFormat
-from ipoa_mission.files import read_text
+from ipoa_mission.errors import BadInput, NothingThere, WrongFormat
+from ipoa_mission.files import read_text, reading
 from ipoa_mission.geodesy import Geodetic, LocalFrame
 from ipoa_mission.maps.building_rules import BuildingRules
 from ipoa_mission.maps.buildings import search_buildings
@@ -66,19 +66,16 @@ def scenario_of(table: dict[str, Any], path: Path) -> Scenario:
 
 
 def parse_toml(text: str, path: Path) -> dict[str, Any]:
-    try:
-        return tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
-        at = re.search(r"at line (\d+)", str(error))
-        decimal_comma = r"=\s*([-+]?\d+),(\d+)\s*(?:#.*)?$"
-        if at is not None and (comma := re.search(decimal_comma, text.split("\n")[int(at[1]) - 1].rstrip())):
-            words = f"expected a number with a point, {comma[1]}.{comma[2]}, not {comma[1]},{comma[2]}"
-            raise WrongFormat(words, place=f"{path}: line {at[1]}") from error
-        raise WrongFormat(f"{lowered(str(error))}", hint="a scenario is a TOML file", place=path) from error
-    except RecursionError:
-        raise TooLarge("expected a scenario, not endlessly nested brackets", place=path) from None
-    except ValueError:
-        raise TooLarge("expected numbers that fit in 64 bits, not one of thousands of digits", place=path) from None
+    with reading(path):
+        try:
+            return tomllib.loads(text)
+        except tomllib.TOMLDecodeError as error:
+            at = re.search(r"at line (\d+)", str(error))
+            decimal_comma = r"=\s*([-+]?\d+),(\d+)\s*(?:#.*)?$"
+            if at is not None and (comma := re.search(decimal_comma, text.split("\n")[int(at[1]) - 1].rstrip())):
+                words = f"expected a number with a point, {comma[1]}.{comma[2]}, not {comma[1]},{comma[2]}"
+                raise WrongFormat(words, place=f"{path}: line {at[1]}") from error
+            raise WrongFormat(f"{lowered(str(error))}", hint="a scenario is a TOML file", place=path) from error
 
 
 FREE_RADIUS = 12.0  # [m]

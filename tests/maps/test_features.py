@@ -96,7 +96,7 @@ def test_a_kml_and_a_geojson_of_the_same_area_agree(tmp_path: Path, write_map: C
 
 BROKEN = {
     '{"type": [[]]}': "type: expected 'FeatureCollection', not [[]]",
-    "[": "line 1: expecting value",
+    "[": "line 1, column 2: expected JSON: Expecting value",
     "[]": "type: expected 'FeatureCollection', not None",
     '{"type": "Topology"}': "type: expected 'FeatureCollection', not 'Topology'",
     '{"type": "FeatureCollection", "features": 3}': "features: expected a list",

@@ -59,10 +59,10 @@ def test_a_file_that_ends_early_is_told_as_json_itself_does(tmp_path: Path, cut:
         json.loads(text)
     path = tmp_path / "map.geojson"
     path.write_text(text)
-    message = expected.value.msg[:1].lower() + expected.value.msg[1:]
+    place = f"line {expected.value.lineno}, column {expected.value.colno}"
     with pytest.raises(BadInput) as caught:
         read_features(path)
-    assert str(caught.value) == f"{path}: line {expected.value.lineno}: {message}"
+    assert str(caught.value) == f"{path}: {place}: expected JSON: {expected.value.msg}"
 
 
 def test_feature_errors_name_their_number(tmp_path: Path) -> None:

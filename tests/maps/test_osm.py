@@ -78,7 +78,7 @@ def test_shapes_that_lack_a_corner_are_remarked(town: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        (TOWN[:-200], ("wrong-format", "town.osm", "XML")),  # cut short
+        (TOWN[:-200], ("wrong-format", f"town.osm: line {TOWN[:-200].count(chr(10)) + 1}", "XML")),  # cut short
         ("<gpx/>", ("wrong-format", "town.osm", "XML")),
         ('<?xml version="1.0" encoding="klingon"?><osm/>', ("wrong-format", "town.osm", "XML")),
         ("<osm/>", ("nothing-there", "town.osm")),
