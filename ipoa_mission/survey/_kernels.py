@@ -112,9 +112,9 @@ def straight_ways(places, place_arms, others, arms, edges):
 
 
 @njit(cache=True, error_model="numpy")
-def _spread(start, near, graph, bend, dist, prev):
+def _spread(start, near, between, bend, dist, prev):
     """Return the shortest ways from one end to all corners [m], and each previous corner."""
-    count, (between, begins, others) = near.shape[1], graph
+    count = near.shape[1]
     done = np.empty(count, np.bool_)
     for c in range(count):
         done[c], prev[start, c] = False, DIRECT
@@ -127,26 +127,30 @@ def _spread(start, near, graph, bend, dist, prev):
         if here < 0:
             break
         done[here] = True
-        for k in range(begins[here], begins[here + 1]):
-            through = least + between[here, others[k]] + bend
-            if through < dist[others[k]]:
-                dist[others[k]], prev[start, others[k]] = through, here
+        for k in range(between.begins[here], between.begins[here + 1]):
+            there = between.columns[k]
+            through = least + between.lengths[here, there] + bend
+            if through < dist[there]:
+                dist[there] = through
+                prev[start, there] = here
 
 
 @njit(cache=True, error_model="numpy")
 def ways_between(clock, ends, corners, near, between, edges, bend):
     """Return the times of the ways between all line ends (n, n), corners at both ends included [s].
 
-    `near` (n, m) and `between` (m, m): straight ways to and between corners, as by `free.listed`. Also return the last
-    corner before an end (n, n) and before a corner (n, m), or DIRECT, or NONE for no way.
+    `near` and `between`: straight `free.Ways` from ends to corners and between corners. Also return the last corner
+    before an end (n, n) and before a corner (n, m), or DIRECT, or NONE for no way.
     """
-    count, many = len(ends), len(corners)
-    boxes, (near, first, near_corners) = _boxes(edges), near
-    times, last = np.empty((count, count)), np.empty((count, count), np.int16)
-    prev = np.empty((count, max(many, 1)), np.int16)
-    dist = np.empty(max(many, 1))
+    count = len(ends)
+    room = max(len(corners), 1)
+    boxes = _boxes(edges)
+    times = np.empty((count, count))
+    last = np.empty((count, count), np.int16)
+    prev = np.empty((count, room), np.int16)
+    dist = np.empty(room)
     for i in range(count):
-        _spread(i, near, between, bend, dist, prev)
+        _spread(i, near.lengths, between, bend, dist, prev)
         out_e, out_n = ends[i, 0] - ends[i ^ 1, 0], ends[i, 1] - ends[i ^ 1, 1]
         out = math.hypot(out_e, out_n)
         for j in range(count):
@@ -157,10 +161,12 @@ def ways_between(clock, ends, corners, near, between, edges, bend):
                 last[i, j] = DIRECT
             else:
                 least = NO_WAY
-                for k in range(first[j], first[j + 1]):
-                    through = dist[near_corners[k]] + near[j, near_corners[k]]
+                for k in range(near.begins[j], near.begins[j + 1]):
+                    corner = near.columns[k]
+                    through = dist[corner] + near.lengths[j, corner]
                     if through < least:
-                        least, last[i, j] = through, near_corners[k]
+                        least = through
+                        last[i, j] = corner
                 if last[i, j] == NONE:
                     continue
             in_e, in_n = ends[j ^ 1, 0] - ends[j, 0], ends[j ^ 1, 1] - ends[j, 1]

@@ -4,7 +4,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import shapely
@@ -16,6 +16,14 @@ from ipoa_mission.survey.survey_area import INSET
 from ipoa_mission.survey.times import LegTimes
 
 MAX_TURN = math.radians(60.0)
+
+
+class Ways(NamedTuple):
+    """Straight ways, for kernels; those of row n lead to `columns[begins[n] : begins[n + 1]]`."""
+
+    lengths: Matrix  # or NO_WAY, (n, m) [m]
+    begins: NDArray[np.int64]  # (n + 1,)
+    columns: NDArray[np.int64]  # (k,)
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,11 +44,12 @@ class FreeSpace:
         return cls(shape, inner, edges, *map(np.ascontiguousarray, (bends[:, :2], bends[:, 2:])))
 
     @cached_property
-    def between(self) -> Matrix:
+    def between(self) -> Ways:
+        """Return the straight ways between corners."""
         ways = straight_ways(self.corners, self.arms, self.corners, self.arms, self.edges)
         ways = np.where(np.tri(len(ways), k=-1, dtype=bool), ways, ways.T)
         np.fill_diagonal(ways, NO_WAY)
-        return np.ascontiguousarray(ways)
+        return listed(np.ascontiguousarray(ways))
 
     def way(self, start: Vector, end: Vector, cost: LegTimes) -> Plane | None:
         """Return the corners of the quickest way between places (2,), both included; None: no way leads there."""
@@ -52,7 +61,7 @@ class FreeSpace:
         no_arms = np.zeros((len(ends), 4))
         near = listed(straight_ways(ends, no_arms, self.corners, self.arms, self.edges))
         bend_m = 1.0 * cost.speed
-        return ways_between(cost.clock, ends, self.corners, near, listed(self.between), self.edges, bend_m)
+        return ways_between(cost.clock, ends, self.corners, near, self.between, self.edges, bend_m)
 
 
 class Transits:
@@ -86,10 +95,9 @@ class Transits:
         return np.array([self.ends[i], *passed[::-1]])
 
 
-def listed(ways: Matrix) -> tuple[Matrix, NDArray[np.int64], NDArray[np.int64]]:
-    """Return the ways (n, m), each row's begin in the concatenated columns that have one, and these."""
-    rows, columns = np.nonzero(ways < NO_WAY)
-    return ways, np.searchsorted(rows, np.arange(len(ways) + 1)), np.ascontiguousarray(columns)
+def listed(lengths: Matrix) -> Ways:
+    rows, columns = np.nonzero(lengths < NO_WAY)
+    return Ways(lengths, np.searchsorted(rows, np.arange(len(lengths) + 1)), np.ascontiguousarray(columns))
 
 
 def _rings(shape: Any) -> list[Plane]:

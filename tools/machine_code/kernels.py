@@ -8,6 +8,7 @@ import numpy as np
 
 from ipoa_mission.compiled import compiled, records
 from ipoa_mission.planning.obstacle_grid import Bench, Moves, Nodes, ObstacleGrid, Raster, Rules, Soft, Spans
+from ipoa_mission.survey.free import Ways
 from ipoa_mission.survey.times import LegTimeTable
 from ipoa_mission.vehicles.arducopter.dynamics.motion import ARDUPILOT_SIMULATOR, NO_LEG, CopterLeg, State, tuning
 from ipoa_mission.vehicles.arducopter.dynamics.steps import fly_leg
@@ -65,7 +66,7 @@ def kernels() -> Iterator[Kernel]:
     soft, spans = Soft._make([1.0] * len(Soft._fields)), Spans(_numbers(1, np.int64), _numbers(3))
     moves = Moves(1, 0, *(_numbers(1, np.int64),) * 2, _numbers(1))
     bench = Bench(spans, moves, 1.0)
-    listed = _numbers(2), *(_numbers(1, np.int64),) * 2
+    ways = Ways(_numbers(2), *(_numbers(1, np.int64),) * 2)
     clock = LegTimeTable(_numbers(1), _numbers(2), 1.0, 1.0)
     examples = {
         "path_costs": (_numbers(3), grid, rules),
@@ -81,7 +82,7 @@ def kernels() -> Iterator[Kernel]:
         "distances": (_numbers(2),) * 3,
         "path_seconds": (clock, _numbers(2)),
         "straight_ways": (_numbers(2),) * 5,
-        "ways_between": (clock, *(_numbers(2),) * 2, *(listed,) * 2, _numbers(2), 1.0),
+        "ways_between": (clock, *(_numbers(2),) * 2, *(ways,) * 2, _numbers(2), 1.0),
         "search_order": (_numbers(2), _numbers(1), 0),
         "spread": (nodes, (_numbers(2, np.int64), _numbers(1)), True, (0, 0, 1.0), grid, rules),
     }
