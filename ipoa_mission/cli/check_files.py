@@ -17,6 +17,7 @@ from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.mission.item_words import count_words
 from ipoa_mission.options import expect_mission
+from ipoa_mission.report.summary import clearance_as_json, findings_as_json, passed_over_as_json
 from ipoa_mission.rules import RULES
 from ipoa_mission.terminal import notes, print_lines
 from ipoa_mission.unread import unread_as_json
@@ -52,13 +53,7 @@ class CheckedFile(NamedTuple):
     def errors(self) -> int:
         return sum(finding.severity is Severity.ERROR for finding in self.findings)
 
-    @property
-    def is_read(self) -> bool:
-        return self.forecast is not None
-
     def as_json(self) -> dict[str, Any]:
-        from ipoa_mission.report.summary import clearance_as_json, findings_as_json, passed_over_as_json
-
         result: dict[str, Any] = {"ok": not self.errors, "findings": findings_as_json(self.findings)}
         result["remarks"] = list(self.remarks)
         if self.forecast is None:

@@ -66,7 +66,7 @@ def plan(
     if to.as_json:
         print_json(summary | {"written": [str(file) for file in files]})
     elif len(parts) > 1:
-        print_parts(flight, parts, files)
+        print_parts(flight, summary["flights"], files)
     else:
         print_planned(flight, files)
 
