@@ -1,4 +1,4 @@
-"""Report a survey as JSON, and as a part of its flights' pages."""
+"""Report a survey as JSON and HTML."""
 
 from collections.abc import Sequence
 from html import escape
