@@ -9,9 +9,9 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass, field
 from enum import Enum, auto
-from functools import wraps
+from functools import partial, wraps
 from pathlib import Path
-from typing import TYPE_CHECKING, Concatenate, ParamSpec
+from typing import TYPE_CHECKING, Concatenate, NamedTuple, ParamSpec
 
 from ipoa_mission.errors import MissionError
 from ipoa_mission.files import recorded_writes
@@ -39,6 +39,32 @@ class Interrupted(MissionError, code="interrupted"):
     """The message reports the state left behind."""
 
     exit_code = 130
+
+
+class StageState(NamedTuple):
+    """Arguments of `reporting` for a stage."""
+
+    if_interrupted: str
+    hint: str | None = None
+    after: str = ""
+    change: ChangeKind = ChangeKind.MISSION
+
+
+def _state_in(stage: "Stage", link: str) -> StageState:
+    from ipoa_mission.flight.procedure import Stage
+
+    either = "the mission on the vehicle may be the old one, the new one or a mixture: upload again, or clear it"
+    stored = "the new mission is on the vehicle"
+    look = "look at the vehicle: it may be flying"
+    command = f"to command it: `ipoa-mission pause --link {link}`, or `rtl`"
+    states = {
+        Stage.UPLOAD: StageState(either, after=stored),
+        Stage.RECHECK: StageState(stored, after=stored),
+        Stage.READY: StageState("the vehicle was not armed", change=ChangeKind.START),  # START replaces it
+        Stage.START: StageState("the start may have been completed", look, "the vehicle was started", ChangeKind.START),
+        Stage.FLIGHT: StageState("the vehicle flies on, unwatched", command, change=ChangeKind.FLIGHT),
+    }
+    return states.get(stage, StageState("the mission was not sent"))
 
 
 @dataclass
@@ -90,32 +116,17 @@ class ChangesMade:
         from ipoa_mission.flight.procedure import Stage
         from ipoa_mission.progress import silent
 
-        stored = "the new mission is on the vehicle"
-        either = "the mission on the vehicle may be the old one, the new one or a mixture: upload again, or clear it"
-        change, if_interrupted, after = {
-            Stage.UPLOAD: (ChangeKind.MISSION, either, stored),
-            Stage.RECHECK: (ChangeKind.MISSION, stored, stored),
-            Stage.READY: (ChangeKind.START, "the vehicle was not armed", ""),  # START replaces it
-            Stage.START: (ChangeKind.START, "the start may have been completed", "the vehicle was started"),
-            Stage.FLIGHT: (ChangeKind.FLIGHT, "the vehicle flies on, unwatched", ""),
-        }.get(stage, (ChangeKind.MISSION, "the mission was not sent", ""))  # POSITION, PARAMETERS, CHECK
-        hint = "look at the vehicle: it may be flying" if stage is Stage.START else None
-        if stage is Stage.FLIGHT:
-            hint = f"to command it: `ipoa-mission pause --link {link}`, or `rtl`"
-        waits = stage in (Stage.POSITION, Stage.READY, Stage.START)
-        is_long = stage not in (Stage.CHECK, Stage.RECHECK)
         title = "starting" if stage is Stage.START else stage
-        with (
-            self.reporting(if_interrupted, hint, after, change),
-            progress_bar(title, is_waiting=waits) if is_long else nullcontext(silent) as show,
-        ):
+        waits = stage in (Stage.POSITION, Stage.READY, Stage.START)
+        is_short = stage in (Stage.CHECK, Stage.RECHECK)
+        bar = nullcontext(silent) if is_short else progress_bar(title, is_waiting=waits)
+        with self.reporting(*_state_in(stage, link)), bar as show:
+            yield partial(self._show_parameters, show) if stage is Stage.PARAMETERS else show
 
-            def show_parameters(share: float, names: str) -> None:
-                done = "parameters were" if share == 1.0 else "some parameters may be"
-                self.note(ChangeKind.PARAMETERS, f"{done} written: {names}")
-                show(share, names)
-
-            yield show_parameters if stage is Stage.PARAMETERS else show
+    def _show_parameters(self, show: "Progress", share: float, names: str) -> None:
+        done = "parameters were" if share == 1.0 else "some parameters may be"
+        self.note(ChangeKind.PARAMETERS, f"{done} written: {names}")
+        show(share, names)
 
     def interrupted_by(self, error: BaseException, hint: str | None = None, if_interrupted: str = "") -> Interrupted:
         """Return all changes; the link's words about its list replace `if_interrupted`."""
