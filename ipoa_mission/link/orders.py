@@ -12,7 +12,7 @@ from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.link import messages as m
 from ipoa_mission.link.conversations import VehicleTexts, listen_for_words
 from ipoa_mission.link.definitions import definition_of
-from ipoa_mission.link.dialogue import Ask, Dialogue, NoAnswer, Pause, SendOnce, Step, hear
+from ipoa_mission.link.dialogue import Ask, Dialogue, NoAnswer, Pause, SendOnce, hear
 
 M = TypeVar("M", bound=m.Message)
 
@@ -96,28 +96,26 @@ def request_stream(name: str, interval_s: float) -> Dialogue[bool]:
 
 def _request(name: str, kind: type[M], pause_s: float, requests: int = 5) -> Dialogue[M | None]:
     """Return None if it is refused; repeat, because an answer may belong to an earlier request."""
-    request = message_request(name)
-    step: Step = Ask(request)
+
+    def answer_in(heard: m.Message) -> M | m.CommandAck | None:
+        if isinstance(heard, m.CommandAck):
+            return heard if heard.command == VehicleCommand.REQUEST_MESSAGE else None
+        return heard if isinstance(heard, kind) else None
+
     has_answered = False
-    while True:
+    for _ in range(requests):
         try:
-            heard = yield step
+            heard = yield from hear(Ask(message_request(name)), answer_in)
         except NoAnswer:
             if has_answered:
                 return None
             raise
-        step = None
-        match heard:
-            case m.CommandAck(VehicleCommand.REQUEST_MESSAGE, result):
-                has_answered = True
-                step = Pause(pause_s if result == m.CommandResult.ACCEPTED else 0.3)
-            case None:
-                requests -= 1
-                if requests == 0:
-                    return None
-                step = Ask(request)
-            case _ if isinstance(heard, kind):
-                return heard
+        while isinstance(heard, m.CommandAck):
+            has_answered = True
+            heard = yield from hear(Pause(pause_s if heard.result == m.CommandResult.ACCEPTED else 0.3), answer_in)
+        if heard is not None:
+            return heard
+    return None
 
 
 def request_home() -> Dialogue[Geodetic | None]:
