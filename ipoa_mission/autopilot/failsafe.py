@@ -144,7 +144,6 @@ class FailsafeProfile(NamedTuple):
         return frozenset((*of_rules, *self.further_parameters))
 
     def defaults(self, series: Series) -> dict[str, float]:
-        """Return the parameter values that this version's rules assume."""
         values = dict[str, float]()
         for rule in self.rules:
             if rule.since <= series < rule.until:

@@ -56,6 +56,11 @@ class LearnedVehicle:
         learned: Learned | None = getattr(self, name)
         return otherwise if learned is None else learned.value
 
+    def values(self, *names: str) -> dict[str, float]:
+        """Return the determined ones."""
+        learned = {name: getattr(self, name) for name in names}
+        return {name: each.value for name, each in learned.items() if each is not None}
+
 
 QUANTITIES: Mapping[str, Quantity] = {
     each.name: each.type.__metadata__[0] for each in fields(LearnedVehicle) if hasattr(each.type, "__metadata__")

@@ -142,7 +142,6 @@ class MockVehicle:
             self.mission_begun = self.mission_runs = False
 
     def message(self, name: str) -> Message | None:
-        """Return a message to send now, if any."""
         profile = self.profile
         flight = self.flight
         now = self.now

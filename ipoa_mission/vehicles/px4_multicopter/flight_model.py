@@ -150,7 +150,7 @@ class Px4Model(FlightModel):
     def median_times(self, itinerary: Itinerary) -> Vector:
         flights = Flights(itinerary)
         orders = flights.mission_orders.orders
-        steps = RUNS.of_median * sum(order.patience for order in orders) / RUNS.step_s
+        steps = RUNS.of_median * sum(order.timeout for order in orders) / RUNS.step_s
         fly_on = flights.simulation(orders, noisy=True, fast=True, steps=steps)
         ends = list(flights.mission_orders.done)
         starts = map(flights.at_start, range(1, RUNS.of_median + 1))

@@ -93,7 +93,7 @@ class Flights:
         fly_mission = self.simulation(self.mission_orders.orders, noisy=noisy, steps=steps, sampled=True)
         until = fly_mission(self.at_start(seed or 0), time)
         onward = navigator.contingency_orders(contingency, until.samples[-1], self.itinerary, self.limits)
-        orders = tuple(navigator.with_patience(onward, onward[0].start, self.limits, self.airframe.landing_delay))
+        orders = tuple(navigator.with_timeouts(onward, onward[0].start, self.limits, self.airframe.landing_delay))
         begins = until._replace(done=until.done[-1:], progress=until.progress._replace(steps=state.NOT_BEGUN))
         return until, self.simulation(orders, noisy=noisy, steps=steps)(begins)
 

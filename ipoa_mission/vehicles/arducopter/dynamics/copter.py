@@ -53,22 +53,15 @@ SLOWEST_SPIN_UP = math.radians(2.0)  # [rad/s^2]
 
 
 def airframe_of(vehicle: LearnedVehicle | None) -> Airframe:
-    """Return the learned airframe, or the simulator's.
-
-    >>> airframe_of(None) is ARDUPILOT_SIMULATOR
-    True
-    """
+    """Return the simulator's airframe with the learned values."""
+    simulated = ARDUPILOT_SIMULATOR
     if vehicle is None:
-        return ARDUPILOT_SIMULATOR
+        return simulated
     drag = vehicle.value("drag", 1.0)
-    same = ARDUPILOT_SIMULATOR
-    return Airframe(
-        same.rotor_drag * drag,
-        same.body_drag * drag,
-        vehicle.value("lag", same.lag),
-        vehicle.value("lift_delay", 0.0),
-        vehicle.value("landing_delay", 0.0),
-    )
+    rotor_drag = simulated.rotor_drag * drag
+    body_drag = simulated.body_drag * drag
+    learned = vehicle.values("lag", "lift_delay", "landing_delay")
+    return simulated._replace(rotor_drag=rotor_drag, body_drag=body_drag, **learned)
 
 
 def stop_at(program: Program, n: int, here: Place) -> Stop:

@@ -355,7 +355,7 @@ def fly(
     """Fly on; return times [s] after each order that ended, samples, and the progress.
 
     Samples have the estimated velocity, each `every` steps (0: none). The flight starts at rest over home, or
-    takes off. It ends at the time `until` [s], or early if an order's patience ends.
+    takes off. It ends at the time `until` [s], or early if an order's timeout ends.
     """
     constants = constants_as_records[0]  # one: compiled code gets an array of records
     state = flight.state
@@ -373,7 +373,7 @@ def fly(
             state = begin(state, order)
             steps = 0
         while state.time < until and not is_over(state, order):
-            if state.reached < 0.0 and state.time - state.begun > order.patience:
+            if state.reached < 0.0 and state.time - state.begun > order.timeout:
                 break
             state = step(state, order, constants)
             steps = steps + 1

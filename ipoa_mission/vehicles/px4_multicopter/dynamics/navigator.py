@@ -32,19 +32,11 @@ ANY_RADIUS = 1e9  # without effect [m]
 
 
 def airframe_of(vehicle: LearnedVehicle | None) -> Airframe:
-    """Return the learned airframe, or SIH's.
-
-    >>> airframe_of(None) is SIH
-    True
-    """
+    """Return SIH's airframe with the learned values."""
     if vehicle is None:
         return SIH
-    return Airframe(
-        SIH.drag * vehicle.value("drag", 1.0),
-        vehicle.value("lag", SIH.lag),
-        vehicle.value("lift_delay", 0.0),
-        vehicle.value("landing_delay", 0.0),
-    )
+    drag = SIH.drag * vehicle.value("drag", 1.0)
+    return SIH._replace(drag=drag, **vehicle.values("lag", "lift_delay", "landing_delay"))
 
 
 def simulation_constants(
@@ -198,13 +190,13 @@ class Navigator:
         return Enu(*self.program.place(n, self.here))
 
 
-class Planned(NamedTuple):
+class ItineraryOrders(NamedTuple):
     orders: tuple[Order, ...]
     done: tuple[int, ...]  # number of orders done after each visit
     remarks: tuple[str, ...]
 
 
-def orders_of_itinerary(itinerary: Itinerary, limits: Px4Limits, landing_delay: float = 0.0) -> Planned:
+def orders_of_itinerary(itinerary: Itinerary, limits: Px4Limits, landing_delay: float = 0.0) -> ItineraryOrders:
     """Return the orders of an itinerary, from the ground, or from over home.
 
     It disarms `landing_delay` s later.
@@ -221,24 +213,24 @@ def orders_of_itinerary(itinerary: Itinerary, limits: Px4Limits, landing_delay: 
     for n, visit in enumerate(itinerary.visits):
         begins = orders[-1].goal if orders else navigator.here
         visited = _visit(itinerary, n, navigator, airborne, remarks)
-        orders += with_patience(visited, begins, limits, landing_delay)
+        orders += with_timeouts(visited, begins, limits, landing_delay)
         done.append(len(orders))
         if visit.item.command == Command.NAV_TAKEOFF:
             airborne = True
         elif visited and visited[-1].kind == LAND:
             airborne = False
-    return Planned(tuple(orders), tuple(done), tuple(remarks))
+    return ItineraryOrders(tuple(orders), tuple(done), tuple(remarks))
 
 
-def with_patience(orders: Sequence[Order], start: Enu, limits: Px4Limits, landing_delay: float) -> Iterator[Order]:
-    """Yield orders flown from `start`, with the time after which each has failed."""
+def with_timeouts(orders: Sequence[Order], start: Enu, limits: Px4Limits, landing_delay: float) -> Iterator[Order]:
+    """Yield orders flown from `start`, each with its timeout."""
     slowest = min(limits.climb, limits.descent, limits.takeoff_speed, limits.land_speed, limits.crawl_speed)
     for order in orders:
         distance = math.dist(start[:2], order.goal[:2])
         rise = abs(order.goal.up - start.up)
         lasts = (300 if order.kind == LAND else 120) + 6 * distance * max(1.0, 1 / order.cruise) + 4 * rise / slowest
         late = landing_delay if order.kind == LAND else 0.0
-        yield order._replace(hold_s=order.hold_s + late, patience=lasts * max(1.0, 1 / order.radius))
+        yield order._replace(hold_s=order.hold_s + late, timeout=lasts * max(1.0, 1 / order.radius))
         start = order.goal
 
 

@@ -70,7 +70,7 @@ class Order(NamedTuple):
     heading: float = math.nan  # [rad]; NaN: any
     may_turn_first: bool = False  # by MPC_YAW_MODE 4
     follows_home: bool = True  # heights count from the estimated home
-    patience: float = math.inf  # lost after this time [s]
+    timeout: float = math.inf  # lost after this time [s]
 
 
 class SimulationConstants(NamedTuple):
