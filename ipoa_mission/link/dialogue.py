@@ -14,7 +14,8 @@ If the other side stays silent, `NoAnswer` is raised in the dialogue.
 import math
 from collections.abc import Callable, Generator
 from dataclasses import dataclass
-from typing import Any, Generic, Literal, TypeAlias, TypeVar
+from enum import StrEnum
+from typing import Any, Generic, Self, TypeAlias, TypeVar
 
 from ipoa_mission.errors import MissionError
 from ipoa_mission.link.item_run import ItemsRead, ItemsSent
@@ -24,21 +25,43 @@ Answer = TypeVar("Answer")
 T = TypeVar("T")
 
 
-class Unfinished(MissionError, code="unfinished"):
-    """`list_on_vehicle`: None if unknown."""
+class ListAboard(StrEnum):
+    """State of a list on the vehicle after an upload that failed."""
 
+    OLD = "old"
+    NEW = "new"
+    EITHER = "either"  # whole
+    MIXTURE = "mixture"  # perhaps
+    UNKNOWN = "unknown"
+
+    def words(self, name: str) -> str:
+        return {
+            ListAboard.OLD: f"the vehicle keeps the {name} it had",
+            ListAboard.NEW: f"the vehicle holds the whole new {name}",
+            ListAboard.EITHER: f"the vehicle holds a whole {name}, the old or the new one",
+            ListAboard.MIXTURE: f"the {name} on the vehicle may be a mixture of new and old",
+            ListAboard.UNKNOWN: f"the vehicle may no longer hold the {name} that was sent",
+        }[self]
+
+    @property
+    def remedy(self) -> str:
+        if self is ListAboard.NEW:
+            return "clear it if it must not be flown"
+        return "upload again, or clear it" if self is ListAboard.MIXTURE else "upload again"
+
+
+class Unfinished(MissionError, code="unfinished"):
     def __init__(
-        self,
-        message: str,
-        hint: str | None = None,
-        *,
-        list_on_vehicle: Literal["old", "new", "either", "unknown"] | None = None,
-        **more: Any,
+        self, message: str, hint: str | None = None, *, list_on_vehicle: str | None = None, **more: Any
     ) -> None:
         super().__init__(message, hint, **more)
         self.list_on_vehicle = list_on_vehicle
         if list_on_vehicle is not None:
             self.known["list_on_vehicle"] = list_on_vehicle
+
+    def leaving(self, aboard: ListAboard, name: str, hint: str | None = None) -> Self:
+        """Return the error with the state of the list `name`."""
+        return type(self)(f"{self}: {aboard.words(name)}", hint, list_on_vehicle=aboard)
 
 
 class NoAnswer(Unfinished, code="no-answer"):
@@ -55,6 +78,11 @@ class Cancelled(Unfinished, code="cancelled"):
 
 class TimeUp(Unfinished, code="time-up"):
     """The user's time limit is over."""
+
+
+def cancelled(name: str, aboard: ListAboard) -> Cancelled:
+    ended = Cancelled("cancelled too late" if aboard is ListAboard.NEW else "cancelled")
+    return ended.leaving(aboard, name, None if aboard is ListAboard.OLD else aboard.remedy)
 
 
 @dataclass(frozen=True)

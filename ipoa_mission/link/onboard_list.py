@@ -2,12 +2,12 @@
 
 import logging
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 
 from ipoa_mission.errors import MissionError
 from ipoa_mission.link.conversations import KeepsChanging, MissionRefused, list_name, open_list, read_consistent
-from ipoa_mission.link.dialogue import Dialogue, NoAnswer, SendOnce, until
+from ipoa_mission.link.dialogue import Dialogue, ListAboard, NoAnswer, SendOnce, until
 from ipoa_mission.link.mavftp import answer_in, checksum_question, list_checksum
 from ipoa_mission.link.messages import Current, Message, MissionState, MissionType
 from ipoa_mission.link.upload import Replaced, Upload
@@ -110,6 +110,19 @@ def prove_after_flight(onboard: OnboardList, state: VehicleState) -> Dialogue[No
         yield from prove([onboard], state)
     except Replaced as replaced:
         onboard.changed = f"when it was read after the flight, {replaced.difference}"
+
+
+def with_lists(failed: MissionError, kind: int, sent: Sequence[int]) -> MissionError:
+    """Add each list's state after a failure in the list `kind`."""
+    names = [list_name(each) for each in sent]
+    at = list(sent).index(kind)
+    new = f"it holds the new {' and the new '.join(names[:at])}" if at > 0 else ""
+    old = f"it keeps the {' and the '.join(names[at + 1 :])} that it had" if names[at + 1 :] else ""
+    failed.args = ("; ".join(filter(None, (*failed.args, new, old))),)
+    its_own = failed.known.get("list_on_vehicle", ListAboard.UNKNOWN)
+    states = [ListAboard.NEW] * at + [its_own] + [ListAboard.OLD] * (len(names) - at - 1)
+    failed.known["lists_on_vehicle"] = dict(zip(names, states, strict=True))
+    return failed
 
 
 def expect_unchanged(onboard_lists: Iterable[OnboardList]) -> None:

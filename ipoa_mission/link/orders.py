@@ -97,7 +97,7 @@ def request_stream(name: str, interval_s: float) -> Dialogue[bool]:
 def _request(name: str, kind: type[M], pause_s: float, requests: int = 5) -> Dialogue[M | None]:
     """Return None if it is refused; repeat, because an answer may belong to an earlier request."""
 
-    def answer_in(heard: m.Message) -> M | m.CommandAck | None:
+    def answer_in(heard: m.Message) -> m.Message | None:
         if isinstance(heard, m.CommandAck):
             return heard if heard.command == VehicleCommand.REQUEST_MESSAGE else None
         return heard if isinstance(heard, kind) else None
@@ -113,7 +113,7 @@ def _request(name: str, kind: type[M], pause_s: float, requests: int = 5) -> Dia
         while isinstance(heard, m.CommandAck):
             has_answered = True
             heard = yield from hear(Pause(pause_s if heard.result == m.CommandResult.ACCEPTED else 0.3), answer_in)
-        if heard is not None:
+        if isinstance(heard, kind):
             return heard
     return None
 

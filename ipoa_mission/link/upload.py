@@ -1,14 +1,26 @@
 """Upload a list, by items or as a file, until the vehicle provably holds it."""
 
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
-from typing import Literal
 
 from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.link import conversations, mavftp
 from ipoa_mission.link.conversations import list_name, share_words
-from ipoa_mission.link.dialogue import Cancelled, Dialogue, NoAnswer, Pause, SendOnce, Step, TimeUp, hear, wait
+from ipoa_mission.link.dialogue import (
+    Cancelled,
+    Dialogue,
+    ListAboard,
+    NoAnswer,
+    Pause,
+    SendOnce,
+    Step,
+    TimeUp,
+    cancelled,
+    hear,
+    wait,
+)
 from ipoa_mission.link.item_run import ItemsSent
 from ipoa_mission.link.messages import WARNING, Ack, Current, Message, MissionState, MissionType, Request, Result
 from ipoa_mission.link.wire import item_of, item_payload, stored_part
@@ -43,7 +55,8 @@ class Unflyable(MissionError, code="unflyable"):
 
     def __init__(self, why: str) -> None:
         self.why = why
-        super().__init__(f"the vehicle stored the mission but refuses to fly it: {why or 'no reason was heard'}")
+        words = f"the vehicle stored the mission but refuses to fly it: {why or 'no reason was heard'}"
+        super().__init__(words, known={"list_on_vehicle": ListAboard.NEW})
 
 
 class Unplaced(Unflyable, code="unplaced"):
@@ -160,17 +173,44 @@ class UploadState:
     attempt: int = 0
     furthest: int = -1  # requested in this attempt
     may_be_whole: bool = False  # the vehicle may hold the whole list
+    is_verified: bool = False  # the list was read back without a difference
     checksum: int = 0  # as read back; 0: none
     reports: MissionReports = field(default_factory=MissionReports)
 
+    def aboard(self, job: Upload) -> ListAboard:
+        if self.is_verified:
+            return ListAboard.NEW
+        if job.truncates and self.attempt > 0:
+            return ListAboard.MIXTURE
+        return ListAboard.EITHER if self.may_be_whole else ListAboard.OLD
 
-def upload(job: Upload, progress: Progress = silent) -> Dialogue[int]:
+    def explain(self, failed: MissionError, job: Upload) -> None:
+        aboard = self.aboard(job)
+        failed.hint = f"{aboard.words(list_name(job.kind))}: {aboard.remedy}"
+        failed.known["list_on_vehicle"] = aboard
+
+
+def upload(
+    job: Upload, progress: Progress = silent, state: UploadState | None = None, by_file: bool = False
+) -> Dialogue[int]:
+    """Store a list on the vehicle, verified; `by_file`: a mission as a file, if the vehicle takes one.
+
+    Return the list's id (PX4) or checksum (ArduPilot), 0 if unknown. An error reports what the vehicle holds now, as
+    does `state` at any time.
+    """
+    state = state or UploadState()
+    if by_file and job.numbers is not None and job.kind == MissionType.MISSION:
+        with suppress(mavftp.FileRefused, NoAnswer, ReadBackDiffers):  # the ordinary transfer finds the cause
+            return (yield from upload_by_file(job, progress, state))
+        state.furthest = -1
+    return (yield from _upload_items(job, progress, state))
+
+
+def _upload_items(job: Upload, progress: Progress, state: UploadState) -> Dialogue[int]:
     """Offer a list, read it back and compare, until they are equal; await PX4's verdict.
 
-    Return the list's id (PX4) or checksum (ArduPilot), 0 if unknown. When cancelled, PX4 keeps its old list; otherwise
-    the new list is completed first. An error reports what the vehicle holds now.
+    When cancelled, PX4 keeps its old list; otherwise the new list is completed first.
     """
-    state = UploadState()
     try:
         try:
             yield from conversations.observed(_store(job, state, progress), state.reports.note)
@@ -179,16 +219,15 @@ def upload(job: Upload, progress: Progress = silent) -> Dialogue[int]:
     except TimeUp as late:
         yield SendOnce(Ack(Result.OPERATION_CANCELLED, job.kind))
         arrived = f"{share_words(max(state.furthest, 0), len(job.items), job.kind)} had arrived"
-        raise TimeUp(f"{late}: in attempt {state.attempt} {arrived}", hint=_remaining_list(job, state)) from None
+        late = TimeUp(f"{late}: in attempt {state.attempt} {arrived}")
+        state.explain(late, job)
+        raise late from None
     if job.autopilot.protocol_profile.judges_later and job.kind == MissionType.MISSION and job.items:
         try:
             verdict = yield from _verdict(state.reports)
         except (Cancelled, TimeUp) as aborted:
-            raise type(aborted)(
-                f"{aborted}: the vehicle holds the whole new {list_name(job.kind)}, verified",
-                hint="its check of the mission was not awaited",
-                list_on_vehicle="new",
-            ) from None
+            hint = "its check of the mission was not awaited"
+            raise aborted.leaving(ListAboard.NEW, list_name(job.kind), hint) from None
         if not (verdict == MissionState.NO_MISSION and state.reports.agrees(job)):
             yield from _confirm_stored(job, state.reports)
         if verdict == MissionState.NO_MISSION:
@@ -205,11 +244,8 @@ def _confirm_stored(job: Upload, reports: MissionReports) -> Dialogue[None]:
         try:
             stored = yield from conversations.observed(conversations.read_list(job.kind), reports.note)
         except (Cancelled, TimeUp, NoAnswer) as aborted:
-            raise type(aborted)(
-                f"{aborted}: the vehicle may no longer hold the {list_name(job.kind)} that was sent",
-                hint="it was verified, but since then not confirmed, or another one was reported",
-                list_on_vehicle="unknown",
-            ) from None
+            hint = "it was verified, but since then not confirmed, or another one was reported"
+            raise aborted.leaving(ListAboard.UNKNOWN, list_name(job.kind), hint) from None
         if (difference := job.difference(stored)) is not None:
             raise Replaced(job.kind, difference)
         if reports.agrees(job):
@@ -223,31 +259,22 @@ def _cancel(job: Upload, state: UploadState, progress: Progress) -> Dialogue[Non
         state.attempt = 0
         yield from _store(job, state, progress)
         words = f"cancelled: the vehicle had dropped its old {list_name(job.kind)}, so the new one was completed"
-        raise Cancelled(words, hint="it is whole and verified; clear it if it must not be flown", list_on_vehicle="new")
+        hint = f"it is whole and verified; {ListAboard.NEW.remedy}"
+        raise Cancelled(words, hint, list_on_vehicle=ListAboard.NEW)
     yield from _refuse_requests(job.kind)
-    if not state.may_be_whole:
-        raise cancelled(job.kind, "old")
-    try:
-        stored = yield from conversations.read_list(job.kind)
-    except (conversations.MissionRefused, NoAnswer):
-        raise cancelled(job.kind, "either") from None
-    raise cancelled(job.kind, "new" if job.difference(stored) is None else "old")
-
-
-def cancelled(kind: int, left: Literal["old", "new", "either"]) -> Cancelled:
-    name = list_name(kind)
-    words = {
-        "old": f"cancelled: the vehicle keeps the {name} it had",
-        "new": f"cancelled too late: the vehicle holds the whole new {name}",
-        "either": f"cancelled: the vehicle holds a whole {name}, the old or the new one, and does not say which",
-    }[left]
-    return Cancelled(words, "clear it if it must not be flown" if left == "new" else None, list_on_vehicle=left)
+    aboard = state.aboard(job)
+    if aboard is ListAboard.EITHER:
+        with suppress(conversations.MissionRefused, NoAnswer):
+            stored = yield from conversations.read_list(job.kind)
+            aboard = ListAboard.NEW if job.difference(stored) is None else ListAboard.OLD
+    raise cancelled(list_name(job.kind), aboard)
 
 
 def _store(job: Upload, state: UploadState, progress: Progress) -> Dialogue[None]:
     refused_before: conversations.MissionRefused | None = None
     # not because of the items
     temporary = {*conversations.DOUBTFUL_REFUSALS, Result.DENIED, Result.OPERATION_CANCELLED}
+    state.may_be_whole |= not job.items  # stored at COUNT
 
     def note(seq: int) -> None:
         state.furthest = max(state.furthest, seq)
@@ -267,7 +294,7 @@ def _store(job: Upload, state: UploadState, progress: Progress) -> Dialogue[None
             stored, state.checksum = yield from conversations.read_consistent(job.kind, job.numbers)
         except NoAnswer as silence:
             if state.attempt == ATTEMPTS or max(furthest_before, state.furthest) < 0:
-                silence.hint = _remaining_list(job, state)
+                state.explain(silence, job)
                 raise
         except conversations.MissionRefused as refusal:
             again = refused_before is not None and (
@@ -278,27 +305,20 @@ def _store(job: Upload, state: UploadState, progress: Progress) -> Dialogue[None
             is_final = is_refused and (not job.truncates or again)
             if state.attempt == ATTEMPTS or is_final or (again and refusal.result == Result.ERROR):
                 final = conversations.MissionRefused(refusal.result, job.kind, refusal.seq, refusal.words, job.first)
-                raise final.at(hint=_remaining_list(job, state)) from None
+                state.explain(final, job)
+                raise final from None
             refused_before = refusal
             yield from wait(1.0)
         else:
             state.reports.is_named = False  # earlier reports prove nothing from here on
             difference = job.difference(stored)
             if difference is None:
+                state.is_verified = True
                 return
             if state.attempt >= 2 and result in conversations.DOUBTFUL_REFUSALS:
                 raise conversations.MissionRefused(result, job.kind, len(job.items) - 1, first=job.first)
             if state.attempt >= 2:
                 raise ReadBackDiffers(job.kind, difference)
-
-
-def _remaining_list(job: Upload, state: UploadState) -> str:
-    name = list_name(job.kind)
-    if job.truncates:
-        return f"the {name} on the vehicle may now be a mixture of new and old: upload again, or clear it"
-    if state.may_be_whole:
-        return f"the vehicle holds a whole {name}, the old or the new one: upload again"
-    return f"the vehicle keeps the {name} it had, unless it says otherwise"
 
 
 def _refuse_requests(kind: int) -> Dialogue[None]:
@@ -331,37 +351,35 @@ def _verdict(reports: MissionReports) -> Dialogue[int]:
         heard = yield step
 
 
-def upload_by_file(job: Upload, progress: Progress = silent) -> Dialogue[int]:
+def upload_by_file(job: Upload, progress: Progress = silent, state: UploadState | None = None) -> Dialogue[int]:
     """Return the checksum of the file as read back. Raise FileRefused if the vehicle keeps its old mission."""
+    state = state or UploadState()
+    name = list_name(job.kind)
     total = len(job.items)
-    done = 0
 
     def note(share: float, words: str) -> None:
-        nonlocal done
-        done = int(total * share)
-        count(progress, done, total)
+        state.furthest = int(total * share)
+        count(progress, state.furthest, total)
 
     try:
         closing = yield from mavftp.write_file(mavftp.MISSION_FILE, mavftp.pack_mission(job.items, job.kind), note)
     except (Cancelled, TimeUp) as aborted:  # an unclosed file is not taken
-        raise type(aborted)(
-            f"{aborted}: the vehicle keeps the mission it had",
-            hint=f"{done} of {count_words(total)} had been sent",
-            list_on_vehicle="old",
-        ) from None
+        hint = f"{max(state.furthest, 0)} of {count_words(total)} had been sent"
+        raise aborted.leaving(ListAboard.OLD, name, hint) from None
+    state.may_be_whole = True
     try:
         return (yield from _close_file(job, closing))
     except TimeUp as late:
-        words = f"{late}: the vehicle holds a whole mission, the old or the new one"
-        raise TimeUp(words, list_on_vehicle="either") from None
+        raise late.leaving(ListAboard.EITHER, name) from None
     except Cancelled:  # the file may have been taken
+        aboard = ListAboard.NEW
         try:
             yield from _close_file(job, closing)
         except mavftp.FileRefused:
-            raise cancelled(job.kind, "old") from None
+            aboard = ListAboard.OLD
         except (NoAnswer, TimeUp, ReadBackDiffers, conversations.KeepsChanging):
-            raise cancelled(job.kind, "either") from None
-        raise cancelled(job.kind, "new") from None
+            aboard = ListAboard.EITHER
+        raise cancelled(name, aboard) from None
 
 
 def _close_file(job: Upload, closing: mavftp.FileMessage) -> Dialogue[int]:

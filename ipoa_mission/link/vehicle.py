@@ -17,15 +17,25 @@ from ipoa_mission.interrupts import noted_interrupts
 from ipoa_mission.link import conversations, departure, orders
 from ipoa_mission.link.channel import LinkDown
 from ipoa_mission.link.connection import MessageLink
-from ipoa_mission.link.dialogue import SPECIFIED, Cancelled, Dialogue, NoAnswer, RetryPolicy, Silence, TimeUp, until
+from ipoa_mission.link.dialogue import (
+    SPECIFIED,
+    Cancelled,
+    Dialogue,
+    ListAboard,
+    NoAnswer,
+    RetryPolicy,
+    Silence,
+    TimeUp,
+    cancelled,
+    until,
+)
 from ipoa_mission.link.discovery import FoundVehicle, VehicleSession
 from ipoa_mission.link.flight_order import SHOWN_S, Conformance, FlightOrder, pause, resume, return_to_launch
 from ipoa_mission.link.logbook import Logbook, Observer, watch
-from ipoa_mission.link.mavftp import FileRefused
 from ipoa_mission.link.messages import Heartbeat, Message, MissionType
-from ipoa_mission.link.onboard_list import OnboardList, ReplacedSince, prove_after_flight
+from ipoa_mission.link.onboard_list import OnboardList, ReplacedSince, prove_after_flight, with_lists
 from ipoa_mission.link.reconnect import RETRY_S, SILENT_S, KnownVehicle, LinkLoss
-from ipoa_mission.link.upload import ReadBackDiffers, Unflyable, Unplaced, Upload, upload, upload_by_file
+from ipoa_mission.link.upload import Unflyable, Unplaced, Upload, UploadState, upload
 from ipoa_mission.link.vehicle_state import ModeWatch, NotReady, VehicleState
 from ipoa_mission.mission import stored_mission
 from ipoa_mission.mission.flight_record import FlightRecord
@@ -35,19 +45,6 @@ from ipoa_mission.progress import Progress, count, silent
 log = logging.getLogger(__name__)
 STARTUP_S = 60.0
 LISTS = (MissionType.MISSION, MissionType.FENCE, MissionType.RALLY)
-
-
-def _with_lists(failed: MissionError, kind: int, sent: Sequence[int]) -> MissionError:
-    """Add each list's state after a failure in the list `kind`."""
-    names = [conversations.list_name(each) for each in sent]
-    at = list(sent).index(kind)
-    new = f"it holds the new {' and the new '.join(names[:at])}" if at > 0 else ""
-    old = f"it keeps the {' and the '.join(names[at + 1 :])} that it had" if names[at + 1 :] else ""
-    failed.args = ("; ".join(filter(None, (*failed.args, new, old))),)
-    its_own = "new" if isinstance(failed, Unflyable) else failed.known.get("list_on_vehicle", "unknown")
-    states = ["new"] * at + [its_own] + ["old"] * (len(names) - at - 1)
-    failed.known["lists_on_vehicle"] = dict(zip(names, states, strict=True))
-    return failed
 
 
 @dataclass(frozen=True)
@@ -129,23 +126,23 @@ class Vehicle(VehicleSession):
                     self.upload_items(items, kind, progress if kind == MissionType.MISSION else silent)
                 except MissionError as error:
                     is_unplaced = isinstance(error, Unflyable) and not error.why and self.home() is None
-                    raise _with_lists(Unplaced() if is_unplaced else error, kind, list(lists)) from None
+                    raise with_lists(Unplaced() if is_unplaced else error, kind, list(lists)) from None
             if interrupt.take():
-                raise Cancelled("cancelled too late: the vehicle holds everything that was sent", list_on_vehicle="new")
+                words = "cancelled too late: the vehicle holds everything that was sent"
+                raise Cancelled(words, list_on_vehicle=ListAboard.NEW)
         self._set_mission(mission)
 
     def upload_items(self, items: Sequence[Item], kind: int, progress: Progress = silent) -> None:
-        """Upload and verify `items` of MAV_MISSION_TYPE `kind` in wire form."""
+        """Upload and verify `items` of MAV_MISSION_TYPE `kind` in wire form; each Ctrl-C raises Cancelled."""
         with noted_interrupts(), self._in_time():
             self._await_ready()
             job = Upload(items, self.autopilot, kind, self._checksum_numbers())
             self._onboard_lists.pop(kind, None)
-            list_id = None
-            if self._options.fast and job.numbers is not None and kind == MissionType.MISSION:
-                with suppress(FileRefused, NoAnswer, ReadBackDiffers):  # the ordinary transfer finds the cause
-                    list_id = self._run_order(upload_by_file(job, progress))
-            if list_id is None:
-                list_id = self._run_order(upload(job, progress))
+            state = UploadState()
+            try:
+                list_id = self._run_order(upload(job, progress, state, by_file=self._options.fast))
+            except KeyboardInterrupt:  # a second Ctrl-C ends a dialogue at once
+                raise cancelled(conversations.list_name(kind), state.aboard(job)) from None
             self._onboard_lists[kind] = OnboardList(job, list_id)
 
     def download(self, progress: Progress = silent) -> Mission:
@@ -184,19 +181,17 @@ class Vehicle(VehicleSession):
             self._run(until(lambda: self.state.custom_mode is not None, SHOWN_S))
 
     def pause(self) -> None:
-        """Hold the flying vehicle's position.
+        """Hold the flying vehicle's position; as `resume` and `return_to_launch`, verify the mode.
 
         Raises:
-            NotReady, NoAnswer, TimeUp: it does not stop, or does not fly.
+            NotReady, NoAnswer, TimeUp: it does not obey, or does not fly.
         """
         self._run_in_flight(pause)
 
     def resume(self) -> None:
-        """Raises as `pause` does."""
         self._run_in_flight(resume)
 
     def return_to_launch(self) -> None:
-        """Raises as `pause` does."""
         self._run_in_flight(return_to_launch)
 
     def prepare(

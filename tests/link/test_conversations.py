@@ -15,7 +15,7 @@ from ipoa_mission.link.conversations import (
     list_name,
     offer,
 )
-from ipoa_mission.link.dialogue import SPECIFIED, Dialogue, Exchange, NoAnswer, Tell
+from ipoa_mission.link.dialogue import SPECIFIED, Dialogue, Exchange, ListAboard, NoAnswer, Tell, cancelled
 from ipoa_mission.link.item_run import ItemsRead, ItemsSent
 from ipoa_mission.link.messages import (
     Ack,
@@ -30,7 +30,7 @@ from ipoa_mission.link.messages import (
     Result,
     Text,
 )
-from ipoa_mission.link.upload import ReadBackDiffers, cancelled
+from ipoa_mission.link.upload import ReadBackDiffers
 from ipoa_mission.mission.stored_mission import Difference
 from tests.link_pair import CLIENT, Air, Fate, Vehicle, items_of
 from tests.refused import refuses
@@ -341,7 +341,9 @@ def test_lists_are_called_what_humans_call_them() -> None:
 def test_words_on_a_list_agree_in_number(kind: int, name: str) -> None:
     differs = ReadBackDiffers(kind, Difference(1, "param1", "1", "2"))
     assert f"{differs}".startswith(f"the {name} on the vehicle is not what was sent: ")
-    assert f"{cancelled(kind, 'either')}".startswith(f"cancelled: the vehicle holds a whole {name}, the old or the new")
+    assert f"{cancelled(name, ListAboard.EITHER)}".startswith(
+        f"cancelled: the vehicle holds a whole {name}, the old or the new"
+    )
 
 
 def test_only_the_last_words_are_kept() -> None:

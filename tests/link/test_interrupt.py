@@ -1,4 +1,5 @@
 import contextlib
+import itertools
 import os
 import signal
 import subprocess
@@ -108,6 +109,55 @@ def test_interrupt_at_any_instruction_leaves_a_whole_mission(family: Autopilot, 
         assert mock.transfers.deadline > 1e9  # the vehicle waits for nothing more
         outcomes.add("keeps" in words)
     assert outcomes == {True, False}
+
+
+@pytest.mark.parametrize(("family", "fast"), some(2, [(PX4, False), (ARDUPILOT, False), (ARDUPILOT, True)]))
+def test_second_interrupt_at_any_instruction_names_the_list_left(family: Autopilot, fast: bool) -> None:
+    old, new = items_of(family, 4, shift=0.01), items_of(family, 8)
+    counted = [0]
+    upload = aboard(family, fast)[2]
+    with each_instruction(lambda number: counted.__setitem__(0, number)):
+        upload(new)
+
+    def end_at_once(moment: int, number: int) -> None:
+        if number == moment:
+            raise KeyboardInterrupt
+
+    named = set[str]()
+    for moment in range(1, counted[0], counted[0] // MOMENTS):
+        _, mock, upload = aboard(family, fast)
+        upload(old)
+        try:
+            with each_instruction(partial(end_at_once, moment)):
+                upload(new)
+        except Cancelled as cancelled:
+            state = str(cancelled.known["list_on_vehicle"])
+        except KeyboardInterrupt:  # before the first message, or after the last
+            state = "new" if moment > counted[0] // 2 else "old"
+        named.add(state)
+        stored = mock.transfers.listed(MissionType.MISSION)
+        is_old, is_new = (compare(each, stored, family) is None for each in (old, new))
+        truth = {"old": is_old, "new": is_new, "either": is_old or is_new, "mixture": True}
+        assert truth[state], (moment, state)
+    assert named >= ({"mixture"} if family is ARDUPILOT and not fast else {"old"}), named
+
+
+def test_second_interrupt_in_an_upload_to_ardupilot_names_the_mixture() -> None:
+    _, mock, _ = aboard(ARDUPILOT)
+    vehicle = meet(Connection(Loopback(Station(mock), SLOW), Codec(245, 190)), options=ConnectionOptions(fast=False))
+    old, new = items_of(ARDUPILOT, 4, shift=0.01), items_of(ARDUPILOT, 8)
+    vehicle.upload_items(old, MissionType.MISSION)
+    calls = itertools.count(1)
+
+    def end_at_the_fourth(share: float, words: str) -> None:
+        if next(calls) == 4:
+            raise KeyboardInterrupt
+
+    with refuses("cancelled", "", "mission", list_on_vehicle="mixture") as cancelled:
+        vehicle.upload_items(new, MissionType.MISSION, end_at_the_fourth)
+    assert "upload again, or clear it" in str(cancelled.value.hint)
+    stored = mock.transfers.listed(MissionType.MISSION)
+    assert None not in (compare(old, stored, ARDUPILOT), compare(new, stored, ARDUPILOT))
 
 
 def test_cancellation_between_two_lists_names_the_state_of_both() -> None:
