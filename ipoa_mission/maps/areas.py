@@ -78,12 +78,11 @@ def find_zones(
             if restrictions is None:
                 _note_limits_of_area(feature, ends, notes)
             ends = {side: _above_sea(side, limit, feature, notes) for side, limit in ends.items()}
-        parts = [_outline(part, feature.tags, restrictions is None) for part in simple_parts(shape)]
+        parts = [outline_of(part, feature.tags, restrictions is None) for part in simple_parts(shape)]
         open_parts = [part for part in parts if part.geom_type != "Polygon"]
         if open_parts or not (parts or is_missing):
-            why = _why_no_zone(open_parts, feature.tags) if is_near else FAR_FROM_HOME
+            why = why_no_area(open_parts, feature.tags) if is_near else FAR_FROM_HOME
             notes.pass_over(feature, shapely.GeometryCollection(open_parts), why)
-        at_times = "limitedApplicability" in feature.tags
         for outline in parts:
             if outline.geom_type != "Polygon":
                 continue
@@ -92,7 +91,7 @@ def find_zones(
                 continue
             polygons, defect = mended
             zones += [MapArea(feature.name, polygon, **ends) for polygon in polygons]
-            if at_times and (time is None or periods_of(feature.tags) is None):
+            if "limitedApplicability" in feature.tags and (time is None or periods_of(feature.tags) is None):
                 notes.remarks.append(f"{feature.name}: active at times only, kept at all times")
             if defect:
                 notes.remarks.append(f"{feature.name}: mended ({defect})")
@@ -160,7 +159,7 @@ def join_zones(zones: Sequence[MapArea]) -> tuple[Any, tuple[Any, ...]]:
     return nearest, tuple(others)
 
 
-def _why_no_zone(rest: Sequence[Any], tags: Mapping[str, str]) -> Reason:
+def why_no_area(rest: Sequence[Any], tags: Mapping[str, str]) -> Reason:
     if not rest:
         return Reason("without a geometry", False)
     if all(part.geom_type == "Point" for part in rest):
@@ -177,7 +176,7 @@ def _why_no_zone(rest: Sequence[Any], tags: Mapping[str, str]) -> Reason:
     return Reason("a line that encloses no area", True, remedy)
 
 
-def _outline(shape: Any, tags: Mapping[str, str], is_area_to_stay_in: bool) -> Any:
+def outline_of(shape: Any, tags: Mapping[str, str], is_area_to_stay_in: bool = False) -> Any:
     """Return a circle round a point with a width; its corners lie outside, except of an area to stay in."""
     width = width_of(tags, lambda *_: None) if shape.geom_type == "Point" else None
     if width is not None:

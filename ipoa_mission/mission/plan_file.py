@@ -316,7 +316,7 @@ def _rally(node: Node | None) -> tuple[Geodetic, ...]:
 
 
 GROUND_KEYS = ("latitude", "longitude", "aboveHome")
-#: `[]`: of each member of a list; keys without effect on a flight are listed too.
+#: `[]`: each member; keys without effect too.
 KEYS = {
     "": {"fileType", "version", "groundStation", "mission", "geoFence", "rallyPoints", "landingGround", "UUID"},
     "landingGround": {*GROUND_KEYS},

@@ -161,8 +161,7 @@ class Scenario(Section):
             scenario = cls.model_validate(dict(table), context={"folder": str(folder)})
         except ValidationError as error:
             raise explained(error, table, cls) from error
-        scenario.read_maps()
-        return scenario.with_wind_read()
+        return scenario.with_files_read()
 
     def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> "Scenario":
         """Return a copy, unchecked, which shares the world unless `update` changes it."""
@@ -176,7 +175,8 @@ class Scenario(Section):
         copied.__dict__["_surroundings"] = replace(self._surroundings, airspace=airspace)
         return copied
 
-    def with_wind_read(self) -> "Scenario":
+    def with_files_read(self) -> "Scenario":
+        _ = self._surroundings
         if self.wind.file is None:
             return self
         from ipoa_mission.maps.winds import read_wind
@@ -215,9 +215,6 @@ class Scenario(Section):
         elsewhere = self.why_elsewhere(home)
         if elsewhere is not None:
             raise elsewhere
-
-    def read_maps(self) -> None:
-        _ = self._surroundings
 
     @cached_property
     def frame(self) -> LocalFrame:

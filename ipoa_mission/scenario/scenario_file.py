@@ -57,12 +57,11 @@ def scenario_of(table: dict[str, Any], path: Path) -> Scenario:
     except ValidationError as error:
         raise explained(error, table, Scenario, f"{path}: ") from error
     try:
-        scenario.read_maps()
+        return scenario.with_files_read()
     except BadInput as error:
         if re.split(r"[.:\[ ]", str(error), maxsplit=1)[0] not in Scenario.model_fields | added_sections():
             raise
         raise error.at(path) from error
-    return scenario.with_wind_read()
 
 
 def parse_toml(text: str, path: Path) -> dict[str, Any]:

@@ -1,4 +1,4 @@
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -9,9 +9,12 @@ import shapely
 from ipoa_mission.errors import BadInput, InvalidRing, NothingThere, Remedy, TooFar
 from ipoa_mission.geodesy import REACH, LocalFrame
 from ipoa_mission.geometry import Plane, union_of
+from ipoa_mission.maps.areas import outline_of, why_no_area
 from ipoa_mission.maps.map_reader import read_features
 from ipoa_mission.maps.map_window import MapWindow
-from ipoa_mission.maps.planar import close_as_polygon, remove_repeats, simple_parts, to_plane
+from ipoa_mission.maps.passed import FAR_FROM_HOME
+from ipoa_mission.maps.planar import remove_repeats, simple_parts, to_plane
+from ipoa_mission.unread import Unread
 
 LEAST_M2 = 1e-3
 INSET = 0.02  # [m]; more than the rounding of coordinates to 1e-7 degrees
@@ -170,7 +173,8 @@ def read_polygon(polygon: Any) -> Area:
 
 def read_map(path: Path, width: float | None, frame: LocalFrame) -> Area:
     polygons: list[Any] = []
-    for place, shape in shapes_in(path, frame):
+    shapes, _ = shapes_in(path, frame)
+    for place, shape in shapes:
         if shape.geom_type == "LineString" and width is not None:
             polygons.append(corridor(shapely.get_coordinates(shape), width, place))
             continue
@@ -191,19 +195,28 @@ def _rings_of(polygon: shapely.Polygon) -> list[Plane]:
     return [shapely.get_coordinates(ring) for ring in shapely.get_rings(polygon)]
 
 
-def shapes_in(path: Path, frame: LocalFrame) -> Iterator[tuple[str, Any]]:
+def shapes_in(path: Path, frame: LocalFrame) -> tuple[list[tuple[str, Any]], list[Unread]]:
+    """Return areas and lines by place, and the rest."""
     about = MapWindow.of(frame)
     features = read_features(path, about)
-    shapes, near = to_plane([feature.shape for feature in features], frame, about)
+    outlines, near = to_plane([feature.shape for feature in features], frame, about)
     about.expect_near(path)
-    for feature, shape, counts in zip(features, shapes, near, strict=True):
+    found = list[tuple[str, Any]]()
+    unread = list[Unread]()
+    for feature, outline, is_near in zip(features, outlines, near, strict=True):
         missing = feature.missing
         if missing is not None and not missing.elsewhere:
             words = f"expected an area that can be read, not {missing.words}"
             raise BadInput(words, missing.remedy, place=feature.place)
-        for part in simple_parts(shape) if counts else ():
-            if part.geom_type in ("Polygon", "LineString"):
-                yield f"{feature.place}.geometry", close_as_polygon(part)
+        shapes = [outline_of(part, feature.tags) for part in simple_parts(outline)]
+        points = [shape for shape in shapes if shape.geom_type == "Point"]
+        if points or not shapes:
+            why = why_no_area(points, feature.tags) if is_near else FAR_FROM_HOME
+            if why.may_be_obstacle:
+                raise BadInput(f"expected an area, not {why.words}", why.remedy, place=feature.place)
+            unread.append(Unread(path.name, why.words, feature.place.removeprefix(f"{path}: ")))
+        found += [(f"{feature.place}.geometry", shape) for shape in shapes if shape.geom_type != "Point"]
+    return found, unread
 
 
 def corridor(line: Plane, width: float, place: str) -> Any:

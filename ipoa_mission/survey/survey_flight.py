@@ -279,8 +279,7 @@ def _with_survey(scenario: Scenario, area: Any, camera: Any, keys: Mapping[str, 
     except ValidationError as error:
         raise explained(error, table, SurveySection, "survey.") from error
     asking = scenario.model_copy(update={"survey": section, "start": places.start, "goal": places.goal, "via": ()})
-    asking.read_maps()
-    return asking
+    return asking.with_files_read()
 
 
 def _messages_of_flights(plan: SurveyPlan, messages_of: Callable[[SurveyFlight], Iterable[str]]) -> Iterator[str]:
@@ -322,4 +321,7 @@ def _remarks(plan: SurveyPlan, requested: Scenario) -> Iterator[str]:
     if plan.overlaps is not None:
         yield from plan.overlaps.falls_short(*plan.sight.overlaps)
     yield from _messages_of_flights(plan, _repairs)
+    section = survey_of(requested)
+    if section is not None:
+        yield from (thing.words for thing in section.unread(requested.frame))
     yield from plan.scenario.remarks

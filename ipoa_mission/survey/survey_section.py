@@ -15,6 +15,7 @@ from ipoa_mission.scenario.section import NotNegative, Number, Positive, existin
 from ipoa_mission.scenario.surroundings import Reach
 from ipoa_mission.survey.camera import GivenCamera
 from ipoa_mission.survey.survey_area import Area, corridor, depth_of, expect_here, read_map, read_polygon, shapes_in
+from ipoa_mission.unread import Unread, gathered
 
 BAND = 0.15  # share of height over uneven ground
 USUAL_SPACING = 20.0  # [m]
@@ -149,13 +150,16 @@ class SurveySection(AddedSection):
         shape = corridor(np.array(self.line), self.width or 0.0, "survey.line")
         return expect_here(Area(shapely.MultiPolygon([shape])), "survey.line")
 
+    def unread(self, frame: LocalFrame) -> tuple[Unread, ...]:
+        return () if self.area is None else gathered(shapes_in(self.area, frame)[1])
+
     def middles(self, frame: LocalFrame) -> tuple[Plane, ...]:
         if self.line is not None:
             return (np.array(self.line),)
         if self.width is None or self.area is None:
             return ()
-        shapes = (shape for _, shape in shapes_in(self.area, frame))
-        return tuple(shapely.get_coordinates(shape) for shape in shapes if shape.geom_type == "LineString")
+        shapes, _ = shapes_in(self.area, frame)
+        return tuple(shapely.get_coordinates(shape) for _, shape in shapes if shape.geom_type == "LineString")
 
 
 def survey_of(scenario: Scenario) -> SurveySection | None:
