@@ -15,10 +15,10 @@ from ipoa_mission import Autopilot, Forecast, Geodetic, Mission, Wind
 from ipoa_mission.autopilot.commands import MULTICOPTER_LANDINGS
 from ipoa_mission.autopilot.learned import Learned, LearnedVehicle
 from ipoa_mission.errors import LogUseless, MissionError
-from ipoa_mission.forecast.timing.flight_model import FlightModel
+from ipoa_mission.forecast.timing.flight_model import Z_90, FlightModel
 from ipoa_mission.geometry import Matrix, Vector
 from ipoa_mission.learn import flight_measurements
-from ipoa_mission.learn.flight_measurements import DEVIATIONS_OF_90_PERCENT, FlightMeasurements
+from ipoa_mission.learn.flight_measurements import FlightMeasurements
 from ipoa_mission.logs.flight_log import LoggedFlight, read_flights
 
 #: Of logarithms, and of delays [s].
@@ -126,7 +126,7 @@ def fit(flights: Sequence[Evidence]) -> LearnedVehicle:
     known = tuple(
         name
         for name, value, deviation in zip(names, *_solve(flights, blank, names), strict=True)
-        if deviation < 0.5 * PRIOR_DEVIATIONS[name] and abs(value) > DEVIATIONS_OF_90_PERCENT * deviation
+        if deviation < 0.5 * PRIOR_DEVIATIONS[name] and abs(value) > Z_90 * deviation
     )
     power = flight_measurements.hover_power([flight.measured for flight in flights])
     seconds = [flight.measured.powers for flight in flights if flight.measured.powers is not None]
@@ -138,7 +138,7 @@ def fit(flights: Sequence[Evidence]) -> LearnedVehicle:
         )
     blank = replace(blank, hover_power=power).with_numbers(powers)
     values, sure = _solve(flights, blank, known) if known else ((), ())
-    ends = (0.0, -DEVIATIONS_OF_90_PERCENT, DEVIATIONS_OF_90_PERCENT)
+    ends = (0.0, -Z_90, Z_90)
     intervals = {
         name: Learned(*(_number(autopilot, name, value + n * deviation) for n in ends))
         for name, value, deviation in zip(known, values, sure, strict=True)

@@ -17,13 +17,12 @@ from ipoa_mission import Autopilot
 from ipoa_mission.autopilot.energy import PowerCurve
 from ipoa_mission.autopilot.learned import Learned
 from ipoa_mission.errors import LogUseless, MissionError
-from ipoa_mission.forecast.timing.flight_model import FlightModel
+from ipoa_mission.forecast.timing.flight_model import Z_90, FlightModel
 from ipoa_mission.geometry import GRAVITY, Matrix, Points, Vector
 from ipoa_mission.logs.flight_log import LoggedFlight
 
-AIRBORNE_HEIGHT = 2.0  # beyond the ground effect [m]
+LEAST_MEASURED_HEIGHT = 2.0  # beyond the ground effect [m]
 MIN_TIME_S = 20.0  # aloft
-DEVIATIONS_OF_90_PERCENT = 1.645  # of many samples
 SAMPLE_STEP_S = 0.2
 SMOOTHED_SAMPLES = 5
 
@@ -52,8 +51,8 @@ def logged_track(flight: LoggedFlight) -> LoggedTrack:
 
 
 #: Shares of the hover power, and their deviations.
-PRIOR = np.array([1.0, 0.0, 0.0, 0.1, 0.0])
-PRIOR_DEVIATIONS = np.array([10.0, 0.5 / 10.0**2, 0.5 / 10.0**3, 0.1, 0.05])  # at 10 m/s
+POWER_PRIOR = np.array([1.0, 0.0, 0.0, 0.1, 0.0])
+POWER_PRIOR_DEVIATIONS = np.array([10.0, 0.5 / 10.0**2, 0.5 / 10.0**3, 0.1, 0.05])  # at 10 m/s
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,7 +76,7 @@ class PowerSeconds:
 
         airspeed = np.hypot(velocity[:, 0] - wind[0], velocity[:, 1] - wind[1])
         flown = cls(mean(watts), mean(airspeed), mean(-velocity[:, 2]))
-        return flown.selected(mean(heights) > AIRBORNE_HEIGHT)
+        return flown.selected(mean(heights) > LEAST_MEASURED_HEIGHT)
 
     def selected(self, which: NDArray[np.bool_]) -> "PowerSeconds":
         return PowerSeconds(self.watts[which], self.airspeed[which], self.climb[which])
@@ -93,7 +92,7 @@ def learned_powers(flights: Sequence[PowerSeconds]) -> dict[str, Learned]:
         return {}
     values, deviations = _fit(together)
     names = ("hover_power", "square_power", "cube_power", "climb_power", "descent_power")
-    half = DEVIATIONS_OF_90_PERCENT * deviations
+    half = Z_90 * deviations
     learned = map(Learned, values.tolist(), (values - half).tolist(), (values + half).tolist())
     numbers = dict(zip(names, learned, strict=True))
     numbers["cube_power"] = replace(numbers["cube_power"], low=max(numbers["cube_power"].low, 0.0))
@@ -119,8 +118,8 @@ def _fit(seconds: PowerSeconds) -> tuple[Vector, Vector]:
     correlated_s = 5.0  # one independent sample
     for _ in range(3):
         weight = 1.0 / noise / np.sqrt(correlated_s)
-        rows = np.vstack([columns * weight, np.diag(1.0 / (PRIOR_DEVIATIONS * hover))])
-        wanted = np.concatenate([watts * weight, PRIOR / PRIOR_DEVIATIONS])
+        rows = np.vstack([columns * weight, np.diag(1.0 / (POWER_PRIOR_DEVIATIONS * hover))])
+        wanted = np.concatenate([watts * weight, POWER_PRIOR / POWER_PRIOR_DEVIATIONS])
         values = np.asarray(lsq_linear(rows, wanted, (least, np.inf), method="bvls").x)
         noise = max(float(np.std(watts - columns @ values)), 1e-3 * hover)
     return values, np.sqrt(np.diag(np.linalg.inv(rows.T @ rows)))
@@ -166,7 +165,7 @@ def drag_by_lean(
     gained = _smoothed(np.gradient(velocity[:, :2], SAMPLE_STEP_S, axis=0))
     pull = _smoothed(-GRAVITY * axes[:, :2, 2] / axes[:, 2, 2, None])
     steady = (np.abs(gained).max(axis=1) < steady_limit) & (np.abs(velocity[:, 2]) < steady_limit)
-    high = max(AIRBORNE_HEIGHT, 0.6 * float(track.heights.max()))  # wind differs below
+    high = max(LEAST_MEASURED_HEIGHT, 0.6 * float(track.heights.max()))  # wind differs below
     steady &= (heights > high) & (axes[:, 2, 2] > 0.0)
     before = np.searchsorted(attitude[:, 0], times, side="right") - 1
     steady &= np.diff(attitude[:, 0], append=np.inf)[before] < max_gap_s
@@ -248,7 +247,7 @@ def _in_hover(times: np.ndarray, watts: np.ndarray, track: LoggedTrack) -> float
     max_climb = 0.3  # [m/s]
     min_time_s = 3.0
     hovers = (np.hypot(velocity[:, 0], velocity[:, 1]) < max_speed) & (np.abs(velocity[:, 2]) < max_climb)
-    hovers &= heights > AIRBORNE_HEIGHT
+    hovers &= heights > LEAST_MEASURED_HEIGHT
     lasts = np.gradient(times)[hovers]
     if lasts.sum() < min_time_s:
         raise LogUseless(f"expected {min_time_s:g} s or more of slow level flight, not {lasts.sum():.1f} s")

@@ -19,6 +19,7 @@ from ipoa_mission.forecast.contingency.contingency_paths import ContingencyPaths
 from ipoa_mission.forecast.contingency.contingency_samples import GROUND, ContingencySamples, StoppingPoints
 from ipoa_mission.forecast.flight_energy import Consumption
 from ipoa_mission.forecast.forecast import Forecast
+from ipoa_mission.forecast.timing.flight_model import Z_90
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.world.airspace import Clearance
 
@@ -52,9 +53,8 @@ def share_nearer(times: Vector, tolerances: Vector, evenly: Vector, nearer: NDAr
     >>> share_nearer(np.array([5.0, 20.0]), np.full(2, 2.0), np.arange(0.0, 30.0), np.arange(30) < 5).round(2)
     array([0.33, 0.  ])
     """
-    deviations = 1.645  # 90 % of a normal distribution, in standard deviations
     off = (evenly[None, :] - times[:, None]) / tolerances[:, None]
-    weights = np.where(np.abs(off) <= 1.0, np.exp(-((deviations * off) ** 2) / 2.0), 0.0)
+    weights = np.where(np.abs(off) <= 1.0, np.exp(-((Z_90 * off) ** 2) / 2.0), 0.0)
     return np.asarray((weights * nearer).sum(axis=1) / np.maximum(weights.sum(axis=1), 1e-12))
 
 

@@ -25,6 +25,7 @@ class Missed(NamedTuple):
 
 
 NEVER_MISSED = Missed(0.0, 0.0)
+Z_90 = 1.645  # half of the interval of 90 %, in standard deviations
 
 
 @dataclass(frozen=True, eq=False)

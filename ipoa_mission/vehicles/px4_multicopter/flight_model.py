@@ -18,7 +18,7 @@ from ipoa_mission.errors import MissionError, NotModeled
 from ipoa_mission.forecast.deviation.law import DeviationLaw, Quantiles
 from ipoa_mission.forecast.itinerary.itinerary import Itinerary
 from ipoa_mission.forecast.timing.bound import Kinematics
-from ipoa_mission.forecast.timing.flight_model import NEVER_MISSED, FlightModel, Missed, Prediction, SlowedByAir
+from ipoa_mission.forecast.timing.flight_model import NEVER_MISSED, Z_90, FlightModel, Missed, Prediction, SlowedByAir
 from ipoa_mission.forecast.timing.track import Track
 from ipoa_mission.geometry import Matrix, Points, Vector
 from ipoa_mission.vehicles.px4_multicopter.dynamics import state
@@ -202,10 +202,10 @@ def _interval(itinerary: Itinerary, times: Matrix) -> tuple[Vector, Vector]:
     lands = np.array([visit.item.command in MULTICOPTER_LANDINGS for visit in itinerary.visits], dtype=bool)
     has_landed = np.maximum.accumulate(lands)
     doubt = RUNS.doubt_s**2 + (RUNS.doubt_share * done) ** 2 + RUNS.landing_s**2 * has_landed
-    unsure = RUNS.interval_deviations**2 * doubt
+    unsure = Z_90**2 * doubt
     if len(times) == 1:
         return done - np.sqrt(unsure), done + np.sqrt(unsure)
-    below = RUNS.interval_deviations * times.std(axis=0)
+    below = Z_90 * times.std(axis=0)
     above = np.maximum(below, np.quantile(times, RUNS.late_quantile, axis=0) - done)
     return done - np.sqrt(below**2 + unsure), done + np.sqrt(above**2 + unsure)
 

@@ -39,7 +39,6 @@ class NoisyRuns(NamedTuple):
     doubt_s: float = 0.8  # standard deviation of the model, its constant part
     doubt_share: float = 0.0125  # and its part by time
     landing_s: float = 1.6  # more for landings, as recorded
-    interval_deviations: float = 1.645  # half width of the 90 % interval
     late_quantile: float = 0.93
     contingency_deviations: float = 2.3  # for contingencies, fitted in docs/lab/returns.md
     missed_s: float = 3.0  # later than the median: missed
