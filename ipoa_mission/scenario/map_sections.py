@@ -93,10 +93,9 @@ class ElevationTerrain(ElevationRules, Section):
     geoid: Annotated[float | Path | None, existing_file("a number or a grid")] = None
     """For ellipsoidal heights: the geoid's height above the ellipsoid [m], or a PROJ grid. Default: PROJ's own grid."""
 
-    def read(
-        self, frame: LocalFrame, lower: tuple[float, float], upper: tuple[float, float]
-    ) -> tuple[Grid, tuple[str, ...]]:
+    def build(self, frame: LocalFrame, corners: Box) -> tuple[Grid, tuple[str, ...]]:
         """Return the ground above home [m], and remarks."""
         from ipoa_mission.maps.elevation import local_grid  # slow import
 
-        return local_grid(self.file, self, frame, lower, upper)
+        (west, south), (east, north) = (corner.tolist() for corner in corners)
+        return local_grid(self.file, self, frame, (west, south), (east, north))

@@ -5,9 +5,11 @@ from typing import Annotated, Literal, Self, TypeAlias
 import numpy as np
 from pydantic import Field, field_validator, model_validator
 
+from ipoa_mission.errors import NotCovered
 from ipoa_mission.geodesy import Geodetic, LocalFrame
 from ipoa_mission.geometry import Plane, Vector
 from ipoa_mission.ground import Ground
+from ipoa_mission.maps.map_window import Box
 from ipoa_mission.scenario.map_sections import ElevationTerrain
 from ipoa_mission.scenario.section import Latitude, Longitude, NotNegative, Positive, Section, existing_file
 from ipoa_mission.world.terrain import Analytic, Flat, Grid, Peak, SeaLevel, Terrain
@@ -108,9 +110,10 @@ class FlatTerrain(Section):
     height: float = 0.0
     """Height of the ground [m above home]."""
 
-    def build(self, home: Geodetic, reach: float) -> Terrain:
-        ground = SeaLevel.around(home, self.height, reach)
-        return ground if ground.drop > 0.01 else Flat(self.height)  # drop by curvature [m]
+    def build(self, frame: LocalFrame, corners: Box) -> tuple[Terrain, tuple[str, ...]]:
+        reach = float(np.hypot(*np.abs(corners).max(axis=0)))
+        ground = SeaLevel.around(frame.home, self.height, reach)
+        return (ground if ground.drop > 0.01 else Flat(self.height)), ()  # drop by curvature [m]
 
 
 class PeakSection(Section):
@@ -151,9 +154,9 @@ class AnalyticTerrain(Section):
     peaks: tuple[PeakSection, ...] = ()
     """The mountains."""
 
-    def build(self) -> Terrain:
+    def build(self, frame: LocalFrame, corners: Box) -> tuple[Terrain, tuple[str, ...]]:
         peaks = tuple(Peak(p.height, p.east, p.north, p.a, p.b) for p in self.peaks)
-        return Analytic(self.a, self.b, self.c, self.d, self.e, self.f, self.g, peaks, self.base)
+        return Analytic(self.a, self.b, self.c, self.d, self.e, self.f, self.g, peaks, self.base), ()
 
 
 class GridTerrain(Section):
@@ -191,12 +194,24 @@ class GridTerrain(Section):
             raise ValueError("expected heights with rows of one length")
         return self
 
-    def build(self) -> Terrain:
+    def build(self, frame: LocalFrame, corners: Box) -> tuple[Terrain, tuple[str, ...]]:
+        """Refuse a grid over half its spacing too small."""
         if self.file is not None:
             heights = np.loadtxt(self.file, delimiter=",", ndmin=2)
         else:
             heights = np.asarray(self.heights, float)
-        return Grid(self.east, self.north, self.spacing, heights)
+        first = np.array([self.east, self.north])
+        last = first + self.spacing * (np.array(heights.shape[::-1]) - 1)
+        missing = np.concatenate([first - corners[0], corners[1] - last])
+        side = int(np.argmax(missing))
+        if missing[side] - self.spacing / 2 > 1e-6:
+            raise NotCovered(
+                f"expected a grid over the whole flight area, which lies {missing[side]:.1f} m "
+                f"beyond its {('west', 'south', 'east', 'north')[side]} edge",
+                hint="give a larger grid, or narrow `bounds` (bounds.margin = 50 is the default)",
+                place="terrain",
+            )
+        return Grid(self.east, self.north, self.spacing, heights), ()
 
 
 TerrainSection: TypeAlias = Annotated[

@@ -14,9 +14,9 @@ from pydantic import AwareDatetime
 
 import ipoa_mission.scenario.obstacles as obstacle_sections
 import ipoa_mission.scenario.place_sections as place_sections
-from ipoa_mission.errors import BadInput, InvalidRing, NotCovered
+from ipoa_mission.errors import BadInput, InvalidRing
 from ipoa_mission.geodesy import LocalFrame
-from ipoa_mission.geometry import Plane, Vector
+from ipoa_mission.geometry import Plane
 from ipoa_mission.ground import FLAT_GROUND, Ground
 from ipoa_mission.maps.areas import MapArea, Zones, join_zones
 from ipoa_mission.maps.buildings import Buildings
@@ -24,14 +24,14 @@ from ipoa_mission.maps.feature import many_objects
 from ipoa_mission.maps.map_obstacles import MapObstacle, raise_obstacles
 from ipoa_mission.maps.map_window import Box
 from ipoa_mission.maps.passed import PassedOver, count_passed_over
-from ipoa_mission.scenario.map_sections import BuildingsMap, ElevationTerrain, FlightAreaMap, MapSection, NoFlyMap
+from ipoa_mission.scenario.map_sections import BuildingsMap, FlightAreaMap, MapSection, NoFlyMap
 from ipoa_mission.scenario.obstacles import MARGIN, UNLIMITED_HEIGHT, NoFlyZone, meets, no_fly_prisms, on_lines
-from ipoa_mission.scenario.place_sections import FenceSection, FlatTerrain, east_north_of
+from ipoa_mission.scenario.place_sections import FenceSection, east_north_of
 from ipoa_mission.unread import Unread, gathered
 from ipoa_mission.world.airspace import Airspace, Bounds
 from ipoa_mission.world.obstacles import Obstacle, RoundZone, Zone
 from ipoa_mission.world.polygon import Polygon, rings_of
-from ipoa_mission.world.terrain import Grid, Terrain
+from ipoa_mission.world.terrain import Terrain
 
 HOME = shapely.Point(0.0, 0.0)
 WINDOW_MARGIN = 500.0  # growth of the bounds without a second reading [m]
@@ -125,7 +125,7 @@ def surroundings_of(scenario: Site) -> Surroundings:
     allowed = allowed_area(scenario.fence, frame)
     buildings, corners = _read_buildings(scenario, zones.area, allowed)
     near, no_fly, beyond = _near(_map_obstacles(scenario, buildings), zones.no_fly, corners)
-    terrain, terrain_remarks = _terrain(scenario, *corners)
+    terrain, terrain_remarks = scenario.terrain.build(frame, corners)
     ground = Ground(terrain)
     tables = enumerate(scenario.obstacles)
     drawn = tuple(table.build(table.name or f"{table.kind} {i}", frame, ground) for i, table in tables)
@@ -279,34 +279,6 @@ def _near(
         PassedOver(file.name, thing.name.removeprefix(f"{file}: "), BEYOND, thing.shape, False) for file, thing in far
     ]
     return [thing for _, thing in compress(obstacles, is_near)], [*compress(no_fly, is_zone_near)], beyond
-
-
-def _terrain(scenario: Site, lower: Vector, upper: Vector) -> tuple[Terrain, tuple[str, ...]]:
-    section = scenario.terrain
-    if isinstance(section, ElevationTerrain):
-        return section.read(scenario.frame, (float(lower[0]), float(lower[1])), (float(upper[0]), float(upper[1])))
-    if isinstance(section, FlatTerrain):
-        reach = float(np.hypot(*np.maximum(np.abs(lower), np.abs(upper))))
-        return section.build(scenario.frame.home, reach), ()
-    terrain = section.build()
-    if isinstance(terrain, Grid):
-        _expect_cover(terrain, (lower, upper))
-    return terrain, ()
-
-
-def _expect_cover(grid: Grid, corners: Box) -> None:
-    """Refuse a grid over half its spacing too small."""
-    first = np.array([grid.east, grid.north])
-    last = first + grid.spacing * (np.array(grid.heights.shape[::-1]) - 1)
-    missing = np.concatenate([first - corners[0], corners[1] - last]) - grid.spacing / 2
-    side = int(np.argmax(missing))
-    if missing[side] > 1e-6:
-        raise NotCovered(
-            f"expected a grid over the whole flight area, which lies {missing[side] + grid.spacing / 2:.1f} m "
-            f"beyond its {('west', 'south', 'east', 'north')[side]} edge",
-            hint="give a larger grid, or narrow `bounds` (bounds.margin = 50 is the default)",
-            place="terrain",
-        )
 
 
 def _up(scenario: Site, terrain: Terrain, corners: Box, obstacles: tuple[Obstacle, ...]) -> tuple[float, float]:
