@@ -14,20 +14,19 @@ def explained(error: ValidationError, table: Mapping[str, Any], model: type[Base
     """Return pydantic's errors as one, a line each after `source`; at most 20, for speed."""
     most = 20
     problems = [problem for problem in error.errors(include_url=False) if not _is_consequence(problem)]
-    lines = [f"{source}{_explain(problem, table, model)}" for problem in problems[:most]]
+    pairs = [_explain(problem, table, model) for problem in problems[:most]]
+    (place, words), *others = [(f"{source}{place}".rstrip(".: "), words) for place, words in pairs]
+    lines = [f"{there}: {wrong}" if there else wrong for there, wrong in others]
     if len(problems) > most:
         lines.append(f"{source}and {len(problems) - most} more like these")
     of_keys = {"missing", "extra_forbidden", "union_tag_invalid", "union_tag_not_found"}
     asks_keys = any(problem["type"] in of_keys for problem in problems)
     hint = "`ipoa-mission schema` prints every key that a scenario may have" if asks_keys else None
     first = problems[0]
-    kind = first["type"]
     cause = getattr(first.get("ctx", {}).get("error"), "__cause__", None)
     codes = {"missing": "missing", "union_tag_not_found": "missing", "extra_forbidden": "unknown-key"}
-    code = cause.code if isinstance(cause, MissionError) else codes.get(kind)
-    place = (source + _place(first["loc"], table)).removesuffix(": ") + (".kind" if kind.startswith("union") else "")
-    words = lines[0].removeprefix(f"{place}: ")
-    return BadInput(words, hint, code=code, place=place if words != lines[0] else None).followed_by(*lines[1:])
+    code = cause.code if isinstance(cause, MissionError) else codes.get(first["type"])
+    return BadInput(words, hint, code=code, place=place or None).followed_by(*lines)
 
 
 _EXPECTED = {
@@ -42,23 +41,23 @@ _EXPECTED = {
 }
 
 
-def _explain(problem: Any, table: Mapping[str, Any], model: type[BaseModel]) -> str:
-    """Return a line like `obstacles[0].radius: expected a number greater than 0, not -3`."""
+def _explain(problem: Any, table: Mapping[str, Any], model: type[BaseModel]) -> tuple[str, str]:
+    """Return place and words, like `obstacles[0].radius` and `expected a number greater than 0, not -3`."""
     place = _place(problem["loc"], table)
     kind = problem["type"]
     value = problem["input"]
     limits = problem.get("ctx", {})
     match kind:
         case "missing":
-            return f"{place}: expected, but not there"
+            return place, "expected, but not there"
         case "extra_forbidden":
             key = str(problem["loc"][-1])
             keys = _known_keys(problem["loc"], model)
             near = [known for known in keys if key in known.split("_")] or difflib.get_close_matches(key, keys, n=1)
             others = [] if near else _tables_with(key, model)
             if others:
-                return f"{place}: unknown key; {key} belongs {_or(others)}"
-            return f"{place}: unknown key" + (f"; did you mean {_or(near)}?" if near else "")
+                return place, f"unknown key; {key} belongs {_or(others)}"
+            return place, "unknown key" + (f"; did you mean {_or(near)}?" if near else "")
         case _ if kind in _EXPECTED:
             wanted = _EXPECTED[kind].format(**limits)
             value = len(value) if kind.startswith("too_") else value
@@ -68,19 +67,19 @@ def _explain(problem: Any, table: Mapping[str, Any], model: type[BaseModel]) -> 
                 value = limits["tag"]
             wanted = limits.get("expected") or limits["expected_tags"]
         case "union_tag_not_found":
-            return f"{place}.kind: expected, but not there"
+            return f"{place}.kind", "expected, but not there"
         case "timezone_aware" | "datetime_type" | "datetime_parsing" | "datetime_from_date_parsing":
             wanted = "a time with its offset, such as 2026-11-22T10:00:00Z"
             value = str(value)
         case "value_error":
-            return f"{place}: {limits['error']}" if place else str(limits["error"])
+            return place, str(limits["error"])
         case "string_pattern_mismatch":
             wanted = "a valid file name" if place == "name" else "letters, digits and underscores"
         case _ if kind.startswith(("float", "int")):
             wanted = "a whole number" if kind.startswith("int") else "a number"
         case _:
-            return f"{place}: {lowered(problem['msg'])}, not {_shown(value)}"
-    return f"{place}: expected {wanted}, not {_shown(value)}"
+            return place, f"{lowered(problem['msg'])}, not {_shown(value)}"
+    return place, f"expected {wanted}, not {_shown(value)}"
 
 
 def _is_consequence(problem: Any) -> bool:
