@@ -1,6 +1,5 @@
 """Upload and fly; arms only after the page has named the same vehicle, mission and proof."""
 
-import math
 import queue
 import time
 from collections import deque
@@ -12,7 +11,7 @@ from typing import Literal
 
 import numpy as np
 
-from ipoa_mission import FlightRecord, Forecast, Geodetic, MissionError, Vehicle
+from ipoa_mission import FlightRecord, Forecast, Geodetic, MissionError, Vehicle, Wind
 from ipoa_mission.autopilot.returning import Contingency
 from ipoa_mission.flight.procedure import ProcedureOptions, Stage, Stages, begin_mission, load_mission
 from ipoa_mission.forecast.contingency.contingencies import ContingencyRow
@@ -200,7 +199,8 @@ class Watch:
             case WindEstimate():
                 self._wind = round(message.speed, 1), round(message.direction_deg % 360.0)
             case WindVelocity((north, east, _)):
-                self._wind = round(math.hypot(north, east), 1), round(math.degrees(math.atan2(-east, -north)) % 360.0)
+                wind = Wind.towards_north_east(north, east)
+                self._wind = round(wind.speed, 1), round(wind.from_deg)
             case Position() if self.vehicle.state.armed and message.time_s - self._position_s >= POSITION_INTERVAL_S:
                 self._position_s = message.time_s
                 if self.speedup is not None:

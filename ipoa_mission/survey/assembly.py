@@ -88,10 +88,7 @@ def _path(tour: Tour) -> tuple[Plane, list[int], list[int]]:
 def _gimbal_items(scenario: Scenario, mission: Mission) -> list[Item]:
     if expect_survey(scenario)[0].gimbal is None:
         return []
-    firmware = mission.firmware
-    if not firmware.takes(Command.DO_MOUNT_CONTROL):
-        words = f"{firmware} takes no mission command that turns a gimbal"
-        raise MissionError(words, code="command-not-taken", place="survey.gimbal")
+    _expect_taken(Command.DO_MOUNT_CONTROL, "turns a gimbal", mission, "survey.gimbal")
     pitch_deg = -90.0
     mount_mode = 2.0  # MAV_MOUNT_MODE_MAVLINK_TARGETING
     return [Item(Command.DO_MOUNT_CONTROL, Frame.MISSION, (pitch_deg, 0.0, 0.0, 0.0), altitude=mount_mode)]
@@ -100,11 +97,14 @@ def _gimbal_items(scenario: Scenario, mission: Mission) -> list[Item]:
 def _camera_items(distance: float, mission: Mission) -> tuple[list[Item], list[Item]]:
     if distance == 0.0:
         return [], []
-    firmware = mission.firmware
-    if not firmware.takes(Command.DO_SET_CAM_TRIGG_DIST):
-        words = f"{firmware} takes no mission command that triggers a camera by distance"
-        raise MissionError(words, code="command-not-taken", place="camera")
+    _expect_taken(Command.DO_SET_CAM_TRIGG_DIST, "triggers a camera by distance", mission, "camera")
     return [camera_trigger(round(distance, 2))], [camera_trigger(0.0, at_once=False)]
+
+
+def _expect_taken(command: Command, does: str, mission: Mission, place: str) -> None:
+    if not mission.firmware.takes(command):
+        words = f"{mission.firmware} takes no mission command that {does}"
+        raise MissionError(words, code="command-not-taken", place=place)
 
 
 def _clear_transit(begin: Vector, end: Vector, task: SurveyTask, growth: Mapping[str, float], seed: int) -> Points:

@@ -66,13 +66,11 @@ def _path(track: Track, begin: float, end: float) -> Any:
 
 
 @dataclass(frozen=True, eq=False)
-class Coverage:
-    """The seen share of `Area.visible`, its gaps, the seen area, and how far the path leaves the free area [m]."""
+class Coverage(AsFlown):
+    """Of lines: also the gaps of the visible area, and the seen area."""
 
-    share: float
     gaps: Any
     seen: Any
-    outside_m: float
 
 
 def coverage(area: Area, tour: Tour, width: float, keep_out: Any = None) -> Coverage:
@@ -83,7 +81,7 @@ def coverage(area: Area, tour: Tour, width: float, keep_out: Any = None) -> Cove
     gaps = can.difference(seen)
     visible_m2 = float(can.area)
     share = 1.0 if visible_m2 <= 0.0 else 1.0 - float(gaps.area) / visible_m2
-    return Coverage(share, gaps, seen, _outside(area.shape, tour, keep_out))
+    return Coverage(share, _outside(area.shape, tour, keep_out), gaps, seen)
 
 
 def _outside(shape: Any, tour: Tour, keep_out: Any) -> float:

@@ -1,7 +1,6 @@
 """Find the quickest transits in polygons, over the visibility graph of their corners."""
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, NamedTuple
@@ -118,19 +117,20 @@ def _bends(ring: Plane) -> Matrix:
 
 def widen(shape: Any, most: float) -> Any:
     """Return polygons around `shape` with fewer corners, wider by at most `most` [m]."""
-    return _redraw(shape, lambda ring: _sharpen_bulges(_fill_dents(ring, most), most))
+    return _redraw(shape, most, order=1)
 
 
 def narrow(shape: Any, most: float) -> Any:
     """Return polygons within `shape` with fewer corners, narrower by at most `most` [m]."""
-    return _redraw(shape, lambda ring: _sharpen_bulges(_fill_dents(ring[::-1], most), most)[::-1])
+    return _redraw(shape, most, order=-1)
 
 
-def _redraw(shape: Any, redraw: Callable[[Plane], Plane]) -> Any:
-    """Redraw rings, interior on the left; keep a part whose new rings would cross."""
+def _redraw(shape: Any, most: float, order: int) -> Any:
+    """Redraw rings, interior on the left in this `order` of corners; keep a part whose new rings would cross."""
     parts = []
     for part in shapely.get_parts(shapely.orient_polygons(shape)):
-        outer, *inner = (redraw(shapely.get_coordinates(ring)[:-1]) for ring in shapely.get_rings(part))
+        rings = (shapely.get_coordinates(ring)[:-1] for ring in shapely.get_rings(part))
+        outer, *inner = (_sharpen_bulges(_fill_dents(ring[::order], most), most)[::order] for ring in rings)
         simple = shapely.Polygon(outer, inner)
         parts.append(simple if simple.is_valid else part)
     return union_of(parts)

@@ -50,14 +50,12 @@ class Tour:
         pieces = [self.swaths[0].ends]
         for transit, swath in zip(self.transits, self.swaths[1:], strict=True):
             pieces += [transit, swath.ends]
-        return without_repeats(np.concatenate(pieces))
+        path = np.concatenate(pieces)
+        moves = (np.diff(path, axis=0) != 0.0).any(axis=1)
+        return np.asarray(path[np.concatenate([[True], moves])])
 
     def part(self, first: int, last: int) -> "Tour":
         return Tour(self.swaths[first:last], self.transits[first : last - 1])
-
-
-def without_repeats(path: Plane) -> Plane:
-    return np.asarray(path[np.concatenate([[True], (np.diff(path, axis=0) != 0.0).any(axis=1)])])
 
 
 class Unreached(Exception):
