@@ -48,8 +48,8 @@ def next_steps(link: str | None, system: int | None, record: FlightRecord) -> st
 
 
 def print_flown_json(flown: FlownJob, written: Sequence[Path], hint: str = "") -> None:
-    job, record = flown.job, flown.record
-    remarks = list(dict.fromkeys((*job.remarks, *flown.remarks)))
+    job, noted, record, _ = flown
+    remarks = list(dict.fromkeys((*job.remarks, *noted)))
     outcome: dict[str, Any] = {"remarks": remarks, "written": [str(path) for path in written]}
     if job.flight is not None:
         outcome["passed_over"] = passed_over_as_json(job.flight.scenario)
@@ -70,8 +70,8 @@ def _reserve_as_json(now: ReserveNow) -> dict[str, Any]:
 
 
 def print_flown(flown: FlownJob, written: Sequence[Path]) -> None:
-    job, record = flown.job, flown.record
-    print_lines(*notes(dict.fromkeys(flown.remarks)), *(() if record.completed else record.messages))
+    job, noted, record, _ = flown
+    print_lines(*notes(dict.fromkeys(noted)), *(() if record.completed else record.messages))
     columns = ["item", "command", "estimated\ns", "flown\ns", "difference\ns"]
     print_table(f"{job.name} on {job.mission.autopilot}: when each item was done", columns, _legs(job.estimate, record))
     print_lines(

@@ -181,11 +181,12 @@ class Extent:
 def extent_of(*paths: Points) -> Extent:
     """Add 18 % of the longer side, at least 15 m; widen the shorter side to 0.62 of the longer."""
     points = np.vstack(paths)[:, :2]
-    low, high = points.min(axis=0), points.max(axis=0)
-    half = (high - low) / 2 + max(15.0, 0.18 * float((high - low).max()))
+    sides = np.ptp(points, axis=0)
+    middle = (points.min(axis=0) + points.max(axis=0)) / 2
+    half = sides / 2 + max(15.0, 0.18 * float(sides.max()))
     half = np.maximum(half, 0.62 * half.max())
-    west, south = ((low + high) / 2 - half).tolist()
-    east, north = ((low + high) / 2 + half).tolist()
+    west, south = (middle - half).tolist()
+    east, north = (middle + half).tolist()
     return Extent((west, south), (east, north))
 
 

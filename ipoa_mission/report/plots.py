@@ -158,7 +158,8 @@ def sheet(width: float, height: float) -> Iterator[Figure]:
 
 def _draw_top(axes: Axes, airspace: Airspace, paths: Mapping[str, Points]) -> None:
     east, north, up = ground_mesh(airspace, 240)
-    low, high = float(up.min()), float(up.max())
+    low = float(up.min())
+    high = float(up.max())
     extent = (east[0, 0], east[0, -1], north[0, 0], north[-1, 0])
     tints = LinearSegmentedColormap.from_list("ground", [Color.LOW_GROUND, Color.HIGH_GROUND])
     shading: dict[str, Any] = {"cmap": tints, "vmin": low, "vmax": max(high, low + 5.0)}

@@ -75,7 +75,8 @@ def legend(scenario: Scenario, extent: Extent, flown: bool, home: bool) -> str:
 
 def _relief(east: Matrix, north: Matrix, up: Matrix) -> str:
     """Draw the ground in 8 tints with contour lines; empty if it is level within 1 m."""
-    low, high = float(up.min()), float(up.max())
+    low = float(up.min())
+    high = float(up.max())
     if high - low < 1.0:
         return ""
     step = round_step((high - low) / 8)
