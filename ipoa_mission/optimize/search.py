@@ -74,31 +74,25 @@ class Optimum:
 
 
 class CountedCost:
-    """A cost that keeps its best candidate, and is infinite beyond a budget of evaluations."""
+    """A cost that keeps its best candidate."""
 
-    def __init__(self, cost: Callable[[Candidates], Costs], box: Box, budget: int | None = None) -> None:
+    def __init__(self, cost: Callable[[Candidates], Costs], box: Box) -> None:
         self.spent = 0
         self.best = np.inf
         self._cost = cost
-        self._budget = budget
         self._best_x = np.full(box.dimension, np.nan)
         self._evaluations: list[int] = []
         self._history: list[float] = []
 
     def __call__(self, candidates: Candidates) -> Costs:
-        costs = np.full(len(candidates), np.inf)
-        counted = len(candidates)
-        if self._budget is not None:
-            counted = min(counted, self._budget - self.spent)
-        if counted > 0:
-            costs[:counted] = self._cost(np.ascontiguousarray(candidates[:counted]))
-            self.spent += counted
-            winner = int(np.argmin(costs))
-            if costs[winner] < self.best:
-                self.best = float(costs[winner])
-                self._best_x = np.array(candidates[winner])
-            self._evaluations.append(self.spent)
-            self._history.append(self.best)
+        costs = self._cost(np.ascontiguousarray(candidates))
+        self.spent += len(candidates)
+        winner = int(np.argmin(costs))
+        if costs[winner] < self.best:
+            self.best = float(costs[winner])
+            self._best_x = np.array(candidates[winner])
+        self._evaluations.append(self.spent)
+        self._history.append(self.best)
         return costs
 
     def optimum(self) -> Optimum:
