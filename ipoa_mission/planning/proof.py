@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ipoa_mission.geometry import Points, Vector, as_place, climb_angles, place_words
 from ipoa_mission.planning.path_problem import PathTask
@@ -86,6 +87,27 @@ def prove(legs: Points, task: PathTask, stray: float = 0.0, spare: float = np.in
     """
     angles = climb_angles(legs)
     return _prove(legs, task, (angles, -angles), stray, spare)
+
+
+def doubtful_legs(points: Points, task: PathTask) -> NDArray[np.intp]:
+    """Return the legs between points (n, 3) that may break a limit, by quick bounds."""
+    legs = points[:-1], points[1:]
+    airspace = task.airspace
+    limits = task.limits
+    distance = limits.obstacle_distance + TOUCHING
+    height = limits.height_above_ground + TOUCHING
+    doubtful = airspace.legs_clearance(*legs, distance)[0] < distance
+    doubtful |= airspace.terrain.legs_height(*legs, height) < height
+    doubtful |= airspace.bounds.legs_margin(points) < TOUCHING
+    angles = climb_angles(points)
+    doubtful |= (angles > limits.climb_angle) | (-angles > limits.descent_angle)
+    return np.flatnonzero(doubtful | np.isfinite(limits.ceiling_above_ground))
+
+
+def unproved_legs(points: Points, task: PathTask) -> list[int]:
+    """Return the legs between points (n, 3) that are not proved."""
+    legs = doubtful_legs(points, task).tolist()
+    return [leg for leg in legs if not prove(points[leg : leg + 2], task, spare=0.0).is_proved]
 
 
 def prove_curve(curve: Spline, task: PathTask) -> Proof:

@@ -15,7 +15,7 @@ from ipoa_mission.forecast.timing.flight_model import Prediction
 from ipoa_mission.forecast.timing.track import Track, pieces_of, thinned
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.planning.planner import Plan
-from ipoa_mission.planning.proof import Proof, prove
+from ipoa_mission.planning.proof import Proof, prove, unproved_legs
 from ipoa_mission.routing.build import build_mission, draft_mission, items_of_waypoints
 from ipoa_mission.routing.planned_returns import choose_returns
 from ipoa_mission.routing.resample import Route, strays
@@ -103,7 +103,11 @@ class Attempt:
 
     @property
     def keeps_limits(self) -> bool:
-        return not self.draft.unknown and self.proof.is_proved and self.quick_prediction.keeps_limits
+        return not self.draft.unknown and self._is_proved and self.quick_prediction.keeps_limits
+
+    @property
+    def _is_proved(self) -> bool:
+        return self.proof.is_proved if self.route.spline else not unproved_legs(self.route.points, self.scenario)
 
     @cached_property
     def prediction(self) -> "RoutePrediction":
@@ -114,14 +118,6 @@ class Attempt:
         mission = self.draft.mission_as_read
         forecast = Forecast(replace(mission, items=mission.items[:-1]), self.scenario)
         return _predict(self, forecast, forecast.predicted(noise_free=True, fast=True))
-
-    def seconds_until(self, waypoint: int) -> float:
-        """Return a waypoint's time from the start in a flight without noise [s]; later waypoints do not change it."""
-        items = items_of_waypoints(self.route)
-        mission = self.draft.mission_as_read
-        begun = replace(mission, items=mission.items[: items[waypoint + 2] + 1])
-        done = Forecast(begun, self.scenario).predicted(noise_free=True, fast=True).done
-        return float(done[items[waypoint]] - done[items[0]])
 
 
 @dataclass(frozen=True, eq=False)

@@ -16,7 +16,7 @@ from ipoa_mission.forecast.timing.estimate import kinematics
 from ipoa_mission.forecast.timing.track import pieces_of
 from ipoa_mission.geometry import Matrix, Points, Vector, arc_lengths, leg_lengths
 from ipoa_mission.planning.planner import Plan
-from ipoa_mission.planning.proof import prove
+from ipoa_mission.planning.proof import unproved_legs
 from ipoa_mission.planning.spline import Spline
 from ipoa_mission.routing.attempt import Attempt
 from ipoa_mission.routing.build import VISITED
@@ -143,12 +143,10 @@ def _broken(attempt: Attempt, stations: Vector, places: list[tuple[float, float,
     if task.chance is not None:
         risks = proximity_risks(flown, airspace, task.law, required)
         times = np.append(times, risks.seconds[risks.likeliest_passings(required, risk * task.chance)])
-    legs = zip(attempt.route.points[:-1], attempt.route.points[1:], strict=True)
-    unproved = [not attempt.proof.is_proved and not prove(np.array(leg), scenario, spare=0.0).is_proved for leg in legs]
     broken = [
         np.interp(times, prediction.reached, stations),
         arc_lengths(samples)[is_far(samples, flown.points, tolerance)],
-        ((stations[:-1] + stations[1:]) / 2)[unproved],
+        ((stations[:-1] + stations[1:]) / 2)[unproved_legs(attempt.route.points, scenario)],
     ]
     return np.unique(np.concatenate(broken).clip(stations[0], stations[-1]))
 
@@ -261,9 +259,6 @@ class RouteSearch(NamedTuple):
     patience: int = 15  # trials without gain
     step_shares: tuple[float, ...] = (0.5, 0.2)  # of the tolerance
     min_gain_s: float = 0.1
-    settled_s: float = 4.0  # after a changed leg, until the flight is as before
-    local_share: float = 0.5  # of the waypoints, that a shorter flight may take
-    local_doubt_s: float = 0.06  # of a gain until then
     equal_share: float = 0.005  # of the time, of equally quick routes
     max_delay: float = 1.02  # flight time with noise to that without
 
@@ -340,7 +335,6 @@ def _improve(attempt: Attempt) -> Attempt:
             tried.add(candidate.route.points.tobytes())
             if (
                 _is_open(candidate, attempt)
-                and _may_gain(candidate, attempt)
                 and candidate.quick_prediction.seconds < attempt.quick_prediction.seconds - SEARCH.min_gain_s
                 and candidate.is_fit
             ):
@@ -357,21 +351,7 @@ def _is_open(candidate: Attempt, attempt: Attempt) -> bool:
     points = candidate.route.points
     start, end = common_ends(attempt.route.points, points)
     legs = points[start - 1 : len(points) - end + 1]
-    return candidate.route.spline or prove(legs, candidate.scenario, spare=0.0).is_proved
-
-
-def _may_gain(candidate: Attempt, attempt: Attempt) -> bool:
-    """Return whether the gain is enough in a flight that ends where it has settled behind the change."""
-    points = attempt.route.points
-    others = candidate.route.points
-    behind = len(points) - common_ends(points, others)[1]
-    reached = attempt.quick_prediction.reached
-    after = reached[min(behind + 1, len(points) - 1)] + SEARCH.settled_s
-    settled = max(behind + 2, int(np.searchsorted(reached, after)))
-    if settled >= min(SEARCH.local_share * len(points), len(points) - 2):
-        return True
-    lasts = candidate.seconds_until(settled + len(others) - len(points))
-    return bool(lasts < reached[settled] - reached[0] - SEARCH.min_gain_s + SEARCH.local_doubt_s)
+    return candidate.route.spline or not unproved_legs(legs, candidate.scenario)
 
 
 def _changes(points: Points, step: float, via: Points, tried: set[bytes]) -> Iterator[Points]:

@@ -14,9 +14,9 @@ from ipoa_mission.forecast.timing.track import thinned
 from ipoa_mission.geometry import Points, Vector, arc_lengths
 from ipoa_mission.planning.path_problem import PathTask
 from ipoa_mission.planning.problem import via_indices
-from ipoa_mission.planning.proof import Check, prove
+from ipoa_mission.planning.proof import Check, doubtful_legs, prove
 from ipoa_mission.planning.spline import Spline
-from ipoa_mission.world.airspace import ROUNDING, Airspace
+from ipoa_mission.world.airspace import Airspace
 
 PUSHES = 30
 OVERSHOOT = 0.01  # of a moved leg [m]
@@ -58,14 +58,14 @@ def push_clear(waypoints: Points, task: PathTask) -> Points:
     moved = waypoints.copy()
     is_free = ~(waypoints[:, None] == task.places).all(axis=2).any(axis=1)
     is_free[[0, -1]] = False
-    moved_legs = set(_doubtful_legs(moved, task).tolist())  # not proved since
+    moved_legs = set(doubtful_legs(moved, task).tolist())  # not proved since
     for _ in range(PUSHES):
         for leg in range(len(moved) - 1):
             if leg not in moved_legs:
                 continue
             moved_legs.remove(leg)
             ends = moved[leg : leg + 2].copy()
-            if _is_clear(ends, task):
+            if not len(doubtful_legs(ends, task)):
                 continue
             for check in _broken(ends, task):
                 _push(moved[leg : leg + 2], is_free[leg : leg + 2], check, task.airspace)
@@ -75,30 +75,6 @@ def push_clear(waypoints: Points, task: PathTask) -> Points:
         if not moved_legs:
             break
     return moved
-
-
-def _doubtful_legs(waypoints: Points, task: PathTask) -> NDArray[np.intp]:
-    """Return the legs that may break a limit."""
-    starts = waypoints[:-1]
-    ends = waypoints[1:]
-    airspace = task.airspace
-    required = task.limits.obstacle_distance + ROUNDING
-    near = airspace.legs_clearance(starts, ends, required)[0] < required
-    low = airspace.terrain.legs_height(starts, ends) < task.limits.height_above_ground + ROUNDING
-    margins = airspace.bounds.box_margin(waypoints)
-    outside = np.minimum(margins[:-1], margins[1:]) < ROUNDING
-    return np.flatnonzero(near | low | outside | (airspace.bounds.footprint is not None))
-
-
-def _is_clear(ends: Points, task: PathTask) -> bool:
-    airspace = task.airspace
-    height = airspace.terrain.legs_height(ends[:1], ends[1:])[0]
-    return bool(
-        airspace.bounds.footprint is None
-        and height >= task.limits.height_above_ground + ROUNDING
-        and airspace.bounds.box_margin(ends).min() >= ROUNDING
-        and not len(airspace.beside_leg(ends[0], ends[1], task.limits.obstacle_distance + ROUNDING))
-    )
 
 
 def _broken(legs: Points, task: PathTask) -> list[Check]:

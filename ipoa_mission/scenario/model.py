@@ -1,11 +1,11 @@
 """A scenario: the tables of its file, and their world."""
 
 from abc import abstractmethod
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 from functools import cache, cached_property, partial
 from pathlib import Path
-from typing import Annotated, Any, ClassVar, Literal, Self
+from typing import Annotated, Any, ClassVar, Literal, Self, TypeVar
 
 import numpy as np
 from pydantic import AfterValidator, AwareDatetime, ConfigDict, Field, ValidationError, ValidationInfo, model_validator
@@ -42,6 +42,7 @@ PROFILES: Mapping[str, Mapping[str, Any]] = {
 }
 # A file's name that is valid on every system.
 _NAME = r"^[^./\\:*?\"<>|\x00-\x1f\x7f][^/\\:*?\"<>|\x00-\x1f\x7f]*$"
+Made = TypeVar("Made")
 CACHED = ("frame", "known", "_surroundings")
 WORLD = {"home", "start", "goal", "via", "bounds", "terrain", "obstacles", "maps", "fence"}
 
@@ -244,6 +245,13 @@ class Scenario(Section):
     def known(self) -> dict[Any, Any]:
         """Return the results that added tables have computed in this world."""
         return {}
+
+    def cached(self, make: "Callable[[Scenario], Made]") -> "Made":
+        """Return `make` of this scenario, computed once."""
+        made: dict[Any, Made] = self.__dict__.setdefault("_made", {})
+        if make not in made:
+            made[make] = make(self)
+        return made[make]
 
     @property
     def added_reach(self) -> Reach:

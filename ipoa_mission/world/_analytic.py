@@ -112,3 +112,12 @@ def extreme(points, landform, peaks, greatest, enough):
                 spans[count, 4], spans[count, 5] = low, high
                 count += 1
     return sign * min(best, proven), leg, fraction
+
+
+@njit(cache=True, error_model="numpy")
+def least_heights(legs, landform, peaks, enough):
+    """Bound the least height of each of legs (n, 2, 3), (n,), as `extreme`."""
+    heights = np.empty(len(legs))
+    for n in range(len(legs)):
+        heights[n] = extreme(legs[n], landform, peaks, False, enough)[0]
+    return heights

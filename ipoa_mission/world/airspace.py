@@ -35,6 +35,7 @@ class Clearance:
 
 
 ROUNDING = 1e-6  # [m]
+FEW_LEGS = 3  # quicker without an index
 NOTHING_NEAR = Clearance(float("inf"), (float("nan"),) * 3, "nothing")
 
 
@@ -77,6 +78,18 @@ class Bounds:
 
     def box_margin(self, points: Points) -> Vector:
         return np.asarray(np.hstack([points - np.asarray(self.lower), np.asarray(self.upper) - points]).min(axis=1))
+
+    def legs_margin(self, points: Points) -> Vector:
+        """Return lower bounds of the margins of legs between points (n, 3), (n-1,) [m]; exact of the box."""
+        margins = self.box_margin(points)
+        inside = np.minimum(margins[:-1], margins[1:])
+        if self.footprint is None:
+            return inside
+        middle = self.margin((points[:-1] + points[1:]) / 2)
+        lines = shapely.linestrings(np.stack([points[:-1, :2], points[1:, :2]], axis=1))
+        to_edge = shapely.distance(lines, self.footprint.shape.boundary)
+        inside = np.minimum(to_edge, inside) - ROUNDING
+        return np.where((middle > 0) & (to_edge > 0), inside, middle - leg_lengths(points) / 2)
 
     def leg_margin(self, a: Vector, b: Vector) -> Clearance:
         """Return the least margin of the leg `a` to `b` [m], and its place."""
@@ -209,9 +222,8 @@ class Airspace:
         which = np.full(len(starts), -1)
         if not self.obstacles:
             return least, which
-        lines = shapely.linestrings(np.stack([starts[:, :2], ends[:, :2]], axis=1))
         low, high = np.minimum(starts[:, 2], ends[:, 2]), np.maximum(starts[:, 2], ends[:, 2])
-        legs, bodies = self.beside(lines, np.full(len(starts), within))
+        legs, bodies = self._beside_legs(starts, ends, within)
         base, top = self._heights
         level_with = np.maximum(low[legs] - top[bodies], base[bodies] - high[legs]) <= within
         for body, near in _grouped(np.stack([legs[level_with], bodies[level_with]])):
@@ -231,7 +243,7 @@ class Airspace:
         known = within if np.isfinite(within) else float(self.obstacle_distance(points).min())
         reach = known + ROUNDING
         near = list[tuple[float, int, int]]()  # bound, obstacle, leg
-        for body, legs in self._beside_legs(starts, ends, reach):
+        for body, legs in _grouped(self._beside_legs(starts, ends, reach)):
             for parts in (2, 16):  # of each leg
                 away = _sampled_distances(self.obstacles[body], starts[legs], ends[legs], parts)
                 reach = min(reach, float(away.min()) + ROUNDING)
@@ -250,14 +262,13 @@ class Airspace:
                 least = _clearance(points, self.obstacles[body].name, distance, leg, where)
         return least
 
-    def _beside_legs(self, starts: Points, ends: Points, reach: float) -> Iterator[tuple[int, NDArray[np.intp]]]:
-        """Yield the obstacles that may be within `reach` [m], with numbers of legs."""
-        if len(starts) == 1:
-            for body in self.beside_leg(starts[0], ends[0], reach).tolist():
-                yield body, np.zeros(1, dtype=np.intp)
-            return
+    def _beside_legs(self, starts: Points, ends: Points, reach: float) -> NDArray[np.intp]:
+        """Return numbers of legs, and of obstacles that may be within `reach` [m], (2, n)."""
+        if len(starts) <= FEW_LEGS:
+            near = [self.beside_leg(a, b, reach) for a, b in zip(starts, ends, strict=True)]
+            return np.stack([np.repeat(np.arange(len(near)), list(map(len, near))), np.concatenate(near)])
         tracks = shapely.linestrings(np.stack([starts[:, :2], ends[:, :2]], axis=1))
-        yield from _grouped(self.beside(tracks, np.full(len(tracks), max(reach, 0.0))))
+        return self.beside(tracks, np.full(len(tracks), max(reach, 0.0)))
 
     def bounds_margin(self, points: Points) -> Clearance:
         box = replace(self.bounds, footprint=None)
@@ -267,11 +278,7 @@ class Airspace:
         least = Clearance(float(margins[spot]), as_place(points[spot]), limit, max(spot - 1, 0))
         if self.bounds.footprint is None:
             return least
-        middle = self.bounds.margin((points[:-1] + points[1:]) / 2)
-        lines = shapely.linestrings(np.stack([points[:-1, :2], points[1:, :2]], axis=1))
-        to_edge = shapely.distance(lines, self.bounds.footprint.shape.boundary)
-        inside = np.minimum(to_edge, np.minimum(margins[:-1], margins[1:])) - ROUNDING
-        floor = np.where((middle > 0) & (to_edge > 0), inside, middle - leg_lengths(points) / 2)
+        floor = self.bounds.legs_margin(points)
         for leg in np.argsort(floor, kind="stable"):
             if floor[leg] > least.distance:
                 break

@@ -30,8 +30,8 @@ class Terrain(Protocol):
 
     def greatest_height(self, points: Points) -> Spot: ...
 
-    def legs_height(self, starts: Points, ends: Points) -> Vector:
-        """Bound legs' heights above ground (n,) [m]."""
+    def legs_height(self, starts: Points, ends: Points, enough: float = np.inf) -> Vector:
+        """Bound legs' heights above ground (n,) [m]; from `enough` [m] on less exactly."""
         ...
 
 
@@ -68,8 +68,8 @@ class Flat:
         heights = points[:, 2] - self.level
         return _end(heights, int(np.argmax(heights)))
 
-    def legs_height(self, starts: Points, ends: Points) -> Vector:
-        """Return the least heights of legs from `starts` to `ends`, (n,) [m]."""
+    def legs_height(self, starts: Points, ends: Points, enough: float = np.inf) -> Vector:
+        """Return the least heights of legs from `starts` to `ends`, (n,) [m], also beyond `enough`."""
         return np.asarray(np.minimum(starts[:, 2], ends[:, 2]) - self.level)
 
 
@@ -107,7 +107,7 @@ class SeaLevel(NamedTuple):
         leg = int(np.argmin(heights))
         return float(heights[leg]), leg, float(lowest[leg])
 
-    def legs_height(self, starts: Points, ends: Points) -> Vector:
+    def legs_height(self, starts: Points, ends: Points, enough: float = np.inf) -> Vector:
         return self._lowest(starts, ends)[0]
 
     def _lowest(self, starts: Points, ends: Points) -> tuple[Vector, Vector]:
@@ -169,7 +169,7 @@ class Grid:
     def least_height(self, points: Points, enough: float = np.inf) -> Spot:
         return self._lowest(points, 1.0)
 
-    def legs_height(self, starts: Points, ends: Points) -> Vector:
+    def legs_height(self, starts: Points, ends: Points, enough: float = np.inf) -> Vector:
         heights, leg, _ = self._candidate_heights(starts, ends, 1.0)
         least = np.full(len(starts), np.inf)
         np.minimum.at(least, leg, heights)
@@ -267,14 +267,15 @@ class Analytic:
         )
 
     def mountains(self, points: NDArray[np.float64]) -> Vector:
-        height, east, north, a, b = self._peaks.T[:, :, None]
+        height, east, north, a, b = self._numbers[1].T[:, :, None]
         x, y = points[:, 0] - east, points[:, 1] - north
         rises = height * np.exp(-((x / a) ** 2) - (y / b) ** 2)
         return np.asarray(np.vstack([np.full((1, len(points)), self.base), rises]).sum(axis=0))
 
     @cached_property
-    def _peaks(self) -> NDArray[np.float64]:
-        return np.array([(p.height, p.east, p.north, p.a, p.b) for p in self.peaks], dtype=np.float64).reshape(-1, 5)
+    def _numbers(self) -> tuple[tuple[float, ...], NDArray[np.float64]]:
+        peaks = np.array([(p.height, p.east, p.north, p.a, p.b) for p in self.peaks], dtype=np.float64).reshape(-1, 5)
+        return (self.a, self.b, self.c, self.d, self.e, self.f, self.g, self.base), peaks
 
     def least_height(self, points: Points, enough: float = np.inf) -> Spot:
         """Bound the height within 0.1 mm."""
@@ -283,15 +284,19 @@ class Analytic:
     def greatest_height(self, points: Points) -> Spot:
         return self._extreme(points, greatest=True)
 
-    def legs_height(self, starts: Points, ends: Points) -> Vector:
+    def legs_height(self, starts: Points, ends: Points, enough: float = np.inf) -> Vector:
+        from ipoa_mission.world._analytic import least_heights
+
         step = np.abs(ends - starts)
         at_ends = [points[:, 2] - self.height(points) for points in (starts, ends)]
-        return np.asarray(np.maximum(*at_ends) - step[:, 2] - self.steepness * np.hypot(step[:, 0], step[:, 1]))
+        heights = np.maximum(*at_ends) - step[:, 2] - self.steepness * np.hypot(step[:, 0], step[:, 1])
+        low = heights < enough
+        heights[low] = least_heights(np.stack([starts[low], ends[low]], axis=1), *self._numbers, enough)
+        return np.asarray(heights)
 
     def _extreme(self, points: Points, greatest: bool, enough: float = np.inf) -> Spot:
         from ipoa_mission.world._analytic import extreme
 
         points = np.ascontiguousarray(points, dtype=np.float64)
-        landform = (self.a, self.b, self.c, self.d, self.e, self.f, self.g, self.base)
-        height, leg, fraction = extreme(points, landform, self._peaks, greatest, enough)
+        height, leg, fraction = extreme(points, *self._numbers, greatest, enough)
         return float(height), int(leg), float(fraction)

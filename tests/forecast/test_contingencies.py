@@ -565,9 +565,8 @@ def test_looks_at_a_few_times_at_once_are_those_at_all(
         assert np.array_equal(getattr(parts, name), getattr(whole, name))
 
 
-def test_many_are_braked_as_each_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_many_are_braked_as_each_alone() -> None:
     random = np.random.default_rng(3)
     velocity, accel = 8.0 * random.normal(size=(10, 2)), random.normal(size=(10, 2))
     alone = [braking_displacement(velocity[n : n + 1], accel[n : n + 1], 2.5, 5.0) for n in range(10)]
-    monkeypatch.setattr("ipoa_mission.vehicles.arducopter.braking.BATCH_SIZE", 4)
     assert np.array_equal(braking_displacement(velocity, accel, 2.5, 5.0), np.vstack(alone))

@@ -11,6 +11,7 @@ from ipoa_mission.planning.obstacle_grid import Bench, Moves, Nodes, ObstacleGri
 from ipoa_mission.survey.free import Ways
 from ipoa_mission.survey.times import LegTimeTable
 from ipoa_mission.vehicles.arducopter.dynamics.motion import ARDUPILOT_SIMULATOR, NO_LEG, CopterLeg, State, tuning
+from ipoa_mission.vehicles.arducopter.dynamics.shaping import add_braking
 from ipoa_mission.vehicles.arducopter.dynamics.steps import fly_leg
 from ipoa_mission.vehicles.arducopter.limits import copter_limits
 from ipoa_mission.vehicles.px4_multicopter.dynamics.flight import at_start, fly
@@ -25,6 +26,7 @@ MODULES = {
     "spread": "planning._kernels",
     "solve_banded": "planning.banded",
     "extreme": "world._analytic",
+    "least_heights": "world._analytic",
     "fewest_legs": "routing._corridor",
     "far_points": "routing._corridor",
     "nearest": "world.obstacles._prism",
@@ -75,6 +77,7 @@ def kernels() -> Iterator[Kernel]:
         "descend": (_numbers(2), _numbers(2), bench, grid, rules, soft, (1, 1.0)),
         "solve_banded": (_numbers(2), _numbers(1)),
         "extreme": (_numbers(2), (1.0,) * 8, _numbers(2), True, 1.0),
+        "least_heights": (_numbers(3), (1.0,) * 8, _numbers(2), 1.0),
         "fewest_legs": (_numbers(2), _numbers(3), _numbers(1, np.int64), 1.0),
         "far_points": (*(_numbers(2),) * 2, 1.0),
         "nearest": (_numbers(2), _numbers(2), 0.0, 1.0, _numbers(1), _numbers(1)),
@@ -92,6 +95,7 @@ def kernels() -> Iterator[Kernel]:
     leg, still = records([NO_LEG], CopterLeg), tuning(copter_limits({}), ARDUPILOT_SIMULATOR, CALM)
     flown = {
         fly_leg: (records([State()], State), leg, leg, leg, still, _numbers(2)),
+        add_braking: (*(_numbers(2),) * 2, 1.0, 1.0, _numbers(2)),
         fly: (records([], Order), records([], SimulationConstants), at_start(0.0, 1), 1.0, 0),
     }
     for function, given in flown.items():

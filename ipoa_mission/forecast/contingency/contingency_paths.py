@@ -25,6 +25,7 @@ from ipoa_mission.forecast.contingency.enlarged_airspace import EnlargedAirspace
 from ipoa_mission.forecast.contingency.return_routes import WHERE, ReturnRoutes
 from ipoa_mission.forecast.deviation.clearance_guarantee import PredictedFlight
 from ipoa_mission.forecast.forecast import Forecast
+from ipoa_mission.forecast.timing.track import interpolate
 from ipoa_mission.geometry import Points, Vector, as_place
 from ipoa_mission.planning.proof import Check, prove_ground
 from ipoa_mission.world.airspace import NOTHING_NEAR, ROUNDING, Clearance
@@ -61,7 +62,7 @@ class ContingencyPaths:
 
     @cached_property
     def enlarged(self) -> EnlargedAirspace:
-        return self._enlarged or EnlargedAirspace.of(self.forecast.world)
+        return self._enlarged or self.forecast.world.cached(EnlargedAirspace.of)
 
     @cached_property
     def as_flown(self) -> "ContingencyPaths":
@@ -108,8 +109,10 @@ class ContingencyPaths:
         stops = begins + np.column_stack([offset, climb])
         seqs = np.array([visit.seq for visit in self.flight.itinerary.visits])
         ahead = np.minimum(np.searchsorted(self.flight.prediction.done, times), len(seqs) - 1)
-        farthest = begins + autopilot.farthest_landing(parameters, velocity)
-        farthest[:, 2] = np.minimum(farthest[:, 2], stops[:, 2])
+        farthest = stops
+        if contingency is Contingency.LAND:
+            farthest = begins + autopilot.farthest_landing(parameters, velocity)
+            farthest[:, 2] = np.minimum(farthest[:, 2], stops[:, 2])
         return StoppingPoints(times, pieces.at(times), stops, seqs[ahead], farthest)
 
     def why_unknown(self) -> str | None:
@@ -140,7 +143,8 @@ class ContingencyPaths:
         paths = np.stack([places, stops], axis=1)[:, None]
         possible = np.ones((len(times), 1), dtype=bool)
         if contingency is Contingency.LAND:
-            paths = self.landings(places, stops, self.stops(contingency).farthest_at(times))
+            farthest = interpolate(times, self.stops(contingency).times, self.stops(contingency).farthest)
+            paths = self.landings(places, stops, farthest)
             possible = np.ones(paths.shape[:2], dtype=bool)
         elif contingency is Contingency.HOLD and self.mission.autopilot.guidance.holds_at_order:
             back = np.column_stack([stops[:, :2], places[:, 2]])
@@ -151,7 +155,7 @@ class ContingencyPaths:
             home = np.broadcast_to(self.flight.pieces.points[0], (len(times), 1, 1, 3))
             paths = np.concatenate([paths, home], axis=2)
 
-        near, which = self._near(paths)
+        near, which = self._near(paths, possible)
         if contingency is Contingency.SMART_RTL:
             near[:, 0, 1], which[:, 0, 1] = self._flown_so_far(times)
         if contingency is Contingency.RTL:
@@ -201,23 +205,28 @@ class ContingencyPaths:
         possible = [name for goal, name in enumerate(names) if samples.possible[n, self._paths_to(goal)].any()]
         return " or ".join(dict.fromkeys(possible))
 
-    def _near(self, paths: Paths) -> tuple[Distances, ObstacleIndices]:
-        """Bound each leg's distance to an obstacle, exactly if slanting and too near; return its index, too."""
+    def _near(self, paths: Paths, possible: NDArray[np.bool_]) -> tuple[Distances, ObstacleIndices]:
+        """Bound each possible leg's distance to an obstacle, exactly if slanting and too near; also its index."""
         airspace = self.enlarged.whole
         within = self.required + SAMPLING.max_slack
-        shape = (*paths.shape[:2], paths.shape[2] - 1)
-        starts = paths[:, :, :-1].reshape(-1, 3)
-        ends = paths[:, :, 1:].reshape(-1, 3)
+        parts = paths.shape[2] - 1
+        flown = paths[possible]
+        starts = flown[:, :-1].reshape(-1, 3)
+        ends = flown[:, 1:].reshape(-1, 3)
         near, which = airspace.legs_clearance(starts, ends, within)
 
         slanting = (starts[:, 2] != ends[:, 2]) & (starts[:, :2] != ends[:, :2]).any(axis=1)
-        is_braking = np.arange(len(starts)) % shape[2] == ReturnLeg.BRAKES
+        is_braking = np.arange(len(starts)) % parts == ReturnLeg.BRAKES
         slanting &= is_braking | (np.abs(ends[:, 2] - starts[:, 2]) > 0.5)  # [m]
         for leg in np.flatnonzero(slanting & (near < self.required)):
             near[leg], _ = airspace.obstacles[which[leg]].leg_clearance(starts[leg], ends[leg])
         for leg in np.flatnonzero((near < self.required) & self.enlarged.at_tight_place(starts, ends)):
             near[leg], which[leg] = self.enlarged.leg_clearance(starts[leg], ends[leg], within)
-        return near.reshape(shape), which.reshape(shape)
+        all_near = np.full((*possible.shape, parts), np.inf)
+        all_which = np.full(all_near.shape, -1)
+        all_near[possible] = near.reshape(-1, parts)
+        all_which[possible] = which.reshape(-1, parts)
+        return all_near, all_which
 
     def _flown_so_far(self, times: Vector, ahead: bool = False) -> tuple[Vector, NDArray[np.intp]]:
         """Return least distances (n,) of the path flown until `times`, or `ahead` after them, and obstacles."""
@@ -244,24 +253,25 @@ class ContingencyPaths:
         places = self.stops().places
         if len(places) == 1:
             places = np.repeat(places, 2, axis=0)
-        return self._near(np.stack([places[:-1], places[1:]], axis=1)[:, None])
+        return self._near(np.stack([places[:-1], places[1:]], axis=1)[:, None], np.full((len(places) - 1, 1), True))
 
     def _with_ground(self, contingency: Contingency, samples: ContingencySamples) -> ContingencySamples:
         world = self.forecast.world
         end = _end_of_flight(contingency)
         begin_s, end_s = self.flight.cruise_span
         in_cruise = np.flatnonzero((samples.times >= begin_s) & (samples.times <= end_s))
-        paths = samples.paths[in_cruise, :, :end]
-        starts, ends = paths[:, :, :-1].reshape(-1, 3), paths[:, :, 1:].reshape(-1, 3)
-        heights = world.airspace.terrain.legs_height(starts, ends)
-        least = heights.reshape(*paths.shape[:2], paths.shape[2] - 1).min(axis=2)
-        least -= samples.spread[in_cruise, None]
-        is_low = samples.possible[in_cruise] & (least < world.limits.height_above_ground + ROUNDING)
-        is_low[:, 1:] &= contingency is not Contingency.LAND  # the second path sinks
+        possible = samples.possible[in_cruise]
+        possible[:, 1:] &= contingency is not Contingency.LAND  # the second path sinks
+        rows, numbers = np.nonzero(possible)
+        rows = in_cruise[rows]
+        paths = samples.paths[rows, numbers, :end]
+        enough = world.limits.height_above_ground + ROUNDING + float(samples.spread.max(initial=0.0))
+        legs = paths[:, :-1].reshape(-1, 3), paths[:, 1:].reshape(-1, 3)
+        heights = world.airspace.terrain.legs_height(*legs, enough).reshape(-1, paths.shape[1] - 1)
+        is_low = heights.min(axis=1) - samples.spread[rows] < world.limits.height_above_ground + ROUNDING
 
         near, which, slack = samples.near.copy(), samples.which.copy(), samples.slack.copy()
-        for row, k in np.argwhere(is_low).tolist():
-            n = in_cruise[row]
+        for n, k in zip(rows[is_low].tolist(), numbers[is_low].tolist(), strict=True):
             for check in prove_ground(samples.paths[n, k, :end], world):
                 left = check.slack - samples.spread[n]
                 if left < min(slack[n], 0.0):
@@ -295,11 +305,16 @@ class ContingencyPaths:
         paths = list[NDArray[np.float64]]()
         for path, up in zip(to_goals, ups, strict=True):
             paths += self._at_return_height(places, stops, path)
-            paths += self._over_terrain(places, path, up)
-        paths += self._along_mission(places, stops, seqs)
+            for off in self.routes.off_terrain:
+                paths.append(self.routes.over_terrain(places, path[:, 0], path[:, 2], up, off))
+        starts = np.stack([places, stops, stops, stops], axis=1)
+        for by in self.routes.kinds:
+            paths += [self.routes.paths(by, starts, seqs)] * self._variants
         most = max(path.shape[1] for path in paths)
-        padded = np.stack([_padded(path, most) for path in paths], axis=1)
-        return padded, self._possible(begins, seqs, len(to_goals) + len(self.routes.kinds))
+        for k, path in enumerate(paths):
+            repeated = np.repeat(path[:, -2:-1], most - path.shape[1], axis=1)  # the last but one
+            paths[k] = np.concatenate([path[:, :-1], repeated, path[:, -1:]], axis=1)
+        return np.stack(paths, axis=1), self._possible(begins, seqs, len(to_goals) + len(self.routes.kinds))
 
     def _at_return_height(
         self, places: Points, stops: Points, path: NDArray[np.float64]
@@ -310,15 +325,6 @@ class ContingencyPaths:
             begins[:, :2] = stops[:, :2] + share * (places - stops)[:, :2]
             over[:, :2] = begins[:, :2]
             yield np.stack([places, stops, begins, over, beyond, ground], axis=1)
-
-    def _over_terrain(self, places: Points, path: NDArray[np.float64], up: float) -> Iterator[NDArray[np.float64]]:
-        for off in self.routes.off_terrain:
-            yield self.routes.over_terrain(places, path[:, 0], path[:, 2], up, off)
-
-    def _along_mission(self, places: Points, stops: Points, seqs: NDArray[np.intp]) -> Iterator[NDArray[np.float64]]:
-        starts = np.stack([places, stops, stops, stops], axis=1)
-        for by in self.routes.kinds:
-            yield from [self.routes.paths(by, starts, seqs)] * self._variants
 
     def _possible(self, stops: Points, seqs: NDArray[np.intp], n_goals: int) -> NDArray[np.bool_]:
         chosen = np.zeros((len(stops), n_goals), dtype=bool)
@@ -344,9 +350,3 @@ class ContingencyPaths:
 
 def _end_of_flight(contingency: Contingency) -> int | None:
     return {Contingency.RTL: -1, Contingency.HOLD: None}.get(contingency, 2)
-
-
-def _padded(path: NDArray[np.float64], count: int) -> NDArray[np.float64]:
-    """Repeat the last place but one of paths (n, p, 3), to `count` places."""
-    repeated = np.repeat(path[:, -2:-1], count - path.shape[1], axis=1)
-    return np.concatenate([path[:, :-1], repeated, path[:, -1:]], axis=1)

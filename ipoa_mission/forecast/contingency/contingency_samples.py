@@ -52,9 +52,6 @@ class StoppingPoints:
     def seqs_at(self, times: Vector) -> NDArray[np.intp]:
         return np.asarray(self.seqs[np.clip(np.searchsorted(self.times, times), 0, len(self.seqs) - 1)])
 
-    def farthest_at(self, times: Vector) -> Points:
-        return interpolate(times, self.times, self.farthest)
-
     def at(self, times: Vector) -> tuple[Points, Points]:
         return interpolate(times, self.times, self.places), interpolate(times, self.times, self.stops)
 

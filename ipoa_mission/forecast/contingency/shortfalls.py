@@ -79,7 +79,7 @@ def heights_above(above: float) -> Iterator[float]:
 
 def clear_in(scenario: Scenario) -> Callable[[Iterable[Leg]], bool]:
     """Return a test of paths for the required clearance, with room for the deviation bound."""
-    airspace = EnlargedAirspace.of(scenario)
+    airspace = scenario.cached(EnlargedAirspace.of)
     higher = with_margins(clearance_task(scenario), SHARING)
     required = scenario.limits.obstacle_distance
     spare = 0.0 if scenario.safety.chance is None else SAG

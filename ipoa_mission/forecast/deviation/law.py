@@ -1,6 +1,7 @@
 """The distribution of a vehicle's distance from its predicted path, as measured."""
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -44,7 +45,7 @@ class Quantiles:
     def scaled(self, factor: float) -> "Quantiles":
         return replace(self, distances=tuple(factor * distance for distance in self.distances))
 
-    @property
+    @cached_property
     def _logs(self) -> tuple[Vector, float]:
         logs = np.log(self.chances)
         return logs, (logs[-1] - logs[-2]) / (self.distances[-1] - self.distances[-2])

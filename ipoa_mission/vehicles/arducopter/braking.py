@@ -9,39 +9,19 @@ import math
 import numpy as np
 
 from ipoa_mission.autopilot.guidance_profile import FlownCircle
+from ipoa_mission.compiled import jit_if_faster
 from ipoa_mission.errors import BadInput
-from ipoa_mission.geometry import Matrix, Plane, Vector
+from ipoa_mission.geometry import Plane
+from ipoa_mission.vehicles.arducopter.dynamics.shaping import BRAKING_STEPS, add_braking
 from ipoa_mission.vehicles.arducopter.limits import CENTIMETER, CopterLimits
-
-STEP = 0.02  # [s]
-BATCH_SIZE = 8000  # rows that fit into the CPU's cache
 
 
 def braking_displacement(velocity: Plane, accel: Plane, most_accel: float, jerk: float) -> Plane:
     """Return the displacement to rest, (n, 2) [m], within an acceleration [m/s^2] and a jerk [m/s^3]."""
-    parts = (slice(n, n + BATCH_SIZE) for n in range(0, len(velocity), BATCH_SIZE))
-    displacements = [_integrate(velocity[part].T.copy(), accel[part].T.copy(), most_accel, jerk).T for part in parts]
-    return np.concatenate([np.zeros((0, 2)), *displacements])
-
-
-def _integrate(velocity: Matrix, accel: Matrix, most_accel: float, jerk: float) -> Matrix:
-    """Return `braking_displacement` with axes first (2, n): faster."""
-    displacement = np.zeros_like(velocity)
-    max_change = jerk * STEP
-    for _ in range(math.ceil(12.0 / STEP)):  # at rest within 12 s
-        speed = np.hypot(*velocity)
-        slowed = -velocity * (_deceleration(speed, most_accel, jerk) / np.maximum(speed, 1e-9)) - accel
-        accel = accel + slowed * np.minimum(max_change / np.maximum(np.hypot(*slowed), 1e-9), 1.0)
-        displacement = displacement + velocity * STEP
-        velocity = velocity + accel * STEP
+    displacement = np.zeros((len(velocity), 2))
+    add = jit_if_faster(add_braking, None, len(velocity) * BRAKING_STEPS)
+    add(np.ascontiguousarray(velocity), np.ascontiguousarray(accel), most_accel, jerk, displacement)
     return displacement
-
-
-def _deceleration(speed: Vector, most_accel: float, jerk: float) -> Vector:
-    gain = jerk / most_accel
-    near = jerk / gain**2
-    root = np.sqrt(2.0 * jerk * np.maximum(speed - near / 2.0, 0.0))
-    return np.minimum(np.where(speed <= near, gain * speed, root), most_accel)
 
 
 def circle_spin(limits: CopterLimits, radius: float, speed: float) -> float:
