@@ -109,11 +109,12 @@ def try_return_altitudes(
     highest = allowed - (return_altitude(forecast) - now)  # PX4 measures from the height of its goal
     others = [(forecast, short)]
     tried = {now}
+    least = now + _ground_missing(short)
     heights = list(_heights(paths, short, now))
     if now > highest:
         heights.append(float(HEIGHT_STEP * math.floor(highest / HEIGHT_STEP)))
     for _ in range(8):
-        heights = sorted({height for height in heights if 0.0 < height <= highest} - tried)
+        heights = sorted({height for height in heights if max(least, 1e-9) <= height <= highest} - tried)
         if not heights:
             break
         tried.add(height := heights.pop(0))
@@ -123,7 +124,13 @@ def try_return_altitudes(
             return [(other, [])]
         others.append((other, left))
         heights += _heights(paths, left, height)
+        least = max(least, height + _ground_missing(left))
     return sorted(others, key=merit)
+
+
+def _ground_missing(short: list[Shortfall]) -> float:
+    """Return by how much a level return has to be higher over the ground at least [m]."""
+    return max((each.missing for each in short if not each.body and each.part == ReturnLeg.RETURNS), default=-math.inf)
 
 
 def _heights(paths: ContingencyPaths, short: list[Shortfall], now: float) -> Iterator[float]:
@@ -160,10 +167,6 @@ def find_shortfalls(
         yield Shortfall(contingency, float(samples.times[n]), name, number, -float(short[n, k, leg]), leg, over)
 
 
-def nearest_of(paths: ContingencyPaths, contingency: Contingency, samples: ContingencySamples, n: int) -> Check:
-    return Check("obstacles", paths.exact_clearance(contingency, samples, n), paths.required)
-
-
 def nearest_of_legs(paths: ContingencyPaths, samples: ContingencySamples, n: int, legs: range) -> Check:
     parts = [path[legs.start : legs.stop + 1] for path in samples.paths[n][samples.possible[n]]]
     spread = float(samples.spread[n])
@@ -173,3 +176,7 @@ def nearest_of_legs(paths: ContingencyPaths, samples: ContingencySamples, n: int
         return replace(lowest, nearest=lowest.nearest.minus(spread))
     clearances = (paths.enlarged.obstacle_clearance(part) for part in parts)
     return Check("obstacles", min(clearances, key=lambda near: near.distance).minus(spread), paths.required)
+
+
+def nearest_of(paths: ContingencyPaths, contingency: Contingency, samples: ContingencySamples, n: int) -> Check:
+    return Check("obstacles", paths.exact_clearance(contingency, samples, n), paths.required)
