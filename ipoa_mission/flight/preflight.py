@@ -19,7 +19,7 @@ from ipoa_mission.autopilot.returning import FlightStage
 from ipoa_mission.autopilot.version import Version
 from ipoa_mission.checks.check import check_mission
 from ipoa_mission.checks.firmware_check import check_aboard
-from ipoa_mission.checks.unsafe import refuse_errors
+from ipoa_mission.checks.unsafe import HOME_RADIUS, NotAtStart, refuse_errors
 from ipoa_mission.errors import MissionError, Unsafe
 from ipoa_mission.forecast.deviation.law import law_of
 from ipoa_mission.forecast.forecast import Forecast
@@ -27,7 +27,7 @@ from ipoa_mission.forecast.itinerary.flown_legs import Leg
 from ipoa_mission.forecast.leg_limits import landings
 from ipoa_mission.geodesy import Geodetic, apart
 from ipoa_mission.link.dialogue import NoAnswer, TimeUp
-from ipoa_mission.link.messages import STATION_SYSTEM
+from ipoa_mission.link.messages import STATION_SYSTEM, Position
 from ipoa_mission.link.vehicle import Vehicle
 from ipoa_mission.link.vehicle_state import NotReady
 from ipoa_mission.mission.items import Mission, item_of
@@ -155,6 +155,15 @@ def expect_level(here: Geodetic, there: Geodetic | None) -> None:
     if apart(here, there) <= FarFromHome.reach and abs(there.altitude - here.altitude) > 15:  # [m]
         words = f"expected the vehicle's home at {here.altitude:.1f} m AMSL, not {there.altitude:.1f} m"
         raise FarFromHome(words, hint="heights count from the vehicle's home: plan from its position, or use --anyway")
+
+
+def expect_home_here(position: Position | None, here: Geodetic) -> None:
+    """Raise NotAtStart if a vehicle on the ground at the mission's home counts heights from elsewhere."""
+    if position is None or apart(Geodetic(position.latitude_deg, position.longitude_deg), here) > HOME_RADIUS:
+        return
+    if abs(position.height) > 3.0:  # [m]
+        words = f"expected the vehicle on the ground at the height of its home, not at {position.height:+.1f} m"
+        raise NotAtStart(words, hint="heights count from its home: set it here; or begin with --anyway")
 
 
 class FastLanding(MissionError, code="fast-landing"):

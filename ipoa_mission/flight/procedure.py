@@ -255,6 +255,8 @@ def _refuse_aboard(
 def begin_mission(vehicle: Vehicle, forecast: Forecast, options: ProcedureOptions) -> FlightRecord:
     def permit(there: Geodetic) -> None:
         charge = () if options.anyway else preflight.expect_charge(vehicle, forecast, options.first)
+        if not options.anyway:
+            preflight.expect_home_here(vehicle.state.position, forecast.mission_as_read.home)
         try:
             notes = check_start(forecast.mission_as_read, forecast.scenario, options.first, there)
         except NotAtStart as elsewhere:

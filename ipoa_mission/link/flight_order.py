@@ -16,7 +16,7 @@ from ipoa_mission.link.conversations import VehicleTexts, listen_for_words
 from ipoa_mission.link.dialogue import Dialogue, Pause, SendOnce, until
 from ipoa_mission.link.logbook import Logbook
 from ipoa_mission.link.vehicle_state import NotFlown, NotReady, VehicleState
-from ipoa_mission.mission.flight_record import Deviation, OnDeviation
+from ipoa_mission.mission.flight_record import Deviation, DeviationKind, OnDeviation
 
 if TYPE_CHECKING:
     from ipoa_mission.geometry import Vector
@@ -279,7 +279,9 @@ class Conformance:
     deviations: list[Deviation] = field(default_factory=list)
     positions: PositionLoss = field(default_factory=PositionLoss)
     logbook: Logbook | None = None  # of the flight
+    home_moves: float = 4.0  # more than PX4 1.17 corrects its home in flight [m]
     _monitor: Monitor | None = None
+    _home: float = math.nan  # its altitude [m]
     _seen_s: float = -math.inf
     _is_ordered: bool = False
     _disobeyed: str = ""
@@ -287,6 +289,7 @@ class Conformance:
 
     def begin(self, monitor: "Monitor | None") -> None:
         self._monitor = monitor
+        self._home = math.nan
         self._seen_s = -math.inf
         self._is_ordered = False
         self._disobeyed = ""
@@ -325,6 +328,18 @@ class Conformance:
                 if self._is_ordered and not self.order.words:
                     self._disobeyed = ""
 
+    def _home_shift(self, heard: m.Position) -> Deviation | None:
+        """A moved home shifts the heights that are left to fly."""
+        home = heard.altitude - heard.height
+        moved = 0.0 if math.isnan(self._home) else home - self._home
+        if not math.isnan(self._home) and abs(moved) <= self.home_moves:
+            return None
+        self._home = home
+        words = f"the vehicle's home moved by {moved:+.1f} m in height, and its heights count from there"
+        item = (self._item or 0) + 1
+        kind = DeviationKind.HOME
+        return Deviation(kind, item, heard.time_s, abs(moved), self.home_moves, words) if moved else None
+
     def _compare(self, heard: m.Position, in_mission: bool) -> None:
         assert self._monitor is not None
         if self._is_ordered and self.order.is_under_way:
@@ -340,7 +355,7 @@ class Conformance:
         elif self.order.is_refused and heard.time_s >= self._again_s:
             self._react_by_order()
         place = self._monitor.local(Geodetic(heard.latitude_deg, heard.longitude_deg, heard.altitude), heard.height)
-        deviation = self._monitor.see(heard.time_s, place, self._item)
+        deviation = self._home_shift(heard) or self._monitor.see(heard.time_s, place, self._item)
         if deviation is not None:
             self._react(deviation)
 

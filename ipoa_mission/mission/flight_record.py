@@ -11,6 +11,7 @@ class DeviationKind(StrEnum):
     PASSED = "passed-item"
     OUTSIDE = "left-corridor"
     LATE = "late"
+    HOME = "home-moved"
 
 
 class OnDeviation(StrEnum):

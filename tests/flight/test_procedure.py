@@ -30,7 +30,7 @@ from ipoa_mission.link.connect import meet
 from ipoa_mission.link.connection import Connection
 from ipoa_mission.link.conversations import KeepsChanging, MissionRefused
 from ipoa_mission.link.dialogue import NoAnswer, TimeUp
-from ipoa_mission.link.messages import MissionType, ParamRequestRead, Result
+from ipoa_mission.link.messages import MissionType, ParamRequestRead, Position, Result
 from ipoa_mission.link.orders import CommandRefused
 from ipoa_mission.link.vehicle import Vehicle
 from ipoa_mission.mission.items import Mission, return_to_launch, waypoint
@@ -262,3 +262,37 @@ def test_parameters_are_written_after_all_checks(missions: Path, monkeypatch: py
     vehicle.clear(MissionType.RALLY)
     load_mission(vehicle, Forecast(mission), ProcedureOptions(set_params=True))
     assert vehicle.parameters(["RTL_RETURN_ALT"]) == {"RTL_RETURN_ALT": 70.0}
+
+
+@pytest.mark.parametrize(("height", "east_m"), [(2.9, 0.0), (-9.6, 0.0), (9.6, 0.0), (9.6, 2.0)])
+def test_vehicle_on_the_ground_off_the_height_of_its_home_is_refused(
+    missions: Path, height: float, east_m: float
+) -> None:
+    """PX4 flew 9.6 m too high after DO_SET_HOME by another station."""
+    here = read_mission(missions / "sitl.plan").home
+    position = Position(1.0, here.latitude_deg, here.longitude_deg + east_m / 75e3, here.altitude, height)
+    if abs(height) < 3.0 or east_m > 1.5:
+        preflight.expect_home_here(position, here)
+        preflight.expect_home_here(None, here)
+    else:
+        with refuses("not-at-start", "", f"not at {height:+.1f} m"):
+            preflight.expect_home_here(position, here)
+
+
+def test_flight_from_the_ground_off_its_home_begins_only_anyway(monkeypatch: pytest.MonkeyPatch) -> None:
+    vehicle = met(Autopilot.PX4)
+    plain = suited(vehicle, replace(MISSION, rally=(), fence=()))
+    options = ProcedureOptions()
+    forecast = load_mission(vehicle, Forecast(plain), options)
+    prepare = vehicle.prepare
+
+    def prepared(first: int, show: Progress, permit: Any) -> None:
+        prepare(first, show, lambda there: None)
+        assert vehicle.state.position is not None
+        vehicle.state.position = replace(vehicle.state.position, height=-9.6)
+        permit(plain.home)
+
+    monkeypatch.setattr(vehicle, "prepare", prepared)
+    with refuses("not-at-start", "", "-9.6 m"):
+        procedure.begin_mission(vehicle, forecast, options)
+    assert procedure.begin_mission(vehicle, forecast, replace(options, anyway=True)).completed

@@ -352,6 +352,30 @@ def test_pause_by_another_station_is_named_and_followed(
     assert warned[1:] == ["the vehicle continues its mission"]
 
 
+@pytest.mark.parametrize("moved", [2.9, 9.6])
+@pytest.mark.parametrize("family", registered())
+def test_home_that_moves_in_flight_is_a_deviation(
+    family: Autopilot, moved: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As on PX4 1.17: it corrects its home by up to 3 m; DO_SET_HOME of another station shifted a whole climb."""
+    vehicle, _ = begun(family)
+    whole = Connection.receive
+
+    def shifted(each: Heard) -> Heard:
+        at = each.message
+        if not isinstance(at, Position) or at.longitude_deg < place(60.0, 0.0).longitude_deg:
+            return each
+        return replace(each, message=replace(at, altitude=at.altitude + moved))
+
+    monkeypatch.setattr(Connection, "receive", lambda link, until: [shifted(each) for each in whole(link, until)])
+    record = vehicle.watch()
+    assert [each.kind for each in record.deviations] == [DeviationKind.HOME] * (moved > 4.0)
+    if moved > 4.0:
+        words = "item 2: the vehicle's home moved by +9.6 m in height, and its heights count from there"
+        assert record.failure == f"it holds, because {words}"
+        assert record.deviations[0].as_json()["found"] == pytest.approx(9.6, abs=0.01)
+
+
 @pytest.mark.parametrize("family", registered())
 def test_a_height_is_above_the_vehicles_home_unless_an_item_is_amsl(family: Autopilot) -> None:
     flown = mission(family, place(150.0, 0.0), place(150.0, 60.0))
