@@ -340,6 +340,15 @@ def test_a_duration_of_two_ways_home_holds_both() -> None:
     )
 
 
+@pytest.mark.parametrize(("time", "fewest", "most"), [(76.0, 30.1, 102.2), (79.6, 29.9, 103.9), (84.0, 26.9, 35.7)])
+def test_duration_counts_ways_home_that_an_earlier_or_later_flight_takes(
+    time: float, fewest: float, most: float
+) -> None:
+    row = Contingencies(forecast_of("oldtown")).at(Contingency.RTL, time)
+    assert row.duration_s == pytest.approx((fewest, most), abs=3.0)
+    assert any("flights with noise it takes" in remark for remark in row.remarks) is (most > 90.0)
+
+
 def lose_noisy_flights(monkeypatch: pytest.MonkeyPatch, lost: range) -> list[int]:
     """Lose the flights of these seeds that have a contingency; return the list of seeds that are not lost."""
     flown, ended = Flights.flown_with, list[int]()

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ipoa_mission.autopilot.failsafe import Failsafe
-from ipoa_mission.autopilot.returning import COMPUTED, TIMED, Contingency
+from ipoa_mission.autopilot.returning import COMPUTED, IN_PLACE, TIMED, Contingency
 from ipoa_mission.centimeters import ceil_cm, floor_cm
 from ipoa_mission.errors import MissionError
 from ipoa_mission.forecast.contingency.contingency_paths import ContingencyPaths
@@ -232,7 +232,11 @@ class Contingencies:
         middle = int(np.searchsorted(samples.times, order_s[0]))
         row = self._row(contingency, samples, range(len(samples.times)), self._grades(contingency, samples)[middle])
         row = replace(row, from_s=time, to_s=time, goal=self.paths.goal_names(contingency, samples, middle))
-        return self._timed(row, samples, range(middle, middle + 1)) if timed else row
+        if not timed:
+            return row
+        moments = (middle,) if contingency in IN_PLACE else (middle, 0, len(samples.times) - 1)
+        now, *others = (self._timed(row, samples, range(n, n + 1)) for n in moments)
+        return _with_other_ways(now, others, 4.0 * tolerance)
 
     def _unknown(self, contingency: Contingency, begin: float, end: float) -> ContingencyRow | None:
         if contingency is not Contingency.RTL or (why := self.paths.why_unknown()) is None:
@@ -369,6 +373,24 @@ def contingency_paths(forecast: Forecast) -> dict[Contingency, list[tuple[float,
 
 def _widest(intervals: Sequence[tuple[float, float]]) -> tuple[float, float] | None:
     return (min(low for low, _ in intervals), max(high for _, high in intervals)) if intervals else None
+
+
+def _with_other_ways(row: ContingencyRow, others: Sequence[ContingencyRow], apart_s: float) -> ContingencyRow:
+    """Count the times of `others`, ordered a little earlier or later, that take more than `apart_s` more or less."""
+    timed = row.duration_s
+    if timed is None:
+        return row
+    ways = [row]
+    for other in others:
+        if other.duration_s is not None and np.abs(np.subtract(other.duration_s, timed)).max() > apart_s:
+            ways.append(other)
+    return replace(
+        row,
+        touches_s=_widest([each.touches_s for each in ways if each.touches_s is not None]),
+        duration_s=_widest([each.duration_s for each in ways if each.duration_s is not None]),
+        energy_wh=_widest([each.energy_wh for each in ways if each.energy_wh is not None]),
+        remarks=tuple(dict.fromkeys(remark for each in ways for remark in each.remarks)),
+    )
 
 
 def _runs(possible: NDArray[np.bool_], grades: Sequence[Grade]) -> Iterator[range]:
