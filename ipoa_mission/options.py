@@ -4,7 +4,7 @@ from enum import StrEnum
 from functools import partial
 from pathlib import Path
 from shlex import quote
-from typing import TYPE_CHECKING, Annotated, TypeAlias
+from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
 import typer
 
@@ -19,7 +19,17 @@ if TYPE_CHECKING:
 
 NAMES = ("campus",)
 ANYWAY = "Continue although a check fails: mission, home, firmware, class of vehicle, another vehicle with its id."
-link_option = partial(typer.Option, rich_help_panel="The link")
+
+
+def flag(name: str, words: str, metavar: str | None = None, **settings: Any) -> Any:
+    return typer.Option(name, help=words, metavar=metavar, **settings)
+
+
+def argument(metavar: str, words: str, **settings: Any) -> Any:
+    return typer.Argument(metavar=metavar, help=words, **settings)
+
+
+link_option = partial(flag, rich_help_panel="The link")
 
 
 class Backend(StrEnum):
@@ -47,35 +57,29 @@ def expect_mission(path: Path) -> Path:
 
 
 FileArgument: TypeAlias = Annotated[
-    Path, typer.Argument(metavar="FILE", callback=expect_mission, help="Mission file: .plan or .waypoints.")
+    Path, argument("FILE", "Mission file: .plan or .waypoints.", callback=expect_mission)
 ]
 ScenarioOption: TypeAlias = Annotated[
     Path | None,
-    typer.Option(
+    flag(
         "--scenario",
-        metavar="SCENARIO",
+        "Scenario of the flight: terrain, obstacles, wind, and the vehicle's parameters.",
+        "SCENARIO",
         callback=lambda path: None if path is None else or_packed(path),
-        help="Scenario of the flight: terrain, obstacles, wind, and the vehicle's parameters.",
     ),
 ]
 IgnoreOption: TypeAlias = Annotated[
-    list[str] | None,
-    typer.Option("--ignore", metavar="CODE", help="Ignore findings of this code, except those of a crash. Repeatable."),
+    list[str] | None, flag("--ignore", "Ignore findings of this code, except those of a crash. Repeatable.", "CODE")
 ]
 HomeOption: TypeAlias = Annotated[
-    tuple[float, float, float] | None,
-    typer.Option("--home", metavar="LAT LON ALT", help="Home: degrees, and meters AMSL."),
+    tuple[float, float, float] | None, flag("--home", "Home: degrees, and meters AMSL.", "LAT LON ALT")
 ]
 ContingenciesOption: TypeAlias = Annotated[
-    bool, typer.Option("--contingencies", help="Forecast RTL, LAND and others from every second of the flight.")
+    bool, flag("--contingencies", "Forecast RTL, LAND and others from every second of the flight.")
 ]
-ForceOption: TypeAlias = Annotated[
-    bool, typer.Option("--force", help="Overwrite existing files, also those not written by a plan.")
-]
-OutOption: TypeAlias = Annotated[
-    Path, typer.Option("--out", metavar="DIR", help="Folder for the files, created if absent.")
-]
-SeedOption: TypeAlias = Annotated[int, typer.Option("--seed", metavar="N", min=0, help="Same seed, same bytes.")]
+ForceOption: TypeAlias = Annotated[bool, flag("--force", "Overwrite existing files, also those not written by a plan.")]
+OutOption: TypeAlias = Annotated[Path, flag("--out", "Folder for the files, created if absent.", "DIR")]
+SeedOption: TypeAlias = Annotated[int, flag("--seed", "Same seed, same bytes.", "N", min=0)]
 
 
 def autopilot_called(name: str) -> Autopilot:
@@ -90,42 +94,37 @@ AutopilotOption: TypeAlias = Annotated[
     Autopilot | None, autopilot_option(help="Firmware; default: the file's (.waypoints: by its items).")
 ]
 FirmwareVersionOption: TypeAlias = Annotated[
-    str | None,
-    typer.Option("--firmware-version", metavar="X.Y", help="Firmware version; default: newest measured, or vehicle's."),
+    str | None, flag("--firmware-version", "Firmware version; default: newest measured, or vehicle's.", "X.Y")
 ]
 UnmeasuredVersionOption: TypeAlias = Annotated[
-    bool, typer.Option("--unmeasured-version", help="Accept a firmware version that was not measured in flights.")
+    bool, flag("--unmeasured-version", "Accept a firmware version that was not measured in flights.")
 ]
 ParameterOption: TypeAlias = Annotated[
-    list[str] | None,
-    typer.Option("--param", metavar="NAME=VALUE", help="An autopilot's parameter that is not its default. Repeatable."),
+    list[str] | None, flag("--param", "An autopilot's parameter that is not its default. Repeatable.", "NAME=VALUE")
 ]
 ParameterFileOption: TypeAlias = Annotated[
-    Path | None, typer.Option("--param-file", metavar="FILE", help="A file of such parameters: .parm or .params.")
+    Path | None, flag("--param-file", "A file of such parameters: .parm or .params.", "FILE")
 ]
 LinkOption: TypeAlias = Annotated[
-    str,
-    link_option("--link", metavar="URL", help="udpin:HOST:PORT, udpout:HOST:PORT, tcp:HOST:PORT, serial:DEVICE:BAUD."),
+    str, link_option("--link", "udpin:HOST:PORT, udpout:HOST:PORT, tcp:HOST:PORT, serial:DEVICE:BAUD.", "URL")
 ]
 SystemOption: TypeAlias = Annotated[
-    int | None, link_option("--system", metavar="N", min=1, max=255, help="System id of the vehicle among several.")
+    int | None, link_option("--system", "System id of the vehicle among several.", "N", min=1, max=255)
 ]
 LogSystemOption: TypeAlias = Annotated[
-    int | None, typer.Option("--system", metavar="N", min=1, max=255, help="System id of the vehicle in a .tlog.")
+    int | None, flag("--system", "System id of the vehicle in a .tlog.", "N", min=1, max=255)
 ]
 KeyOption: TypeAlias = Annotated[
     Path | None,
     link_option(
         "--key",
-        metavar="FILE",
+        "Sign MAVLink with the key in this file; or set IPOA_MISSION_PASSPHRASE.",
+        "FILE",
         envvar="IPOA_MISSION_KEY",
-        help="Sign MAVLink with the key in this file; or set IPOA_MISSION_PASSPHRASE.",
     ),
 ]
-ReportOption: TypeAlias = Annotated[
-    bool, typer.Option("--report", help="Also write NAME.html: map, heights, speeds, times.")
-]
-JsonOption: TypeAlias = Annotated[bool, typer.Option("--json", help="Print the result as JSON, for machines.")]
+ReportOption: TypeAlias = Annotated[bool, flag("--report", "Also write NAME.html: map, heights, speeds, times.")]
+JsonOption: TypeAlias = Annotated[bool, flag("--json", "Print the result as JSON, for machines.")]
 
 
 def read_wind_option(text: str | None) -> "Wind | None":

@@ -6,7 +6,7 @@ import typer
 from ipoa_mission.cli.groups import ContingencyOptions, WorldOptions
 from ipoa_mission.errors import BadInput, OptionConflict
 from ipoa_mission.files import write_atomically
-from ipoa_mission.options import ANYWAY, FileArgument, JsonOption
+from ipoa_mission.options import ANYWAY, FileArgument, JsonOption, argument, flag
 from ipoa_mission.terminal import notes, picked, print_json, print_lines, print_table
 
 if TYPE_CHECKING:
@@ -17,14 +17,10 @@ if TYPE_CHECKING:
 
 
 def check(
-    files: Annotated[
-        list[Path], typer.Argument(metavar="FILE...", help="Mission files (.plan, .waypoints), or folders of them.")
-    ],
+    files: Annotated[list[Path], argument("FILE...", "Mission files (.plan, .waypoints), or folders of them.")],
     options: ContingencyOptions,
-    sarif: Annotated[
-        Path | None, typer.Option("--sarif", metavar="FILE", help="Write the findings in all files as SARIF, for CI.")
-    ] = None,
-    anyway: Annotated[bool, typer.Option("--anyway", help=ANYWAY)] = False,
+    sarif: Annotated[Path | None, flag("--sarif", "Write the findings in all files as SARIF, for CI.", "FILE")] = None,
+    anyway: Annotated[bool, flag("--anyway", ANYWAY)] = False,
     as_json: JsonOption = False,
 ) -> None:
     """Check mission files: format, firmware rules, and with a scenario clearance, bounds and altitude.

@@ -10,7 +10,15 @@ from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.centimeters import floor_cm
 from ipoa_mission.cli.groups import FlownByOptions
 from ipoa_mission.errors import BadInput, LogUseless, OptionConflict, imported
-from ipoa_mission.options import ForceOption, JsonOption, LogSystemOption, ScenarioOption, expect_mission
+from ipoa_mission.options import (
+    ForceOption,
+    JsonOption,
+    LogSystemOption,
+    ScenarioOption,
+    argument,
+    expect_mission,
+    flag,
+)
 from ipoa_mission.terminal import notes, picked, print_json, print_lines, print_table, round_finite
 
 if TYPE_CHECKING:
@@ -32,21 +40,16 @@ class _Row(NamedTuple):
 
 @dataclass
 class LogOptions:
-    number: Annotated[
-        int | None, typer.Option("--flight", metavar="N", min=1, help="Only the N-th flight in the log.")
-    ] = None
+    number: Annotated[int | None, flag("--flight", "Only the N-th flight in the log.", "N", min=1)] = None
     system: LogSystemOption = None
     scenario: ScenarioOption = None
-    picture: Annotated[Path | None, typer.Option("--picture", metavar="FILE", help="Also draw it: .png or .svg.")] = (
-        None
-    )
+    picture: Annotated[Path | None, flag("--picture", "Also draw it: .png or .svg.", "FILE")] = None
     force: ForceOption = False
 
 
 def compare(
     files: Annotated[
-        list[Path],
-        typer.Argument(metavar="[FILE] LOG", help="A .tlog, .bin or .ulg, after the mission if the log lacks it."),
+        list[Path], argument("[FILE] LOG", "A .tlog, .bin or .ulg, after the mission if the log lacks it.")
     ],
     flown_by: FlownByOptions,
     options: LogOptions,

@@ -15,7 +15,7 @@ from ipoa_mission.cli.linking import connect_to, states_firmware
 from ipoa_mission.cli.planners import FlyJob, FlyOptions, planner_of, planners
 from ipoa_mission.errors import MissionError, OptionConflict
 from ipoa_mission.files import in_folder
-from ipoa_mission.options import NAMES, ForceOption, JsonOption, OutOption, SeedOption, or_packed
+from ipoa_mission.options import NAMES, ForceOption, JsonOption, OutOption, SeedOption, argument, or_packed
 from ipoa_mission.terminal import expect_folder, expect_log, notes, print_json, print_lines, progress_bar, shown
 
 if TYPE_CHECKING:
@@ -34,10 +34,10 @@ def fly(
     changes: ChangesMade,
     source: Annotated[
         Path,
-        typer.Argument(
-            metavar="SCENARIO|FILE",
+        argument(
+            "SCENARIO|FILE",
+            "Scenario (.toml, or `campus`) to plan first, or mission (.plan, .waypoints).",
             callback=or_packed,
-            help="Scenario (.toml, or `campus`) to plan first, or mission (.plan, .waypoints).",
         ),
     ],
     asked: FlyOptions,

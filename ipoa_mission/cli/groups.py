@@ -3,8 +3,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
 
-import typer
-
 import ipoa_mission.options as options
 from ipoa_mission.errors import OptionConflict
 from ipoa_mission.mission.flight_record import OnDeviation
@@ -15,8 +13,7 @@ from ipoa_mission.terminal import expect_free
 class SearchOptions:
     seed: options.SeedOption = 0
     optimizer: Annotated[
-        str | None,
-        typer.Option("--optimizer", metavar="NAME", help="Search algorithm, like ipoa or poa, also an installed one."),
+        str | None, options.flag("--optimizer", "Search algorithm, like ipoa or poa, also an installed one.", "NAME")
     ] = None
 
 
@@ -28,12 +25,10 @@ class FlownByOptions:
     param: options.ParameterOption = None
     param_file: options.ParameterFileOption = None
     wind: Annotated[
-        str | None,
-        typer.Option("--wind", metavar="M/S@DEG", help="A steady wind by speed and origin: 6@270 is from the west."),
+        str | None, options.flag("--wind", "A steady wind by speed and origin: 6@270 is from the west.", "M/S@DEG")
     ] = None
     vehicle: Annotated[
-        Path | None,
-        typer.Option("--vehicle", metavar="FILE", help="A vehicle file written by `learn`: drag, lag, delays, power."),
+        Path | None, options.flag("--vehicle", "A vehicle file written by `learn`: drag, lag, delays, power.", "FILE")
     ] = None
 
     def __post_init__(self) -> None:
@@ -80,24 +75,23 @@ class FileOutput:
 class LinkOptions:
     system: options.SystemOption = None
     log: Annotated[
-        Path | None,
-        options.link_option("--log", metavar="FILE", help="Log of every frame (.tlog); default: next to the mission."),
+        Path | None, options.link_option("--log", "Log of every frame (.tlog); default: next to the mission.", "FILE")
     ] = None
     key: options.KeyOption = None
     timeout: Annotated[
         float | None,
         options.link_option(
             "--timeout",
-            metavar="S",
-            min=1.0,
-            help="Give up after this time [s], also in flight: the vehicle is no longer watched then. "
+            "Give up after this time [s], also in flight: the vehicle is no longer watched then. "
             "Default: one hour until a flight begins.",
+            "S",
+            min=1.0,
         ),
     ] = None
-    backend: Annotated[options.Backend, options.link_option("--backend", help="MAVLink implementation.")] = (
+    backend: Annotated[options.Backend, options.link_option("--backend", "MAVLink implementation.")] = (
         options.Backend.BUILTIN
     )
-    anyway: Annotated[bool, options.link_option("--anyway", help=options.ANYWAY)] = False
+    anyway: Annotated[bool, options.link_option("--anyway", options.ANYWAY)] = False
 
     def written(self, usual_log: Path | None) -> list[str]:
         log = self.log or usual_log
@@ -107,20 +101,16 @@ class LinkOptions:
 @dataclass
 class FlightOptions:
     link: Annotated[
-        str | None,
-        options.link_option("--link", metavar="URL", help="Vehicle, like udpin:HOST:PORT; default: the built-in one."),
+        str | None, options.link_option("--link", "Vehicle, like udpin:HOST:PORT; default: the built-in one.", "URL")
     ] = None
     begin: Annotated[
-        int,
-        options.link_option("--from", metavar="N", min=1, help="Begin at item N of `show`; the path there is checked."),
+        int, options.link_option("--from", "Begin at item N of `show`; the path there is checked.", "N", min=1)
     ] = 1
     set_params: Annotated[
-        bool,
-        options.link_option("--set-params", help="Write parameters of the scenario and --param that differ aboard."),
+        bool, options.link_option("--set-params", "Write parameters of the scenario and --param that differ aboard.")
     ] = False
     on_deviation: Annotated[
-        OnDeviation,
-        options.link_option("--on-deviation", help="Order sent once if the flight deviates from the forecast."),
+        OnDeviation, options.link_option("--on-deviation", "Order sent once if the flight deviates from the forecast.")
     ] = OnDeviation.HOLD
 
     def given_for_link(self) -> dict[str, bool]:

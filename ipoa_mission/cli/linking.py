@@ -6,8 +6,6 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-import typer
-
 from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.cli.groups import FlownByOptions, LinkOptions
 from ipoa_mission.cli.interrupting import ChangesMade, interruptible
@@ -22,6 +20,8 @@ from ipoa_mission.options import (
     JsonOption,
     LinkOption,
     UnmeasuredVersionOption,
+    argument,
+    flag,
     signer_of,
 )
 from ipoa_mission.terminal import expect_free, expect_log, notes, print_json, print_lines, progress_bar
@@ -143,7 +143,7 @@ class DownloadOptions:
 @interruptible
 def download(
     changes: ChangesMade,
-    file: Annotated[Path, typer.Argument(metavar="FILE", help="File to write: .plan or .waypoints.")],
+    file: Annotated[Path, argument("FILE", "File to write: .plan or .waypoints.")],
     link: LinkOption,
     on_link: LinkOptions,
     to: DownloadOptions,
@@ -217,7 +217,7 @@ def rtl(changes: ChangesMade, link: LinkOption, on_link: LinkOptions, as_json: J
 
 def scan(
     link: LinkOption,
-    seconds: Annotated[float, typer.Option("--seconds", metavar="S", min=0.1, help="Time to listen [s].")] = 3.0,
+    seconds: Annotated[float, flag("--seconds", "Time to listen [s].", "S", min=0.1)] = 3.0,
     as_json: JsonOption = False,
 ) -> None:
     """List the autopilots heard on a link: class of vehicle and version.

@@ -4,8 +4,6 @@ from dataclasses import dataclass, replace
 from functools import cache, partial
 from typing import TYPE_CHECKING, Annotated
 
-import typer
-
 import ipoa_mission.options as options
 from ipoa_mission.autopilot.autopilot import Autopilot, default_autopilot
 from ipoa_mission.errors import BadInput, OptionConflict
@@ -14,20 +12,18 @@ from ipoa_mission.terminal import notes, print_json, print_lines
 if TYPE_CHECKING:
     from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot
 
-faulty_option = partial(typer.Option, rich_help_panel="Faults of the link")
+faulty_option = partial(options.flag, rich_help_panel="Faults of the link")
 ZURICH = (47.397742, 8.545594, 488.0)
 
 
 @dataclass
 class FaultOptions:
-    loss: Annotated[float, faulty_option("--loss", metavar="SHARE", min=0, max=1, help="Share of lost frames.")] = 0.0
-    duplicate: Annotated[
-        float, faulty_option("--duplicate", metavar="SHARE", min=0, max=1, help="Share of duplicated frames.")
-    ] = 0.0
-    delay: Annotated[float, faulty_option("--delay", metavar="S", min=0, help="Delay of a frame [s].")] = 0.0
-    reorder: Annotated[
-        float, faulty_option("--reorder", metavar="SHARE", min=0, max=1, help="Share of reordered frames.")
-    ] = 0.0
+    loss: Annotated[float, faulty_option("--loss", "Share of lost frames.", "SHARE", min=0, max=1)] = 0.0
+    duplicate: Annotated[float, faulty_option("--duplicate", "Share of duplicated frames.", "SHARE", min=0, max=1)] = (
+        0.0
+    )
+    delay: Annotated[float, faulty_option("--delay", "Delay of a frame [s].", "S", min=0)] = 0.0
+    reorder: Annotated[float, faulty_option("--reorder", "Share of reordered frames.", "SHARE", min=0, max=1)] = 0.0
 
 
 @dataclass
@@ -38,20 +34,17 @@ class MockOptions:
     scenario: options.ScenarioOption = None
     home: options.HomeOption = None
     firmware_version: Annotated[
-        str | None,
-        typer.Option("--firmware-version", metavar="X.Y", help="Firmware version; default: the newest measured one."),
+        str | None, options.flag("--firmware-version", "Firmware version; default: the newest measured one.", "X.Y")
     ] = None
     param: options.ParameterOption = None
     param_file: options.ParameterFileOption = None
     link: Annotated[
-        str, options.link_option("--link", metavar="URL", help="udpin, udpout, tcpin; loopback unless a host is named.")
+        str, options.link_option("--link", "udpin, udpout, tcpin; loopback unless a host is named.", "URL")
     ] = "udpin:127.0.0.1:14540"
-    speedup: Annotated[
-        float, typer.Option("--speedup", metavar="N", min=0.01, max=1000, help="Speed-up: times real time.")
-    ] = 1.0
+    speedup: Annotated[float, options.flag("--speedup", "Speed-up: times real time.", "N", min=0.01, max=1000)] = 1.0
     system: options.SystemOption = None
     key: options.KeyOption = None
-    seed: Annotated[int, faulty_option("--seed", metavar="N", min=0, help="Seed of the losses.")] = 0
+    seed: Annotated[int, faulty_option("--seed", "Seed of the losses.", "N", min=0)] = 0
 
 
 def mock(worse: FaultOptions, how: MockOptions, as_json: options.JsonOption = False) -> None:

@@ -3,13 +3,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-import typer
-
 from ipoa_mission.cli.interrupting import ChangesMade, interruptible
 from ipoa_mission.cli.planners import Planners, PlanOptions, planner_of, planners
 from ipoa_mission.errors import BadInput, OptionConflict, WrongSuffix
 from ipoa_mission.files import write_atomically
-from ipoa_mission.options import ForceOption, HomeOption, JsonOption, expect_scenario
+from ipoa_mission.options import ForceOption, HomeOption, JsonOption, argument, expect_scenario, flag
 from ipoa_mission.terminal import expect_folder, expect_free, notes, print_json, print_lines
 
 if TYPE_CHECKING:
@@ -23,14 +21,14 @@ def plan(
     added: Planners,
     scenario: Annotated[
         Path | None,
-        typer.Argument(
-            metavar="[SCENARIO]",
+        argument(
+            "[SCENARIO]",
+            f"Scenario file (TOML), or `campus`{''.join(f'; optional with {p.option}' for p in planners())}.",
             callback=lambda path: None if path is None else expect_scenario(path),
-            help=f"Scenario file (TOML), or `campus`{''.join(f'; optional with {p.option}' for p in planners())}.",
         ),
     ] = None,
     split: Annotated[
-        bool, typer.Option("--split", help="Without enough battery, split into the fewest flights: NAME-1.plan ...")
+        bool, flag("--split", "Without enough battery, split into the fewest flights: NAME-1.plan ...")
     ] = False,
 ) -> None:
     """Plan a scenario and write its mission: NAME.plan (QGroundControl), NAME.waypoints, and NAME.json about it.
@@ -86,16 +84,12 @@ def _read(path: Path | None, added: Planners) -> "Scenario":
 @dataclass
 class PlaceOptions:
     home: HomeOption = None
-    buildings: Annotated[
-        Path | None, typer.Option("--buildings", metavar="FILE", help="GeoJSON, .osm.pbf or another map.")
-    ] = None
-    elevation: Annotated[
-        Path | None, typer.Option("--elevation", metavar="FILE", help="Elevation model: GeoTIFF or SRTM .hgt.")
-    ] = None
+    buildings: Annotated[Path | None, flag("--buildings", "GeoJSON, .osm.pbf or another map.", "FILE")] = None
+    elevation: Annotated[Path | None, flag("--elevation", "Elevation model: GeoTIFF or SRTM .hgt.", "FILE")] = None
 
 
 def new(
-    target: Annotated[Path, typer.Argument(metavar="SCENARIO", help="Scenario file to write (.toml).")],
+    target: Annotated[Path, argument("SCENARIO", "Scenario file to write (.toml).")],
     at: PlaceOptions,
     force: ForceOption = False,
     as_json: JsonOption = False,

@@ -3,13 +3,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-import typer
-
 from ipoa_mission.cli.checking import known_budget, remarks_on
 from ipoa_mission.cli.groups import WorldOptions
 from ipoa_mission.errors import MissionError, WrongSuffix
 from ipoa_mission.files import MISSIONS
-from ipoa_mission.options import AutopilotOption, FileArgument, ForceOption, JsonOption, ScenarioOption
+from ipoa_mission.options import AutopilotOption, FileArgument, ForceOption, JsonOption, ScenarioOption, argument
 from ipoa_mission.terminal import notes, print_json, print_lines, print_table
 
 if TYPE_CHECKING:
@@ -96,7 +94,7 @@ class ExportOptions:
 
 def export(
     file: FileArgument,
-    target: Annotated[Path, typer.Argument(metavar="TARGET", help="File in the format of its suffix, like .kml.")],
+    target: Annotated[Path, argument("TARGET", "File in the format of its suffix, like .kml.")],
     options: ExportOptions,
 ) -> None:
     """Write a mission for other programs, like KML, or as the other mission format.

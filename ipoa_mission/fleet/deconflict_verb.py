@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from ipoa_mission.errors import BadInput, OptionConflict
-from ipoa_mission.options import ForceOption, JsonOption, expect_mission
+from ipoa_mission.options import ForceOption, JsonOption, argument, expect_mission, flag
 from ipoa_mission.terminal import expect_folder, expect_free, picked, print_json, print_lines, print_table, round_finite
 
 if TYPE_CHECKING:
@@ -19,21 +19,17 @@ if TYPE_CHECKING:
 
 @dataclass
 class DeconflictOptions:
-    separation: Annotated[
-        float, typer.Option("--separation", metavar="M", min=0.1, max=1e4, help="Least distance of two vehicles.")
-    ] = 10.0
-    confidence: Annotated[
-        float, typer.Option("--confidence", min=0.5, max=0.999999, help="Probability that a pair keeps it.")
-    ] = 0.999
-    departures: Annotated[
-        str | None, typer.Option("--departures", metavar="S,S,...", help="When each may depart; default all at 0 s.")
-    ] = None
-    most_delay: Annotated[
-        float, typer.Option("--most-delay", metavar="S", min=0.0, max=1e5, help="The longest delay of a departure.")
-    ] = 600.0
-    out: Annotated[
-        Path | None, typer.Option("--out", metavar="DIR", help="Write changed missions and timetable.json to it.")
-    ] = None
+    separation: Annotated[float, flag("--separation", "Least distance of two vehicles.", "M", min=0.1, max=1e4)] = 10.0
+    confidence: Annotated[float, flag("--confidence", "Probability that a pair keeps it.", min=0.5, max=0.999999)] = (
+        0.999
+    )
+    departures: Annotated[str | None, flag("--departures", "When each may depart; default all at 0 s.", "S,S,...")] = (
+        None
+    )
+    most_delay: Annotated[float, flag("--most-delay", "The longest delay of a departure.", "S", min=0.0, max=1e5)] = (
+        600.0
+    )
+    out: Annotated[Path | None, flag("--out", "Write changed missions and timetable.json to it.", "DIR")] = None
     force: ForceOption = False
     as_json: JsonOption = False
 
@@ -50,8 +46,7 @@ class DeconflictOptions:
 
 
 def deconflict(
-    files: Annotated[list[Path], typer.Argument(metavar="FILE...", help="Missions: .plan or .waypoints.")],
-    options: DeconflictOptions,
+    files: Annotated[list[Path], argument("FILE...", "Missions: .plan or .waypoints.")], options: DeconflictOptions
 ) -> None:
     """Predict where missions may meet, and delay, hold or raise vehicles until each pair keeps its separation.
 

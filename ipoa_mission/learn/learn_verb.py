@@ -3,11 +3,9 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-import typer
-
 from ipoa_mission.errors import BadInput, LogUseless, MissionError, OptionConflict
 from ipoa_mission.files import MISSIONS
-from ipoa_mission.options import ForceOption, JsonOption, LogSystemOption
+from ipoa_mission.options import ForceOption, JsonOption, LogSystemOption, argument, flag
 from ipoa_mission.terminal import notes, print_json, print_lines, print_table
 
 if TYPE_CHECKING:
@@ -17,10 +15,9 @@ if TYPE_CHECKING:
 
 def learn(
     files: Annotated[
-        list[Path],
-        typer.Argument(metavar="[FILE] LOG...", help="Logs, each after its mission if the log does not contain it."),
+        list[Path], argument("[FILE] LOG...", "Logs, each after its mission if the log does not contain it.")
     ],
-    out: Annotated[Path, typer.Option("--out", metavar="FILE", help="Vehicle file to write.")] = Path("vehicle.toml"),
+    out: Annotated[Path, flag("--out", "Vehicle file to write.", "FILE")] = Path("vehicle.toml"),
     system: LogSystemOption = None,
     force: ForceOption = False,
     as_json: JsonOption = False,

@@ -2,29 +2,23 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
 
-import typer
-
 from ipoa_mission.cli.interrupting import ChangesMade, interruptible
 from ipoa_mission.files import make_folder
-from ipoa_mission.options import JsonOption
+from ipoa_mission.options import JsonOption, argument, flag
 from ipoa_mission.terminal import print_json, print_lines, progress_bar
 
 
 @dataclass
 class RunOptions:
-    runs: Annotated[
-        int | None, typer.Option("--runs", metavar="N", min=1, help="Runs of each; default: as in the paper.")
-    ] = None
-    out: Annotated[Path, typer.Option("--out", metavar="DIR", help="Folder of runs, tables and figures.")] = Path(
-        "reproduction"
-    )
-    jobs: Annotated[int, typer.Option("--jobs", metavar="N", min=1, help="Processes.")] = 2
+    runs: Annotated[int | None, flag("--runs", "Runs of each; default: as in the paper.", "N", min=1)] = None
+    out: Annotated[Path, flag("--out", "Folder of runs, tables and figures.", "DIR")] = Path("reproduction")
+    jobs: Annotated[int, flag("--jobs", "Processes.", "N", min=1)] = 2
 
 
 @interruptible
 def reproduce(
     changes: ChangesMade,
-    what: Annotated[str, typer.Argument(metavar="WHAT", help="table-3, figure-7, dimension, ..., or all.")],
+    what: Annotated[str, argument("WHAT", "table-3, figure-7, dimension, ..., or all.")],
     how: RunOptions,
     as_json: JsonOption = False,
 ) -> None:

@@ -5,10 +5,8 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Annotated
 
-import typer
-
 from ipoa_mission.errors import BadInput, MissionError
-from ipoa_mission.options import JsonOption, ScenarioOption, SeedOption, or_packed
+from ipoa_mission.options import JsonOption, ScenarioOption, SeedOption, argument, flag, or_packed
 from ipoa_mission.terminal import print_json, print_lines
 
 LIBRARIES = ("starlette", "uvicorn", "websockets", "tomlkit")
@@ -18,21 +16,19 @@ LIBRARIES = ("starlette", "uvicorn", "websockets", "tomlkit")
 class PageOptions:
     home: Annotated[
         tuple[float, float, float] | None,
-        typer.Option("--new", metavar="LAT LON ALT", help="Begin a new scenario with this home: degrees, meters AMSL."),
+        flag("--new", "Begin a new scenario with this home: degrees, meters AMSL.", "LAT LON ALT"),
     ] = None
-    port: Annotated[int, typer.Option("--port", metavar="N", min=0, max=65535, help="0: any free port.")] = 0
-    browser: Annotated[bool, typer.Option("--browser/--no-browser", help="Open the page.")] = True
+    port: Annotated[int, flag("--port", "0: any free port.", "N", min=0, max=65535)] = 0
+    browser: Annotated[bool, flag("--browser/--no-browser", "Open the page.")] = True
     tiles: Annotated[
         str | None,
-        typer.Option(
+        flag(
             "--tiles",
-            metavar="URL|FILE",
-            help="Map tiles, remembered: an address with {z}, {x}, {y}, or an MBTiles file; `none` forgets it.",
+            "Map tiles, remembered: an address with {z}, {x}, {y}, or an MBTiles file; `none` forgets it.",
+            "URL|FILE",
         ),
     ] = None
-    attribution: Annotated[
-        str | None, typer.Option("--attribution", metavar="WORDS", help="Attribution of the map, shown on it.")
-    ] = None
+    attribution: Annotated[str | None, flag("--attribution", "Attribution of the map, shown on it.", "WORDS")] = None
     world: ScenarioOption = None
     seed: SeedOption = 0
 
@@ -41,10 +37,10 @@ def studio(
     page: PageOptions,
     file: Annotated[
         Path | None,
-        typer.Argument(
-            metavar="[FILE]",
+        argument(
+            "[FILE]",
+            "Scenario (.toml), mission (.plan, .waypoints) or log (.tlog, .bin, .ulg); default: the start page.",
             callback=lambda path: None if path is None else or_packed(path),
-            help="Scenario (.toml), mission (.plan, .waypoints) or log (.tlog, .bin, .ulg); default: the start page.",
         ),
     ] = None,
     as_json: JsonOption = False,

@@ -9,7 +9,7 @@ from ipoa_mission.cli.groups import FileOutput
 from ipoa_mission.cli.interrupting import ChangesMade
 from ipoa_mission.cli.planners import FlyJob, FlyOptions, PlanOptions
 from ipoa_mission.errors import OptionConflict
-from ipoa_mission.options import LogSystemOption
+from ipoa_mission.options import LogSystemOption, flag
 from ipoa_mission.terminal import confirm, print_json, print_lines, print_table
 
 if TYPE_CHECKING:
@@ -30,30 +30,17 @@ class SurveyPlanner:
     battery is not enough there are NAME-1.plan, NAME-2.plan and so on. With `--flown LOG` only the rest is planned, as
     NAME-rest."""
 
-    survey: Annotated[
-        Path | None, typer.Option("--survey", metavar="AREA", help="Survey the whole area in this map (GeoJSON, KML).")
-    ] = None
-    height: Annotated[
-        float | None, typer.Option("--height", metavar="M", help="Height of a survey above the ground; default 40.")
-    ] = None
+    survey: Annotated[Path | None, flag("--survey", "Survey the whole area in this map (GeoJSON, KML).", "AREA")] = None
+    height: Annotated[float | None, flag("--height", "Height of a survey above the ground; default 40.", "M")] = None
     line_spacing: Annotated[
-        float | None,
-        typer.Option("--line-spacing", metavar="M", help="Spacing of the lines; default 20, or by the camera."),
+        float | None, flag("--line-spacing", "Spacing of the lines; default 20, or by the camera.", "M")
     ] = None
-    width: Annotated[
-        float | None, typer.Option("--width", metavar="M", help="Width of a corridor along the lines in this map.")
-    ] = None
-    camera: Annotated[str | None, typer.Option("--camera", metavar="NAME", help="Camera of the photos.")] = None
-    gsd: Annotated[
-        float | None, typer.Option("--gsd", metavar="CM", help="Ground sampling distance, instead of the height.")
-    ] = None
+    width: Annotated[float | None, flag("--width", "Width of a corridor along the lines in this map.", "M")] = None
+    camera: Annotated[str | None, flag("--camera", "Camera of the photos.", "NAME")] = None
+    gsd: Annotated[float | None, flag("--gsd", "Ground sampling distance, instead of the height.", "CM")] = None
     flown: Annotated[
         list[Path] | None,
-        typer.Option(
-            "--flown",
-            metavar="LOG",
-            help="Plan the rest of the survey, without the part flown in this log (.tlog, .bin, .ulg).",
-        ),
+        flag("--flown", "Plan the rest of the survey, without the part flown in this log (.tlog, .bin, .ulg).", "LOG"),
     ] = None
     system: LogSystemOption = None
 
