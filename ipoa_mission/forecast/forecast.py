@@ -183,7 +183,7 @@ class Forecast:
         model = self.mission.autopilot.part(FlightModel)
         if noise_free and fast is None and model.is_always_noise_free:
             return self.expected  # a long flight is large
-        return model.predicted(self.itinerary, self.wind, fast, noise_free)
+        return model.predicted(self.itinerary, self._air, fast, noise_free)
 
     def predicted_with(self, contingency: Contingency, time: float) -> Prediction:
         """Predict the flight until `contingency` is ordered at `time` [s], then that until it disarms.
@@ -194,7 +194,16 @@ class Forecast:
         if contingency not in TIMED:
             raise NotModeled(f"the duration of {contingency} is not modeled")
         model = self.mission.autopilot.part(FlightModel)
-        return model.predict_contingency(self.itinerary, self.wind, contingency, time)
+        return model.predict_contingency(self.itinerary, self._air, contingency, time)
+
+    @property
+    def _air(self) -> Wind:
+        """Return the wind by heights above the mission's home."""
+        if self.scenario is None:
+            return self.wind
+        lower = self.scenario.frame.home.altitude - self.mission.home.altitude
+        levels = tuple(level._replace(height=level.height + lower) for level in self.wind.levels)
+        return replace(self.wind, levels=levels)
 
     @property
     def deviation_law(self) -> DeviationLaw:
@@ -239,7 +248,7 @@ class Forecast:
         task = clearance_task(self.world, self.mission.autopilot)
         predicted = self.predicted(noise_free=True)
         model = self.mission.autopilot.part(FlightModel)
-        spread = None if task.chance is None else model.spread(self.itinerary, self.wind, predicted)
+        spread = None if task.chance is None else model.spread(self.itinerary, self._air, predicted)
         track = self.placed_track(predicted.track.local())
         return clearance_guarantee_of(PredictedFlight(self.itinerary, predicted, track, task, spread))
 

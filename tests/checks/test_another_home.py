@@ -21,6 +21,7 @@ from ipoa_mission.scenario import Scenario
 from ipoa_mission.simulator.fly import fly_built_in
 from ipoa_mission.studio.mission_view import mission_world
 from ipoa_mission.studio.plan_answers import expected
+from ipoa_mission.wind import Wind
 from tests.checks.test_airspace import WORLD, flight, place, seen, world
 from tests.refused import refuses
 
@@ -237,3 +238,15 @@ def test_clearance_over_uneven_terrain_is_unknown() -> None:
                 Contingencies(forecast).rows(Contingency.RTL)
         else:
             assert clearance(forecast).guaranteed > 0.0
+
+
+@pytest.mark.parametrize("autopilot", AUTOPILOTS)
+def test_levels_of_wind_count_from_the_scenarios_home(autopilot: Autopilot) -> None:
+    scenario = world()
+    mission = flight(scenario, (0.0, 60.0, 20.0), (100.0, 60.0, 20.0), autopilot=autopilot)
+    heights = np.array([30.0, 45.0, 60.0])
+    there, here = (Wind.of_profile(list(heights - up), [0.0, 6.0, 14.0], [90.0] * 3) for up in (0.0, 25.0))
+    higher = Forecast(moved(mission, scenario, (0.0, 0.0, 25.0)), scenario, there)
+    level = Forecast(mission, scenario, here)
+    assert higher.expected.done[:-1] == pytest.approx(level.expected.done[:-1], rel=0.02)
+    assert level.expected.done[-2] != pytest.approx(Forecast(mission, scenario, there).expected.done[-2], rel=0.05)
