@@ -3,7 +3,7 @@
 import re
 import struct
 from collections.abc import Generator, Iterable, Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 from fastcrc.crc16 import mcrf4xx
@@ -78,8 +78,7 @@ class Codec:
         return Heard(system, component, target, wire.read(definition.name, raw), frame)
 
 
-@dataclass
-class _Begun:
+class _Begun(NamedTuple):
     text: Text  # chunks so far
     number: int  # of the sender's last frame
     ends_s: float
@@ -91,25 +90,26 @@ class _Begun:
         return replace(self.text, text=raw.decode("utf-8", "replace"), chunk_seq=0)
 
 
-@dataclass
 class LongTexts:
     """Join chunks of STATUSTEXT; `GAP` is a missing one. After one of 50 bytes PX4 may send no other."""
 
     GAP = "[...]"
-    CHUNK_BYTES = 50
     WAIT_S = 1.0
-    _begun: dict[Target, _Begun] = field(default_factory=dict)
+
+    def __init__(self) -> None:
+        self._begun: dict[Target, _Begun] = {}
 
     def joined(self, heard: Iterable[Heard], now_s: float) -> Iterator[Heard]:
         """Yield each frame; a text that none ended has no `raw`."""
         for each in heard:
             sender = Target(each.system, each.component)
             number = numbered(each.raw)[1] if each.raw else 0
-            begun = self._begun.get(sender)
-            if begun is not None:
-                begun.end = self.GAP if number != (begun.number + 1) % 256 and each.raw else begun.end
-                begun.number = number
+            begun = self._begun.pop(sender, None)
+            if begun is not None and number != (begun.number + 1) % 256 and each.raw:
+                begun = begun._replace(end=self.GAP)
             chunk = each.message
+            if begun is not None and not isinstance(chunk, Text):
+                self._begun[sender] = begun._replace(number=number)
             if not isinstance(chunk, Text):
                 yield each
                 continue
@@ -119,14 +119,11 @@ class LongTexts:
             before = replace(chunk, text="", chunk_seq=-1) if begun is None else begun.text
             text = before.text + self.GAP * (chunk.chunk_seq - before.chunk_seq - 1) + chunk.text
             begun = _Begun(replace(chunk, text=text), number, now_s + self.WAIT_S)
-            is_last = chunk.id == 0 or len(chunk.text.encode("utf-8", "surrogateescape")) < self.CHUNK_BYTES
-            self._begun |= {sender: begun}
-            if is_last:
-                del self._begun[sender]
+            is_last = chunk.id == 0 or len(chunk.text.encode("utf-8", "surrogateescape")) < 50
+            self._begun |= {} if is_last else {sender: begun}
             yield replace(each, message=begun.whole if is_last else None)
-        for sender, begun in [*self._begun.items()]:
-            if now_s > begun.ends_s:
-                yield Heard(*sender, EVERYONE, self._begun.pop(sender).whole, b"")
+        for sender in [sender for sender, begun in self._begun.items() if now_s > begun.ends_s]:
+            yield Heard(*sender, EVERYONE, self._begun.pop(sender).whole, b"")
 
 
 class Framer:

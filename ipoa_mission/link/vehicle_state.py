@@ -135,10 +135,9 @@ class VehicleState:
     @property
     def is_paused(self) -> bool:
         """Return whether it reports a pause within its mission."""
-        if self.current is None or self.custom_mode != self.autopilot.modes.mission:
-            return False
-        is_reported = self.current.mission_state == m.MissionState.PAUSED
-        return is_reported and self.autopilot.protocol_profile.pauses_in_mission
+        is_reported = self.current is not None and self.current.mission_state == m.MissionState.PAUSED
+        can = self.autopilot.protocol_profile.pauses_in_mission
+        return can and is_reported and self.custom_mode == self.autopilot.modes.mission
 
     def __str__(self) -> str:
         if self.armed is None:

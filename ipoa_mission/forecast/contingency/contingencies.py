@@ -219,7 +219,8 @@ class Contingencies:
             grades = self._grades(contingency, samples)
             runs = _runs(samples.possible, grades)
             self._rows[contingency] = [(self._row(contingency, samples, run, grades[run.start]), run) for run in runs]
-        return tuple(self._timed(row, samples, run) if timed else row for row, run in self._rows[contingency])
+        runs = self._rows[contingency]
+        return tuple(self._timed(row, samples, _extremes(samples, run)) if timed else row for row, run in runs)
 
     def at(self, contingency: Contingency, time: float, timed: bool = True) -> ContingencyRow:
         if (unknown := self._unknown(contingency, time, time)) is not None:
@@ -232,11 +233,8 @@ class Contingencies:
         middle = int(np.searchsorted(samples.times, order_s[0]))
         row = self._row(contingency, samples, range(len(samples.times)), self._grades(contingency, samples)[middle])
         row = replace(row, from_s=time, to_s=time, goal=self.paths.goal_names(contingency, samples, middle))
-        if not timed:
-            return row
         moments = (middle,) if contingency in IN_PLACE else (middle, 0, len(samples.times) - 1)
-        now, *others = (self._timed(row, samples, range(n, n + 1)) for n in moments)
-        return _with_other_ways(now, others, 4.0 * tolerance)
+        return self._timed(row, samples, moments, another_way_s=4.0 * tolerance) if timed else row
 
     def _unknown(self, contingency: Contingency, begin: float, end: float) -> ContingencyRow | None:
         if contingency is not Contingency.RTL or (why := self.paths.why_unknown()) is None:
@@ -310,19 +308,19 @@ class Contingencies:
         picked = {*np.argsort(slack, kind="stable")[:most].tolist(), *inside[few].tolist()}
         return [self.paths.exact_clearance(contingency, samples, run[n]) for n in sorted(picked)]
 
-    def _timed(self, row: ContingencyRow, samples: ContingencySamples, run: range) -> ContingencyRow:
+    def _timed(
+        self, row: ContingencyRow, samples: ContingencySamples, moments: Sequence[int], another_way_s: float = 0.0
+    ) -> ContingencyRow:
+        """Count moments whose duration differs from the first one's by more than `another_way_s`."""
         if row.contingency not in TIMED:
             return row
-        lengths = np.linalg.norm(np.diff(samples.paths[run.start : run.stop], axis=2), axis=-1).sum(axis=2)
-        possible = samples.possible[run.start : run.stop]
-        shortest = int(np.where(possible, lengths, np.inf).min(axis=1).argmin())
-        longest = int(np.where(possible, lengths, 0.0).max(axis=1).argmax())
-        picked = {run[n] for n in (0, shortest, longest, -1)}
         try:
-            times = [float(samples.times[n]) for n in sorted(picked)]
-            flown = [predict_contingency(self.forecast, row.contingency, time) for time in times]
+            times = [float(samples.times[n]) for n in moments]
+            first, *others = (predict_contingency(self.forecast, row.contingency, time) for time in times)
         except MissionError as error:
             return replace(row, why_untimed=str(error))
+        apart = [np.abs(np.subtract(each.duration_s, first.duration_s)).max() for each in others]
+        flown = [first, *(each for each, seconds in zip(others, apart, strict=True) if seconds > another_way_s)]
         used = [each.used.between for each in flown if each.used is not None]
         return replace(
             row,
@@ -375,22 +373,13 @@ def _widest(intervals: Sequence[tuple[float, float]]) -> tuple[float, float] | N
     return (min(low for low, _ in intervals), max(high for _, high in intervals)) if intervals else None
 
 
-def _with_other_ways(row: ContingencyRow, others: Sequence[ContingencyRow], apart_s: float) -> ContingencyRow:
-    """Count the times of `others`, ordered a little earlier or later, that take more than `apart_s` more or less."""
-    timed = row.duration_s
-    if timed is None:
-        return row
-    ways = [row]
-    for other in others:
-        if other.duration_s is not None and np.abs(np.subtract(other.duration_s, timed)).max() > apart_s:
-            ways.append(other)
-    return replace(
-        row,
-        touches_s=_widest([each.touches_s for each in ways if each.touches_s is not None]),
-        duration_s=_widest([each.duration_s for each in ways if each.duration_s is not None]),
-        energy_wh=_widest([each.energy_wh for each in ways if each.energy_wh is not None]),
-        remarks=tuple(dict.fromkeys(remark for each in ways for remark in each.remarks)),
-    )
+def _extremes(samples: ContingencySamples, run: range) -> list[int]:
+    """Return the first, last, shortest and longest path."""
+    lengths = np.linalg.norm(np.diff(samples.paths[run.start : run.stop], axis=2), axis=-1).sum(axis=2)
+    possible = samples.possible[run.start : run.stop]
+    shortest = int(np.where(possible, lengths, np.inf).min(axis=1).argmin())
+    longest = int(np.where(possible, lengths, 0.0).max(axis=1).argmax())
+    return sorted({run[n] for n in (0, shortest, longest, -1)})
 
 
 def _runs(possible: NDArray[np.bool_], grades: Sequence[Grade]) -> Iterator[range]:
