@@ -2,7 +2,7 @@
 # metafora forecasts a thunderstorm under CAVOK, which says that there is none.
 #
 # metafora 1.1.8, propagate_forecasts of "TAF LSZH 121100Z 1212/1318 24008KT 2000 TSRA BKN010CB BECMG 1214/1216 CAVOK".
-# It hands what holds from each period on to the next. Guess: as CAVOK stands for visibility, weather and cloud (ICAO
+# It hands what holds from each period on to the next. Guess: as CAVOK is for visibility, weather and cloud (ICAO
 # Annex 3), the second period has neither TSRA nor CB, as after "9999 NSW NSC". Seen: CAVOK, TSRA and BKN010CB in one
 # period. Exits 1 if that changes.
 set -e

@@ -1,5 +1,5 @@
 #!/bin/sh
-# photogrammetry-target-locator looks west for north, and forgets the heading of a camera that looks straight down.
+# photogrammetry-target-locator looks west for north, and ignores the heading of a camera that looks straight down.
 #
 # photogrammetry-target-locator 0.1.2, calculate_target_coordinates from 100 m above level ground, 60 by 45 degrees of
 # view; its web service of heights is replaced by 0 m. Guess, pitch -90: the lower side of a picture is south with
