@@ -208,7 +208,8 @@ def cross_validate(flights: Sequence[Evidence]) -> list[CrossValidation]:
 def timed(flights: Sequence[Evidence], vehicle: LearnedVehicle) -> list[CrossValidation]:
     rows = []
     for one in flights:
-        before, after = (float(one.forecast(each).sum()) for each in (None, vehicle))
+        before = float(one.forecast(None).sum())
+        after = float(one.forecast(vehicle).sum())
         measured_wh = one.measured.energy_wh
         forecast_wh = one.energy(vehicle) if measured_wh else None
         rows.append(CrossValidation(one.name, float(one.seconds.sum()), before, after, measured_wh, forecast_wh))

@@ -31,7 +31,7 @@ from ipoa_mission.forecast.contingency.contingency_samples import SAMPLING
 from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.mission.items import FenceCircle, Item, Mission, change_speed, land, takeoff, waypoint
 from ipoa_mission.vehicles.arducopter.braking import braking_displacement
-from ipoa_mission.vehicles.px4_multicopter.flights import Flights
+from ipoa_mission.vehicles.px4_multicopter.simulation import MissionSimulation
 from tests.examples import examples
 from tests.refused import refuses
 
@@ -170,7 +170,7 @@ def test_px4_runs_on_as_flown(contingency: Contingency, climb: float, flown: flo
 
 @pytest.mark.parametrize(("cruise", "farthest"), [(5.0, -1.51), (10.0, -2.32), (15.0, -3.01)])
 def test_px4_runs_on_farther_before_a_fast_return(cruise: float, farthest: float) -> None:
-    # by `Flights` without noise
+    # by `MissionSimulation` without noise
     velocity = np.array([[0.0, 0.0, -1.5]])
     (runs_on,) = Autopilot.PX4.stopping_climb({"MPC_XY_CRUISE": cruise}, velocity, 0.0 * velocity, Contingency.RTL)
     assert farthest - 1.05 <= runs_on - 0.6 * 1.5 <= farthest
@@ -351,15 +351,15 @@ def test_duration_counts_ways_home_that_an_earlier_or_later_flight_takes(
 
 def lose_noisy_flights(monkeypatch: pytest.MonkeyPatch, lost: range) -> list[int]:
     """Lose the flights of these seeds that have a contingency; return the list of seeds that are not lost."""
-    flown, ended = Flights.flown_with, list[int]()
+    flown, ended = MissionSimulation.flown_with, list[int]()
 
-    def flown_with(self: Flights, contingency: Contingency, time: float, seed: int | None) -> Any:
+    def flown_with(self: MissionSimulation, contingency: Contingency, time: float, seed: int | None) -> Any:
         if seed in lost:
             raise MissionError("the vehicle circles", code="unreachable")
         ended.extend([seed] if seed else [])
         return flown(self, contingency, time, seed)
 
-    monkeypatch.setattr(Flights, "flown_with", flown_with)
+    monkeypatch.setattr(MissionSimulation, "flown_with", flown_with)
     return ended
 
 

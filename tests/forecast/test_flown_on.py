@@ -15,7 +15,7 @@ from ipoa_mission import Forecast, read_mission, read_scenario
 from ipoa_mission.autopilot.returning import TIMED, Contingency
 from ipoa_mission.compiled import jit_if_faster
 from ipoa_mission.forecast.contingency.contingencies import predict_contingency
-from ipoa_mission.vehicles.px4_multicopter.flights import Flights, FlownOnce
+from ipoa_mission.vehicles.px4_multicopter.simulation import FlownOrders, MissionSimulation
 from tests.examples import examples
 
 MISSIONS = Path(__file__).parents[2] / "missions"
@@ -27,16 +27,16 @@ def forecast_of(name: str) -> Forecast:
 
 
 @pytest.fixture(scope="module")
-def flights() -> Flights:
+def simulation() -> MissionSimulation:
     forecast = forecast_of("sitl")
-    return Flights(forecast.itinerary, forecast.wind)
+    return MissionSimulation(forecast.itinerary, forecast.wind)
 
 
 def numbers(state: Any) -> Iterator[float]:
     return chain.from_iterable(map(numbers, state)) if isinstance(state, tuple) else iter((float(state),))
 
 
-def expect_equal(one: FlownOnce, other: FlownOnce) -> None:
+def expect_equal(one: FlownOrders, other: FlownOrders) -> None:
     """Expect the same flights to the bit, also in all that they go on from."""
     assert one.done.tobytes() == other.done.tobytes()
     assert one.samples.tobytes() == other.samples.tobytes()
@@ -46,20 +46,20 @@ def expect_equal(one: FlownOnce, other: FlownOnce) -> None:
 @settings(max_examples=examples(30))
 @given(seed=st.integers(1, 90), stops=st.lists(st.floats(0.1, LASTS_S), min_size=2, max_size=4), noisy=st.booleans())
 def test_a_flight_flown_on_is_the_same_as_one_without_a_stop(
-    flights: Flights, seed: int, stops: list[float], noisy: bool
+    simulation: MissionSimulation, seed: int, stops: list[float], noisy: bool
 ) -> None:
-    fly_on = flights.simulation(flights.mission_orders.orders, noisy=noisy, fast=True, sampled=True)
-    stopped = flights.at_start(seed)
+    fly_on = simulation.flight_of(simulation.mission_orders.orders, noisy=noisy, fast=True, sampled=True)
+    stopped = simulation.at_start(seed)
     for time in sorted(stops):
         stopped = fly_on(stopped, until=time)
-    expect_equal(stopped, fly_on(flights.at_start(seed), until=max(stops)))
+    expect_equal(stopped, fly_on(simulation.at_start(seed), until=max(stops)))
 
 
 @pytest.mark.parametrize("until", [0.3, 20.0, 45.0, LASTS_S])
-def test_a_flight_is_the_same_compiled_and_not(flights: Flights, until: float) -> None:
-    orders = flights.mission_orders.orders
-    plain, compiled = (flights.simulation(orders, noisy=True, fast=fast, sampled=True) for fast in (False, True))
-    start = flights.at_start(7)
+def test_a_flight_is_the_same_compiled_and_not(simulation: MissionSimulation, until: float) -> None:
+    orders = simulation.mission_orders.orders
+    plain, compiled = (simulation.flight_of(orders, noisy=True, fast=fast, sampled=True) for fast in (False, True))
+    start = simulation.at_start(7)
     expect_equal(plain(start, until=until), compiled(start, until=until))
 
 
@@ -78,7 +78,7 @@ def spans(monkeypatch: pytest.MonkeyPatch) -> list[tuple[float, float, float]]:
 
         return flown
 
-    monkeypatch.setattr("ipoa_mission.vehicles.px4_multicopter.flights.jit_if_faster", recording)
+    monkeypatch.setattr("ipoa_mission.vehicles.px4_multicopter.simulation.jit_if_faster", recording)
     return recorded
 
 

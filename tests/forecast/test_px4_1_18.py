@@ -14,7 +14,7 @@ from ipoa_mission.autopilot.version import Version
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.geodesy import LocalFrame
 from ipoa_mission.mission.mission_io import read_mission
-from ipoa_mission.vehicles.px4_multicopter.flights import Flights
+from ipoa_mission.vehicles.px4_multicopter.simulation import MissionSimulation
 from tests.refused import refuses
 
 AWAY = Path(__file__).parents[1] / "data" / "flyaway" / "h6_rally-px4.plan"
@@ -65,6 +65,6 @@ def test_a_waypoint_without_a_radius_of_its_own_is_reached_at_10_m() -> None:
     items = (replace(item, params=(*item.params[:1], 0.0, *item.params[2:])) for item in mission.items)
     itinerary = Forecast(replace(mission, items=tuple(items)), None).itinerary
     missions = (replace(mission, firmware_version=version) for version in (VERSION, Version(1, 17)))
-    flights = [Flights(replace(itinerary, mission=mission)) for mission in missions]
+    flights = [MissionSimulation(replace(itinerary, mission=mission)) for mission in missions]
     radii = [{order.radius for order in each.mission_orders.orders[2:4]} for each in flights]
     assert radii == [{10.0}, {2.0}]

@@ -14,7 +14,7 @@ from ipoa_mission.autopilot.version import Version
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.geometry import Points
 from ipoa_mission.mission.mission_io import read_mission
-from ipoa_mission.vehicles.px4_multicopter.flights import Flights
+from ipoa_mission.vehicles.px4_multicopter.simulation import MissionSimulation
 
 FOLDER = Path(__file__).parents[1] / "data" / "flights_crest"
 FLOWN = [np.loadtxt(path, delimiter=",", skiprows=1) for path in sorted(FOLDER.glob("flight-*.csv"))]
@@ -22,9 +22,9 @@ PLACE = 245.0  # east of home, 24 m past the crest [m]
 
 
 @pytest.fixture(scope="module")
-def flights() -> Flights:
+def simulation() -> MissionSimulation:
     mission = replace(read_mission(FOLDER / "mission.plan", Autopilot.PX4), firmware_version=Version(1, 17))
-    return Flights(Forecast(mission, None).itinerary)
+    return MissionSimulation(Forecast(mission, None).itinerary)
 
 
 def slowest(track: Points) -> float:
@@ -41,15 +41,15 @@ def test_the_flights_nearly_stop_past_the_crest_three_times_of_four() -> None:
     assert sorted(slowest(track) < 2.0 for track in FLOWN) == [False, True, True, True]
 
 
-def test_the_path_without_noise_does_so_at_the_height_that_was_flown(flights: Flights) -> None:
-    orders = flights.mission_orders.orders
-    path = flights.simulation(orders, noisy=False, fast=True)(flights.at_start(0)).samples[:, :4]
+def test_the_path_without_noise_does_so_at_the_height_that_was_flown(simulation: MissionSimulation) -> None:
+    orders = simulation.mission_orders.orders
+    path = simulation.flight_of(orders, noisy=False, fast=True)(simulation.at_start(0)).samples[:, :4]
     assert slowest(path) < 2.0
     flown = sorted(height_at_place(track) for track in FLOWN)
     assert flown[0] - 1.0 < height_at_place(path) < flown[-1]
 
 
-def test_some_flights_with_noise_do_so_and_some_do_not(flights: Flights) -> None:
-    fly_on = flights.simulation(flights.mission_orders.orders, noisy=True, fast=True, steps=1e6, sampled=True)
-    stopped = [slowest(fly_on(flights.at_start(seed)).samples[:, :4]) < 2.0 for seed in range(1, 21)]
+def test_some_flights_with_noise_do_so_and_some_do_not(simulation: MissionSimulation) -> None:
+    fly_on = simulation.flight_of(simulation.mission_orders.orders, noisy=True, fast=True, steps=1e6, sampled=True)
+    stopped = [slowest(fly_on(simulation.at_start(seed)).samples[:, :4]) < 2.0 for seed in range(1, 21)]
     assert 10 <= sum(stopped) < 20

@@ -19,7 +19,7 @@ from ipoa_mission.forecast.timing.track import Track, pieces_of
 from ipoa_mission.mission.mission_io import read_mission
 from ipoa_mission.scenario import read_scenario
 from ipoa_mission.vehicles.px4_multicopter.flight_model import spread_of
-from ipoa_mission.vehicles.px4_multicopter.flights import RUNS
+from ipoa_mission.vehicles.px4_multicopter.simulation import RUNS
 from ipoa_mission.world.airspace import Airspace, Bounds
 from ipoa_mission.world.obstacles import Prism
 from ipoa_mission.world.terrain import Flat

@@ -56,24 +56,24 @@ class ArduCopterModel(FlightModel):
     simulated_lag = ARDUPILOT_SIMULATOR.lag
     kept_flights = 4  # the latest, for others with the same first items
     most_kept_visits = 400  # of each
-    _latest: "tuple[_Flight, ...]" = ()
+    _latest: "tuple[_MissionRun, ...]" = ()
 
     def predicted(self, itinerary: Itinerary, wind: Wind, fast: bool | None, noise_free: bool) -> Prediction:
-        flight = _Flight(itinerary, wind, fast)
-        flight.continue_one_of(self._latest)
-        for n in range(len(flight.moments), len(itinerary.visits)):
+        flight = _MissionRun(itinerary, wind, fast)
+        flight.continue_nearest_of(self._latest)
+        for n in range(len(flight.visit_ends), len(itinerary.visits)):
             try:
                 reason = flight.visit(n)
             except BadInput:
                 raise
             except MissionError as lost:
                 raise lost.at(f"item {itinerary.visits[n].seq}") from None
-            flight.moments.append(flight.moment(reason))
-        if len(flight.moments) <= self.most_kept_visits:
+            flight.visit_ends.append(flight.end_of_visit(reason))
+        if len(flight.visit_ends) <= self.most_kept_visits:
             self._latest = (flight, *self._latest)[: self.kept_flights]
         track = Track.joined(flight.samples)
-        reasons = tuple(moment.reason for moment in flight.moments)
-        done = np.array([moment.time for moment in flight.moments], dtype=np.float64)
+        reasons = tuple(end.reason for end in flight.visit_ends)
+        done = np.array([end.time for end in flight.visit_ends], dtype=np.float64)
         first_legs = np.array([UNCERTAINTY.first_leg(visit.item) for visit in itinerary.visits]).reshape(-1, 2)
         early, late = np.maximum.accumulate(first_legs).T
         doubt = UNCERTAINTY.flight_s + UNCERTAINTY.flight_share * done
@@ -85,7 +85,7 @@ class ArduCopterModel(FlightModel):
         self, itinerary: Itinerary, wind: Wind, contingency: Contingency, time: float
     ) -> Prediction:
         """The track has a sample at the order."""
-        flight = _Flight(itinerary, wind, None)
+        flight = _MissionRun(itinerary, wind, None)
         flight.until = time
         for n in range(len(itinerary.visits)):
             if flight.is_aborted:
@@ -118,7 +118,7 @@ class ArduCopterModel(FlightModel):
         return ARDUPILOT_SIMULATOR.at_altitude(altitude)
 
 
-class _Moment(NamedTuple):
+class _VisitEnd(NamedTuple):
     """A flight after a visit."""
 
     copter: Copter
@@ -133,7 +133,9 @@ class _Moment(NamedTuple):
         return self.copter.state.time
 
 
-class _Flight:
+class _MissionRun:
+    """A mission flown visit by visit, until a time [s]."""
+
     def __init__(self, itinerary: Itinerary, wind: Wind, fast: bool | None) -> None:
         mission = itinerary.mission
         self.itinerary = itinerary
@@ -148,24 +150,24 @@ class _Flight:
         self.touched = math.nan
         self.remarks: list[str] = []
         self.samples: list[Samples] = []
-        self.moments: list[_Moment] = []
+        self.visit_ends: list[_VisitEnd] = []
         self.note()
 
-    def continue_one_of(self, flights: "tuple[_Flight, ...]") -> None:
+    def continue_nearest_of(self, flights: "tuple[_MissionRun, ...]") -> None:
         shared = [self._visits_shared(flight) for flight in flights]
         most = max(shared, default=0)
         if most == 0:
             return
         other = flights[shared.index(most)]
-        last = other.moments[most - 1]
+        last = other.visit_ends[most - 1]
         self.copter = last.copter.copied()
         self.airborne = last.airborne
         self.touched = last.touched
         self.samples = other.samples[: last.samples]
         self.remarks = other.remarks[: last.remarks]
-        self.moments = other.moments[:most]
+        self.visit_ends = other.visit_ends[:most]
 
-    def _visits_shared(self, other: "_Flight") -> int:
+    def _visits_shared(self, other: "_MissionRun") -> int:
         """Count the equal visits; a visit depends on the next two places."""
         if self._conditions != other._conditions:
             return 0
@@ -188,9 +190,9 @@ class _Flight:
             *(mission.home, mission.rally, mission.parameters, mission.firmware_version, mission.autopilot),
         )
 
-    def moment(self, reason: str) -> _Moment:
+    def end_of_visit(self, reason: str) -> _VisitEnd:
         numbers = len(self.samples), len(self.remarks)
-        return _Moment(self.copter.copied(), self.airborne, self.touched, *numbers, reason)
+        return _VisitEnd(self.copter.copied(), self.airborne, self.touched, *numbers, reason)
 
     @property
     def is_aborted(self) -> bool:

@@ -24,8 +24,8 @@ from ipoa_mission.geometry import Matrix, Points, Vector
 from ipoa_mission.vehicles.px4_multicopter.dynamics import state
 from ipoa_mission.vehicles.px4_multicopter.dynamics.navigator import HELD_OR_REACHED
 from ipoa_mission.vehicles.px4_multicopter.dynamics.state import Order
-from ipoa_mission.vehicles.px4_multicopter.flights import RUNS, Flights, LatestFlights
 from ipoa_mission.vehicles.px4_multicopter.limits import px4_limits
+from ipoa_mission.vehicles.px4_multicopter.simulation import RUNS, MissionSimulation, SharedStretches
 from ipoa_mission.wind import Wind
 
 #: Sensors, conditions, orders, and the number of orders done after each visit.
@@ -39,20 +39,20 @@ class Px4Model(FlightModel):
     simulated_lag = state.SIH.lag
 
     def __init__(self) -> None:
-        self._latest = LatestFlights()
+        self._latest = SharedStretches()
         self._latest_noisy: dict[_Inputs, tuple[Matrix, list[str]]] = {}
 
     def predicted(self, itinerary: Itinerary, wind: Wind, fast: bool | None, noise_free: bool) -> Prediction:
-        flights = Flights(itinerary, wind, state.NOISE_FREE if noise_free else state.SIH_SENSORS)
-        ends = list(flights.mission_orders.done)
-        remarks = list(flights.mission_orders.remarks)
+        simulation = MissionSimulation(itinerary, wind, state.NOISE_FREE if noise_free else state.SIH_SENSORS)
+        ends = list(simulation.mission_orders.done)
+        remarks = list(simulation.mission_orders.remarks)
 
-        exact_run = self._latest.fly(flights, fast)
+        exact_run = self._latest.fly(simulation, fast)
         exact_times = exact_run.done[ends]
         samples = exact_run.samples
         times = exact_times[None, :]
         if itinerary.visits and not noise_free:
-            times, lost = self._noisy_times(flights, RUNS.most * samples[-1, 0] / RUNS.step_s, fast)
+            times, lost = self._cached_noisy_times(simulation, RUNS.most * samples[-1, 0] / RUNS.step_s, fast)
             remarks += lost
         done = times.mean(axis=0)
         low, high = _interval(itinerary, times)
@@ -60,42 +60,41 @@ class Px4Model(FlightModel):
         track = Track.of(samples, _in_mean_time(samples[:, 0], exact_times, done))
         clock = np.ascontiguousarray(samples[:, 0])
         numbers = range(0 if noise_free else len(itinerary.visits))
-        reasons = tuple(flights.why_slow(n, exact_times, clock, samples) for n in numbers)
+        reasons = tuple(simulation.why_slow(n, exact_times, clock, samples) for n in numbers)
         return Prediction(done, low, high, reasons, track, tuple(remarks), _missed(itinerary, times))
 
-    def _noisy_times(self, flights: Flights, steps: float, fast: bool | None) -> tuple[Matrix, list[str]]:
+    def _cached_noisy_times(
+        self, simulation: MissionSimulation, steps: float, fast: bool | None
+    ) -> tuple[Matrix, list[str]]:
         """Return times (runs, visits) [s], and remarks."""
-        planned = flights.mission_orders
+        planned = simulation.mission_orders
         ends = list(planned.done)
         orders = records(planned.orders, Order).tobytes()
-        inputs = (flights.noise_free_constants.senses, flights.conditions, orders, planned.done)
+        inputs = (simulation.noise_free_constants.senses, simulation.conditions, orders, planned.done)
         if inputs not in self._latest_noisy:
-            fly_noisy = flights.simulation(planned.orders, noisy=True, fast=fast, steps=steps)
-            remarks = list[str]()
-            times = _noisy_times(lambda seed: fly_noisy(flights.at_start(seed)).done[ends], RUNS.known_share, remarks)
+            fly_noisy = simulation.flight_of(planned.orders, noisy=True, fast=fast, steps=steps)
+            sampled = _sample_runs(lambda seed: fly_noisy(simulation.at_start(seed)).done[ends], RUNS.known_share)
             while len(self._latest_noisy) >= RUNS.kept:
                 del self._latest_noisy[next(iter(self._latest_noisy))]
-            self._latest_noisy[inputs] = times, remarks
+            self._latest_noisy[inputs] = sampled
         return self._latest_noisy[inputs]
 
     def predict_contingency(
         self, itinerary: Itinerary, wind: Wind, contingency: Contingency, time: float
     ) -> Prediction:
-        """Noisy runs give the duration, one without noise the path."""
-        flights = Flights(itinerary, wind)
+        simulation = MissionSimulation(itinerary, wind)
         if contingency is Contingency.RTL:
-            if flights.limits.land_delay < 0.0:
+            if simulation.limits.land_delay < 0.0:
                 words = "with an RTL_LAND_DELAY below 0 it waits over its goal forever"
                 raise MissionError(words, code="endless-flight")
             if itinerary.returns_by is not ReturnBy.DIRECT:
                 raise NotModeled(f"the duration of returns {itinerary.returns_by} is not modeled well enough")
-        orders = flights.mission_orders.orders
-        exact_times = flights.simulation(orders, noisy=False)(flights.at_start(0)).done
+        orders = simulation.mission_orders.orders
+        exact_times = simulation.flight_of(orders, noisy=False)(simulation.at_start(0)).done
         exact_steps = np.diff(exact_times)
-        remarks = list[str]()
 
         def once(seed: int) -> Vector:
-            at_order, at_end = flights.flown_with(contingency, time, seed)
+            at_order, at_end = simulation.flown_with(contingency, time, seed)
             current = min(len(at_order.done), len(orders)) - 1  # index of the order in progress
             in_progress_s = min(time - at_order.done[current], exact_steps[current])
             exact_order_time = exact_times[current] + in_progress_s
@@ -103,16 +102,17 @@ class Px4Model(FlightModel):
             time_on_ground = end - at_end.progress.touched  # from touchdown until it disarms
             return np.array([exact_order_time, time_on_ground, end - time])
 
-        exact_order_times, times_on_ground, durations = _noisy_times(once, RUNS.contingency_share, remarks).T
-        ways = _ways(durations)
-        spans = np.array([_span(time, durations[way], times_on_ground[way]) for way in ways])  # (ways, 2, 3)
-        if len(ways) > 1:
-            each = zip(ways, (spans[:, 0] - time).round().tolist(), strict=True)
-            words = ", ".join(f"{low:.0f} to {high:.0f} s in {way.sum()}" for way, (low, _, high) in each)
+        sampled, remarks = _sample_runs(once, RUNS.contingency_share)
+        exact_order_times, times_on_ground, durations = sampled.T
+        clusters = _duration_clusters(durations)
+        spans = np.array([_span(time, durations[runs], times_on_ground[runs]) for runs in clusters])  # (clusters, 2, 3)
+        if len(clusters) > 1:
+            each = zip(clusters, (spans[:, 0] - time).round().tolist(), strict=True)
+            words = ", ".join(f"{low:.0f} to {high:.0f} s in {runs.sum()}" for runs, (low, _, high) in each)
             remarks.append(f"ordered at {time:.1f} s, of {len(durations)} flights with noise it takes {words}")
-        likeliest = int(np.argmax([way.sum() for way in ways]))
-        mean_order_time = float(np.mean(exact_order_times[ways[likeliest]]))
-        _, exact_run = flights.flown_with(contingency, mean_order_time, None)
+        likeliest = int(np.argmax([runs.sum() for runs in clusters]))
+        mean_order_time = float(np.mean(exact_order_times[clusters[likeliest]]))
+        _, exact_run = simulation.flown_with(contingency, mean_order_time, None)
         low = spans[:, :, 0].min(axis=0)
         high = spans[:, :, 2].max(axis=0)
         end, touched = spans[likeliest, :, 1]
@@ -121,17 +121,17 @@ class Px4Model(FlightModel):
         return Prediction(np.array([end]), low[:1], high[:1], ("",), track, tuple(remarks), touched=between)
 
     def spread(self, itinerary: Itinerary, wind: Wind, predicted: Prediction) -> Points | None:
-        flights = Flights(itinerary, wind)
-        if flights.limits.decoupled_axes or not itinerary.visits:  # it stops at each waypoint (docs/lab/kept.md)
+        simulation = MissionSimulation(itinerary, wind)
+        if simulation.limits.decoupled_axes or not itinerary.visits:  # it stops at each waypoint (docs/lab/kept.md)
             return None
-        orders = flights.mission_orders.orders
-        ends = [0, *flights.mission_orders.done]
-        fly_on = flights.simulation(orders, noisy=True, steps=math.inf, sampled=True)
+        orders = simulation.mission_orders.orders
+        ends = [0, *simulation.mission_orders.done]
+        fly_on = simulation.flight_of(orders, noisy=True, steps=math.inf, sampled=True)
         done = [0.0, *predicted.done]
         runs = list[Matrix]()
         for seed in range(1, RUNS.of_median + 1):
             try:
-                run = fly_on(flights.at_start(seed))
+                run = fly_on(simulation.at_start(seed))
             except MissionError:  # it circles a waypoint
                 if seed > len(runs) + 1:
                     raise
@@ -148,17 +148,20 @@ class Px4Model(FlightModel):
         return state.SIH
 
     def median_times(self, itinerary: Itinerary) -> Vector:
-        flights = Flights(itinerary)
-        orders = flights.mission_orders.orders
+        simulation = MissionSimulation(itinerary)
+        orders = simulation.mission_orders.orders
         steps = RUNS.of_median * sum(order.timeout for order in orders) / RUNS.step_s
-        fly_on = flights.simulation(orders, noisy=True, fast=True, steps=steps)
-        ends = list(flights.mission_orders.done)
-        starts = map(flights.at_start, range(1, RUNS.of_median + 1))
+        fly_on = simulation.flight_of(orders, noisy=True, fast=True, steps=steps)
+        ends = list(simulation.mission_orders.done)
+        starts = map(simulation.at_start, range(1, RUNS.of_median + 1))
         return np.asarray(np.median([fly_on(start).done[ends] for start in starts], axis=0))
 
 
-def _noisy_times(once: Callable[[int], Vector], share: float, remarks: list[str]) -> Matrix:
-    """Return times of runs (m, n) until the last's mean is known to a `share`; raise MissionError if most never end."""
+def _sample_runs(once: Callable[[int], Vector], share: float) -> tuple[Matrix, list[str]]:
+    """Return times of runs (m, n), until the last's mean is known to a `share`, and remarks.
+
+    Raise MissionError if most never end.
+    """
     times = list[Vector]()
     lost = list[str]()
     for seed in range(1, RUNS.most + 1):
@@ -172,18 +175,17 @@ def _noisy_times(once: Callable[[int], Vector], share: float, remarks: list[str]
             if seed > 2 * len(times) + RUNS.batch:
                 raise
             lost.append(str(error))
-    if lost:
-        remarks.append(f"{len(lost)} of {len(lost) + len(times)} flights with noise did not end: {lost[0]}")
-    return np.array(times)
+    remarks = [f"{len(lost)} of {len(lost) + len(times)} flights with noise did not end: {lost[0]}"] if lost else []
+    return np.array(times), remarks
 
 
-def _ways(durations: Vector) -> list[NDArray[np.bool_]]:
-    """Return which runs take each way home, by gaps of durations (m,) [s]."""
+def _duration_clusters(durations: Vector) -> list[NDArray[np.bool_]]:
+    """Return masks of runs between wide gaps of durations (m,) [s], as of different ways home."""
     ordered = np.sort(durations)
     doubt = math.sqrt(RUNS.doubt_s**2 + (RUNS.doubt_share * ordered[-1]) ** 2 + RUNS.landing_s**2)
     (gaps,) = np.nonzero(np.diff(ordered) > 2.0 * RUNS.contingency_deviations * doubt)
-    taken = np.searchsorted(ordered[gaps + 1], durations, side="right")
-    return [taken == way for way in range(len(gaps) + 1)]
+    cluster = np.searchsorted(ordered[gaps + 1], durations, side="right")
+    return [cluster == number for number in range(len(gaps) + 1)]
 
 
 def _span(time: float, durations: Vector, times_on_ground: Vector) -> Matrix:

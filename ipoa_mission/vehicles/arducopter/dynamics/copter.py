@@ -150,13 +150,14 @@ class Copter:
         room = max(int((until - self.state.time) / (STEP * SAMPLE_STEPS)), 0) if breaks else room
         samples = np.empty((room, 7))
         all_legs = (self._before, self.this, self.following)
-        before, this, following = [[leg] for leg in all_legs]
+        arguments: list[Any] = [[leg] for leg in all_legs]
         states: Any = [self.state]
         if self._fly_leg is not fly_leg:
             made = self._records
             self._records = {id(leg): made.get(id(leg)) or (leg, records([leg], CopterLeg)) for leg in all_legs}
-            before, this, following = (self._records[id(leg)][1] for leg in all_legs)
+            arguments = [self._records[id(leg)][1] for leg in all_legs]
             states = records(states, State)
+        before, this, following = arguments
         used = self._fly_leg(states, before, this, following, self._tuning, samples)
         if self._fly_leg is not fly_leg:
             self.state = State(*states[0].item())

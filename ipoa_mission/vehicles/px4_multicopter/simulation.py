@@ -49,7 +49,7 @@ class NoisyRuns(NamedTuple):
 RUNS = NoisyRuns()
 
 
-class FlownOnce(NamedTuple):
+class FlownOrders(NamedTuple):
     done: Vector  # times at the start and after each order (n + 1,) [s]
     samples: Samples
     progress: state.FlightProgress
@@ -58,13 +58,13 @@ class FlownOnce(NamedTuple):
 class FlyOn(Protocol):
     """Fly on to the end of all or the first `to` orders, or until a time [s]."""
 
-    def __call__(self, flight: FlownOnce, until: float = math.inf, to: int | None = None) -> FlownOnce: ...
+    def __call__(self, flight: FlownOrders, until: float = math.inf, to: int | None = None) -> FlownOrders: ...
 
 
 _start = lru_cache(maxsize=128)(at_start)
 
 
-class Flights:
+class MissionSimulation:
     def __init__(self, itinerary: Itinerary, wind: Wind = CALM, senses: state.SensorModel = state.SIH_SENSORS) -> None:
         mission = itinerary.mission
         self.itinerary = itinerary
@@ -85,18 +85,18 @@ class Flights:
         packed: bytes = records([constants], state.SimulationConstants).tobytes()
         return packed + self.at_start(0).samples.tobytes()
 
-    def flown_with(self, contingency: Contingency, time: float, seed: int | None) -> tuple[FlownOnce, FlownOnce]:
+    def flown_with(self, contingency: Contingency, time: float, seed: int | None) -> tuple[FlownOrders, FlownOrders]:
         """Return a flight at an order and at its end, with a seed's noise or none."""
         noisy = seed is not None
         steps = RUNS.most * time / RUNS.step_s
-        fly_mission = self.simulation(self.mission_orders.orders, noisy=noisy, steps=steps, sampled=True)
+        fly_mission = self.flight_of(self.mission_orders.orders, noisy=noisy, steps=steps, sampled=True)
         until = fly_mission(self.at_start(seed or 0), time)
         onward = navigator.contingency_orders(contingency, until.samples[-1], self.itinerary, self.limits)
         orders = tuple(navigator.with_timeouts(onward, onward[0].start, self.limits, self.airframe.landing_delay))
         begins = until._replace(done=until.done[-1:], progress=until.progress._replace(steps=state.NOT_BEGUN))
-        return until, self.simulation(orders, noisy=noisy, steps=steps)(begins)
+        return until, self.flight_of(orders, noisy=noisy, steps=steps)(begins)
 
-    def simulation(
+    def flight_of(
         self,
         orders: tuple[Order, ...],
         *,
@@ -118,13 +118,13 @@ class Flights:
 
         every = RUNS.sample_steps if sampled or not noisy else 0
 
-        def fly_on(flight: FlownOnce, until: float = math.inf, to: int | None = None) -> FlownOnce:
+        def fly_on(flight: FlownOrders, until: float = math.inf, to: int | None = None) -> FlownOrders:
             left = inputs[len(flight.done) - 1 : to]
             times, places, (last, of_order, touched) = machine(left, constants, flight.progress, until, every)
             done = np.append(flight.done, times)
             progress = state.FlightProgress(state.State(*last), of_order, touched)
             if len(done) > (len(orders) if to is None else to) or progress.state.time >= until:
-                return FlownOnce(done, np.vstack([flight.samples, places]), progress)
+                return FlownOrders(done, np.vstack([flight.samples, places]), progress)
             raise MissionError(
                 f"the vehicle does not reach {self._goal_words(orders, len(done) - 1)}",
                 hint="set a hold of 0.1 s (param1) at its waypoints, or name its version (--firmware-version). "
@@ -141,9 +141,9 @@ class Flights:
             return place
         return f"item {self.itinerary.visits[bisect_right(self.mission_orders.done, n)].seq}, {place}"
 
-    def at_start(self, seed: int) -> FlownOnce:
+    def at_start(self, seed: int) -> FlownOrders:
         height = self.itinerary.start_height or 0.0
-        return FlownOnce(np.zeros(1), np.array([[0.0, 0.0, 0.0, height, 0.0, 0.0, 0.0]]), _start(height, seed))
+        return FlownOrders(np.zeros(1), np.array([[0.0, 0.0, 0.0, height, 0.0, 0.0, 0.0]]), _start(height, seed))
 
     def why_slow(self, n: int, done: Vector, clock: Vector, samples: Samples) -> str:
         """Return why visit n was slow, by samples at these times (m,) [s]."""
@@ -179,28 +179,28 @@ class Flights:
         return min(order.cruise, rate * length / abs(rise)) if rise else order.cruise
 
 
-class LatestFlights:
-    """Fly without noise. Flights with the same first orders share these stretches, to equal bits."""
+class SharedStretches:
+    """Noise-free flights with the same first orders share these stretches, to equal bits."""
 
     orders_at_once = 4
     most_stretches = 512
 
     def __init__(self) -> None:
-        self._stretches: dict[bytes, FlownOnce] = {}  # by a digest of all that they depend on
+        self._stretches: dict[bytes, FlownOrders] = {}  # by a digest of all that they depend on
 
-    def fly(self, flights: Flights, fast: bool | None) -> FlownOnce:
-        orders = flights.mission_orders.orders
-        fly_on = flights.simulation(orders, noisy=False, fast=fast)
-        flown = flights.at_start(0)
+    def fly(self, simulation: MissionSimulation, fast: bool | None) -> FlownOrders:
+        orders = simulation.mission_orders.orders
+        fly_on = simulation.flight_of(orders, noisy=False, fast=fast)
+        flown = simulation.at_start(0)
         if jit_if_faster(fly, fast, 0.0) is fly or not orders:
             return fly_on(flown)
         rows = records(orders, Order)
         samples = [flown.samples]
-        digest = flights.conditions
+        digest = simulation.conditions
         for first in range(0, len(orders), self.orders_at_once):
             end = min(first + self.orders_at_once, len(orders))
             lands = any(order.kind == state.LAND for order in orders[first:end])
-            sees_ground = lands and flights.noise_free_constants.senses.sees_ground  # without effect before LAND
+            sees_ground = lands and simulation.noise_free_constants.senses.sees_ground  # without effect before LAND
             digest = sha256(digest + bytes((sees_ground,)) + rows[first:end].tobytes()).digest()
             if digest not in self._stretches:
                 self._stretches[digest] = fly_on(flown._replace(samples=flown.samples[:0]), to=end)
