@@ -3,7 +3,6 @@
 import errno
 import json
 import os
-import secrets
 import sys
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
@@ -23,14 +22,14 @@ def write_atomically(path: Path, content: str | bytes) -> None:
 
 
 def write_together(contents: Mapping[Path, str | bytes | None]) -> None:
-    """Write files, text as UTF-8 with LF; remove those of None. All are on disk before the first is renamed.
+    """Write files, text as UTF-8; remove those of None. All are on disk before any is renamed.
 
     Raises:
         BadInput: one cannot be written or removed; none was, unless a later rename failed.
     """
     texts = {path: content for path, content in contents.items() if content is not None}
     targets = {path: Path(os.path.realpath(path)) for path in texts}
-    hidden = {path: targets.get(path, path).with_name(f".{path.name}.{secrets.token_hex(4)}") for path in contents}
+    hidden = {path: targets.get(path, path).with_name(f".{path.name}.{os.urandom(4).hex()}") for path in contents}
     removed = [path for path in contents if path not in texts]
     try:
         for path, text in texts.items():

@@ -8,6 +8,7 @@ import re
 import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
+from itertools import repeat, zip_longest
 from pathlib import Path
 from typing import Any, Literal
 
@@ -61,6 +62,32 @@ def print_table(title: str, columns: Sequence[str], rows: Sequence[tuple[str, ..
 
     A line break in a column's name puts its unit below. Long words are folded, names last; numbers are never cut.
     """
+    kept = [i for i in range(len(columns)) if any(row[i] for row in rows)]
+    cells = [[shown(row[i]) for i in kept] for row in rows]
+    numbers = {place for place, i in enumerate(kept) if all(row[i][-1:].isdigit() or not row[i] for row in rows)}
+    heads = [columns[i] for i in kept]
+    drawn = _simple_table(heads, cells, numbers) or _folded_table(heads, cells, numbers)
+    print_lines(title, "")
+    _say("\n".join(line.rstrip() for line in drawn) + "\n")
+
+
+def _simple_table(heads: list[str], rows: list[list[str]], numbers: set[int]) -> list[str]:
+    """Draw a narrow ASCII table without Rich, not on a terminal; else none."""
+    above = [*zip_longest(*(head.split("\n")[::-1] for head in heads), fillvalue="")][::-1]
+    columns = [*zip(*above, *rows, strict=True)]
+    widths = [max(map(len, column)) for column in columns]
+    width = sum(widths) + 2 * len(widths)
+    is_ascii = all(text.isascii() and text.isprintable() for row in rows for text in row)
+    if sys.stdout.isatty() or width > _columns() or not is_ascii:
+        return []
+    sides = [str.rjust if i in numbers else str.ljust for i in range(len(heads))]
+    cells = [map(side, column, repeat(size)) for side, column, size in zip(sides, columns, widths, strict=True)]
+    lines = ["  ".join(line) for line in zip(*cells, strict=True)]
+    lines.insert(len(above), "─" * (width - 2))
+    return lines
+
+
+def _folded_table(heads: list[str], rows: list[list[str]], numbers: set[int]) -> list[str]:
     from rich.align import Align
     from rich.box import SIMPLE_HEAD
     from rich.cells import cell_len
@@ -68,30 +95,24 @@ def print_table(title: str, columns: Sequence[str], rows: Sequence[tuple[str, ..
     from rich.table import Table
     from rich.text import Text
 
-    kept = [i for i in range(len(columns)) if any(row[i] for row in rows)]
-    widths = {i: max(map(cell_len, [*columns[i].split("\n"), *(row[i] for row in rows)])) for i in kept}
-    numbers = {i for i in kept if all(row[i][-1:].isdigit() or not row[i] for row in rows)}
-    names = {i for i in kept if i not in numbers and not any(" " in row[i] for row in rows)}
+    widths = [max(map(cell_len, (*head.split("\n"), *column))) for head, *column in zip(heads, *rows, strict=True)]
+    names = {i for i in range(len(heads)) if i not in numbers and not any(" " in row[i] for row in rows)}
     console = Console(highlight=False, width=None if sys.stdout.isatty() else _columns())
 
-    def needed(whole: set[int]) -> int:
-        gap = 2  # characters
-        least = 7  # characters
-        return gap * len(kept) + sum(widths[i] if i in whole else min(widths[i], least) for i in kept)
+    def needed(whole: set[int], gap: int = 2, least: int = 7) -> int:  # characters
+        return sum(gap + (width if i in whole else min(width, least)) for i, width in enumerate(widths))
 
     whole = numbers | names if needed(numbers | names) <= console.width else numbers
     console.width = max(console.width, needed(whole))
     table = Table(box=SIMPLE_HEAD, pad_edge=False, show_edge=False, padding=(0, 1, 0, 0))
-    for i in kept:
+    for i, head in enumerate(heads):
         side: Literal["left", "right"] = "right" if i in numbers else "left"
-        heading = Align(columns[i], side, vertical="bottom")
-        table.add_column(heading, justify=side, no_wrap=i in whole, overflow="fold")
+        table.add_column(Align(head, side, vertical="bottom"), justify=side, no_wrap=i in whole, overflow="fold")
     for row in rows:
-        table.add_row(*(Text(shown(row[i])) for i in kept))
+        table.add_row(*map(Text, row))
     with console.capture() as drawn:
         console.print(table)
-    print_lines(title, "")
-    _say("\n".join(line.rstrip() for line in drawn.get().splitlines()) + "\n")
+    return drawn.get().splitlines()
 
 
 def _columns() -> int:

@@ -5,7 +5,9 @@ import logging
 import sys
 from collections.abc import Callable
 from contextlib import suppress
+from copy import copy
 from functools import cache
+from importlib import import_module
 from typing import Annotated, Any
 
 import typer
@@ -18,6 +20,7 @@ from ipoa_mission.cli.linking import clear, download, pause, resume, rtl, scan, 
 from ipoa_mission.cli.mocking import mock
 from ipoa_mission.cli.planners import grouped
 from ipoa_mission.cli.planning import new, plan, schema
+from ipoa_mission.cli.quick_start import spare_imports
 from ipoa_mission.cli.showing import export, show
 from ipoa_mission.errors import MissionError
 from ipoa_mission.files import plug_ins
@@ -27,9 +30,7 @@ from ipoa_mission.terminal import discard_output, print_error, print_lines, repl
 
 def print_version(wanted: bool) -> None:
     if wanted:
-        from importlib.metadata import version
-
-        print_lines(f"ipoa-mission {version('ipoa-mission')}")
+        print_lines(f"ipoa-mission {import_module('importlib.metadata').version('ipoa-mission')}")
         raise typer.Exit
 
 
@@ -105,16 +106,20 @@ def _verbs() -> dict[str, tuple[Callable[..., None], ...]]:
 VERBS = _verbs()
 for heading, verbs in VERBS.items():
     for verb in verbs:
-        app.command(rich_help_panel=heading)(grouped(verb))
+        app.command(verb.__name__.replace("_", "-"), rich_help_panel=heading)(grouped(verb))
 
 
 @cache
-def command() -> Any:
-    """Return the command line; flags without a value show none in the help."""
-    line = typer.main.get_command(app)
+def command(name: str = "") -> Any:
+    """Return the command line, with this verb alone if there is one; flags show no value in the help."""
+    only = copy(app)
+    only.registered_commands = [verb for verb in app.registered_commands if verb.name == name]
+    line = typer.main.get_command(only if only.registered_commands else app)
     for verb in (line, *line.commands.values()):  # type: ignore[attr-defined]
         helps = verb.get_help_option(typer.Context(verb))
-        for option in (*verb.params, *([] if helps is None else [helps])):
+        options = [*verb.params, *([] if helps is None else [helps])]
+        spare_imports(verb, options)
+        for option in options:
             if getattr(option, "is_flag", False) and option.metavar is None:
                 option.metavar = ""
     return line
@@ -124,7 +129,7 @@ def main() -> None:
     replace_unencodable()
     try:
         with noted_terminations():
-            interruptible(lambda changes: command()(prog_name="ipoa-mission"))()
+            interruptible(lambda changes: command(*sys.argv[1:2])(prog_name="ipoa-mission"))()
     except MissionError as error:
         with suppress(KeyboardInterrupt):
             print_error(error, as_json="--json" in sys.argv[1:])

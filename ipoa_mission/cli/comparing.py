@@ -6,19 +6,12 @@ from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import typer
 
+import ipoa_mission.options as options
 from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.centimeters import floor_cm
 from ipoa_mission.cli.groups import FlownByOptions
 from ipoa_mission.errors import BadInput, LogUseless, OptionConflict, imported
-from ipoa_mission.options import (
-    ForceOption,
-    JsonOption,
-    LogSystemOption,
-    ScenarioOption,
-    argument,
-    expect_mission,
-    flag,
-)
+from ipoa_mission.options import expect_mission
 from ipoa_mission.terminal import notes, picked, print_json, print_lines, print_table, round_finite
 
 if TYPE_CHECKING:
@@ -40,20 +33,20 @@ class _Row(NamedTuple):
 
 @dataclass
 class LogOptions:
-    number: Annotated[int | None, flag("--flight", "Only the N-th flight in the log.", "N", min=1)] = None
-    system: LogSystemOption = None
-    scenario: ScenarioOption = None
-    picture: Annotated[Path | None, flag("--picture", "Also draw it: .png or .svg.", "FILE")] = None
-    force: ForceOption = False
+    number: Annotated[int | None, options.flag("--flight", "Only the N-th flight in the log.", "N", min=1)] = None
+    system: options.LogSystemOption = None
+    scenario: options.ScenarioOption = None
+    picture: Annotated[Path | None, options.flag("--picture", "Also draw it: .png or .svg.", "FILE")] = None
+    force: options.ForceOption = False
 
 
 def compare(
     files: Annotated[
-        list[Path], argument("[FILE] LOG", "A .tlog, .bin or .ulg, after the mission if the log lacks it.")
+        list[Path], options.argument("[FILE] LOG", "A .tlog, .bin or .ulg, after the mission if the log lacks it.")
     ],
     flown_by: FlownByOptions,
     options: LogOptions,
-    as_json: JsonOption = False,
+    as_json: options.JsonOption = False,
 ) -> None:
     """Compare the log of a flown mission with the estimate, leg by leg, for each flight in the log.
 

@@ -12,18 +12,16 @@ from ipoa_mission.terminal import notes, print_json, print_lines
 if TYPE_CHECKING:
     from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot
 
-faulty_option = partial(options.flag, rich_help_panel="Faults of the link")
+faulty = partial(options.flag, rich_help_panel="Faults of the link")
 ZURICH = (47.397742, 8.545594, 488.0)
 
 
 @dataclass
 class FaultOptions:
-    loss: Annotated[float, faulty_option("--loss", "Share of lost frames.", "SHARE", min=0, max=1)] = 0.0
-    duplicate: Annotated[float, faulty_option("--duplicate", "Share of duplicated frames.", "SHARE", min=0, max=1)] = (
-        0.0
-    )
-    delay: Annotated[float, faulty_option("--delay", "Delay of a frame [s].", "S", min=0)] = 0.0
-    reorder: Annotated[float, faulty_option("--reorder", "Share of reordered frames.", "SHARE", min=0, max=1)] = 0.0
+    loss: Annotated[float, faulty("--loss", "Share of lost frames.", "SHARE", min=0, max=1)] = 0.0
+    duplicate: Annotated[float, faulty("--duplicate", "Share of duplicated frames.", "SHARE", min=0, max=1)] = 0.0
+    delay: Annotated[float, faulty("--delay", "Delay of a frame [s].", "S", min=0)] = 0.0
+    reorder: Annotated[float, faulty("--reorder", "Share of reordered frames.", "SHARE", min=0, max=1)] = 0.0
 
 
 @dataclass
@@ -44,7 +42,7 @@ class MockOptions:
     speedup: Annotated[float, options.flag("--speedup", "Speed-up: times real time.", "N", min=0.01, max=1000)] = 1.0
     system: options.SystemOption = None
     key: options.KeyOption = None
-    seed: Annotated[int, faulty_option("--seed", "Seed of the losses.", "N", min=0)] = 0
+    seed: Annotated[int, faulty("--seed", "Seed of the losses.", "N", min=0)] = 0
 
 
 def mock(worse: FaultOptions, how: MockOptions, as_json: options.JsonOption = False) -> None:

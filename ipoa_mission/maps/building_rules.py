@@ -90,7 +90,7 @@ Height = Annotated[float, Field(ge=0, strict=True)]
 class BuildingRules(BaseModel):
     """Rules for features whose tags give no size. A height of 0 means no obstacle."""
 
-    model_config = ConfigDict(frozen=True, use_attribute_docstrings=True)
+    model_config = ConfigDict(frozen=True, defer_build=True)
 
     take: Literal["tagged", "all"] | None = None
     """`all`: every feature is an obstacle, except roads, land use and the like without a height. `tagged`: only

@@ -16,7 +16,7 @@ GRIDS = ("us_nga_egm96_15.tif", "egm96_15.gtx", "us_nga_egm08_25.tif", "egm08_25
 class ElevationRules(BaseModel):
     """Rules for the heights of a file; `geoid`: [m] or a PROJ grid."""
 
-    model_config = ConfigDict(frozen=True, use_attribute_docstrings=True)
+    model_config = ConfigDict(frozen=True, defer_build=True)
 
     heights: Literal["amsl", "ellipsoidal"] | None = None
     """Datum of its heights: mean sea level (SRTM), or the WGS 84 ellipsoid. Default: as the file states."""

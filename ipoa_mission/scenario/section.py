@@ -20,7 +20,7 @@ class Section(BaseModel):
         schema = handler(core_schema)
         properties = handler.resolve_ref_schema(schema).get("properties", {})
         for kind in cls.__mro__:
-            if issubclass(kind, Section):
+            if issubclass(kind, BaseModel) and kind is not BaseModel:
                 for name, words in _attribute_docstrings(kind):
                     properties.get(name, {}).setdefault("description", words)
         return schema

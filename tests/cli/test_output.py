@@ -12,6 +12,8 @@ from importlib.metadata import version
 from pathlib import Path
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from ipoa_mission import terminal
 from ipoa_mission.autopilot.version import Version
@@ -345,6 +347,22 @@ def test_no_figure_of_a_table_is_cut_however_narrow_the_terminal(
     assert set(row) - {row[1], row[-1]} <= set(words)
     assert row[1] in words or columns < 80  # a name is folded where it must be
     assert set(row[-1].split()) <= set(words)
+
+
+@given(
+    st.integers(1, 6).flatmap(
+        lambda n: st.tuples(
+            st.lists(st.sampled_from(["item", "leg\nm", "hdg\n°", "above\nground", ""]), min_size=n, max_size=n),
+            st.lists(st.lists(st.from_regex(r"[a-z]{0,9}( [a-z]{1,9}){0,3}|-?[0-9]{1,4}\.[0-9]", fullmatch=True),
+                              min_size=n, max_size=n), min_size=1, max_size=4),
+        )
+    )
+)  # fmt: skip
+def test_a_table_without_rich_is_that_of_rich(table: tuple[list[str], list[list[str]]]) -> None:
+    heads, rows = table
+    numbers = {i for i in range(len(heads)) if all(row[i][-1:].isdigit() or not row[i] for row in rows)}
+    simple = [line.rstrip() for line in terminal._simple_table(heads, rows, numbers)]
+    assert simple in ([], [line.rstrip() for line in terminal._folded_table(heads, rows, numbers)])
 
 
 def test_flown_line_has_the_clearance_on_the_version_aboard(
