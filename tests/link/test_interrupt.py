@@ -160,6 +160,18 @@ def test_second_interrupt_in_an_upload_to_ardupilot_names_the_mixture() -> None:
     assert None not in (compare(old, stored, ARDUPILOT), compare(new, stored, ARDUPILOT))
 
 
+def test_second_interrupt_while_px4_judges_names_the_new_list(monkeypatch: pytest.MonkeyPatch) -> None:
+    def end_at_once(reports: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("ipoa_mission.link.upload._verdict", end_at_once)
+    _, mock, upload = aboard(PX4)
+    new = items_of(PX4, 8)
+    with refuses("cancelled", list_on_vehicle="new"):
+        upload(new)
+    assert compare(new, mock.transfers.listed(MissionType.MISSION), PX4) is None
+
+
 def test_cancellation_between_two_lists_names_the_state_of_both() -> None:
     connection, mock, _ = aboard(PX4)
     vehicle = meet(connection)
