@@ -1,13 +1,15 @@
 """Assume sizes of map features whose tags give none."""
 
 import math
+import re
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Annotated, Any, Literal, NamedTuple
 
 from pydantic import BaseModel, ConfigDict, Field
 
 from ipoa_mission.maps.keys import Means, keys_of
-from ipoa_mission.maps.kinds import TALL, WOODS, is_bridge, is_tagged, values_of
+from ipoa_mission.maps.kinds import DRAG_LIFTS, TALL, WIRES, WOODS, is_bridge, is_tagged, values_of
 from ipoa_mission.maps.lengths import length_of, storeys_of
 from ipoa_mission.maps.tag_heights import WIDEST_ROTOR, Odd, width_of
 
@@ -148,3 +150,46 @@ def reach_of(
         return width / 2, None
     dimension = "a radius" if is_point else "a half width"
     return usual, f"{size.kind}(s) without a width, given {dimension} of {usual:.2g} m"
+
+
+# Up to [V], height and half width [m].
+POWER_LINES = ((1e3, 10.0, 2.0), (60e3, 15.0, 3.0), (150e3, 40.0, 8.0), (300e3, 50.0, 12.0), (math.inf, 60.0, 16.0))
+
+
+@dataclass(frozen=True)
+class Wire:
+    """Height and half width [m], and the key that changes the height."""
+
+    words: str
+    height: float
+    reach: float
+    key: str
+
+
+def wire_of(tags: Mapping[str, str], rules: BuildingRules) -> Wire | None:
+    """Return a power line or aerialway: its obstacle is a wall, since nothing flies under a rope."""
+    if WIRES.keys().isdisjoint(tags):
+        return None
+    lift = tags.get("aerialway")
+    kind = tags.get("power")
+    if lift in DRAG_LIFTS:
+        return Wire("drag lift(s)", min(rules.aerialway_height, 15.0), 5.0, "aerialway_height")
+    if lift in WIRES["aerialway"]:
+        return Wire("aerialway(s)", rules.aerialway_height, 5.0, "aerialway_height")  # half width with cabins
+    if kind in WIRES["power"]:
+        volts = volts_of(tags.get("voltage", ""))
+        words = f"power line(s) of {'unknown voltage' if volts is None else f'{volts / 1000:g} kV'}"
+        most = (math.inf if kind == "line" else 60e3) if volts is None else volts
+    elif "line" in (tags.get("communication"), tags.get("telecom")):
+        words = "telephone line(s)"
+        most = 1e3
+    else:
+        return None
+    height, reach = next((height, reach) for volts, height, reach in POWER_LINES if most <= volts)
+    return Wire(words, height if rules.line_height is None else rules.line_height, reach, "line_height")
+
+
+def volts_of(text: str) -> float | None:
+    """Return the highest voltage ("110000", "380000;110000", "20 kV") [V]."""
+    parts = [re.fullmatch(r"(\d{1,7}(?:\.\d{1,3})?) ?(k?)v?", part.strip().lower()) for part in text.split(";")]
+    return max((float(part[1]) * (1000.0 if part[2] else 1.0) for part in parts if part), default=None)

@@ -12,7 +12,7 @@ import shapely
 from ipoa_mission.errors import InvalidRing
 from ipoa_mission.geodesy import LocalFrame
 from ipoa_mission.maps import kinds
-from ipoa_mission.maps.building_rules import BuildingRules, area_height, reach_of, thin_height
+from ipoa_mission.maps.building_rules import BuildingRules, area_height, reach_of, thin_height, volts_of, wire_of
 from ipoa_mission.maps.feature import Feature, Mistakes, make_printable
 from ipoa_mission.maps.keys import Means, meaning
 from ipoa_mission.maps.lengths import length_of, meters
@@ -20,9 +20,8 @@ from ipoa_mission.maps.map_obstacles import MapObstacle
 from ipoa_mission.maps.map_reader import read_features
 from ipoa_mission.maps.map_window import Box, MapWindow
 from ipoa_mission.maps.passed import FAR_FROM_HOME, MOST_NAMED, NOT_READ, MapNotes, PassedOver
-from ipoa_mission.maps.planar import close_as_polygon, polygons_of, simple_parts, to_plane
+from ipoa_mission.maps.planar import close_as_polygon, polygons_of, simple_parts, spans, to_plane
 from ipoa_mission.maps.tag_heights import foot_of, height_of, is_by_storeys, unread_heights, unused_numbers, width_of
-from ipoa_mission.maps.wires import Wire, spans, volts_of, wire_of
 from ipoa_mission.unread import Unread
 
 # Unreadable values may hide a greater height.
@@ -181,7 +180,7 @@ class _Finder:
             foot = 0.0
         if is_by_storeys(feature.tags):
             counts[f"building(s) of known storeys and unknown roof, {rules.storey_height:g} m a storey"] += 1
-        wire = None if over_home else _wire(feature, rules)
+        wire = None if over_home else wire_of(feature.tags, rules)
         if wire is not None and (hanging := list(spans(shape))):
             if height is None:
                 counts[f"{wire.words} without a height, given {wire.height:g} m ({wire.key})"] += 1
@@ -233,7 +232,7 @@ class _Finder:
 def _why_passed_over(feature: Feature, extent: kinds.Extent, rules: BuildingRules, every: bool) -> kinds.Reason | None:
     why = kinds.why_passed_over(feature, extent, rules.height_key, every)
     if why is None:
-        wire = None if rules.height_key in feature.tags else _wire(feature, rules)
+        wire = None if rules.height_key in feature.tags else wire_of(feature.tags, rules)
         return kinds.Reason(f"{wire.key} = 0 excludes it", False) if wire is not None and not wire.height else None
     if why is kinds.CABLE and rules.line_height is not None:
         return None if rules.line_height else kinds.Reason("line_height = 0 excludes it", False)
@@ -243,7 +242,3 @@ def _why_passed_over(feature: Feature, extent: kinds.Extent, rules: BuildingRule
         return None
     is_decided = rules.take == "tagged" or (rules.take == "all" and why not in (kinds.WOOD, kinds.CABLE))
     return replace(why, may_be_obstacle=why.may_be_obstacle and not is_decided)
-
-
-def _wire(feature: Feature, rules: BuildingRules) -> Wire | None:
-    return wire_of(feature.tags, rules.line_height, rules.aerialway_height)

@@ -11,7 +11,6 @@ import shapely
 from ipoa_mission.maps.feature import Feature
 from ipoa_mission.maps.keys import AMBIGUITY_MARK, CUT, CUT_BY_SHP_WRITE, Means, complete, keys_of, meaning, normalize
 from ipoa_mission.maps.planar import close_as_polygon, simple_parts
-from ipoa_mission.maps.wires import WIRES
 
 Extent: TypeAlias = Literal["area", "thin", "none"]
 NO_BUILDING = {"no", "entrance", "demolished", "razed", "proposed", "construction_site"}
@@ -36,6 +35,14 @@ TALL = {
     "attraction": {"big_wheel", "drop_tower", "roller_coaster"},
     "advertising": {"column", "totem"},
 }  # fmt: skip
+DRAG_LIFTS = {"drag_lift", "t-bar", "j-bar", "platter", "rope_tow"}
+# A power cable is underground by default.
+WIRES = {
+    "power": {"line", "minor_line", "cable"},
+    "aerialway": {"cable_car", "gondola", "mixed_lift", "chair_lift", "goods", "zip_line"} | DRAG_LIFTS,
+    "communication": {"line"},
+    "telecom": {"line"},
+}
 # Possible obstacles without a height.
 WOODS = {"natural": {"wood"}, "landuse": {"forest", "orchard"}, "landcover": {"trees"}}
 # Flat, except these values.

@@ -1,6 +1,6 @@
 """Convert shapes to valid polygons in east, north [m]."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
@@ -104,3 +104,12 @@ def simple_parts(shape: Any) -> list[Any]:
 def close_as_polygon(shape: Any) -> Any:
     closed = shape.geom_type == "LineString" and shape.is_closed and len(shape.coords) > 3
     return shapely.Polygon(shape) if closed else shape
+
+
+def spans(shape: Any) -> Iterator[Any]:
+    """Yield the straight segments of lines, except those of length 0."""
+    outlines = (part.boundary if part.geom_type == "Polygon" else part for part in simple_parts(shape))
+    for line in (line for outline in outlines for line in simple_parts(outline) if line.geom_type == "LineString"):
+        corners = shapely.get_coordinates(line)
+        legs = np.stack([corners[:-1], corners[1:]], axis=1)
+        yield from shapely.linestrings(legs[(legs[:, 0] != legs[:, 1]).any(axis=1)]).tolist()

@@ -10,10 +10,10 @@ from hypothesis import strategies as st
 
 from ipoa_mission.geodesy import LocalFrame
 from ipoa_mission.ground import FLAT_GROUND
-from ipoa_mission.maps.building_rules import BuildingRules
+from ipoa_mission.maps.building_rules import BuildingRules, volts_of, wire_of
 from ipoa_mission.maps.buildings import Buildings, search_buildings
 from ipoa_mission.maps.map_obstacles import MapObstacle, raise_obstacles, raise_span
-from ipoa_mission.maps.wires import spans, volts_of, wire_of
+from ipoa_mission.maps.planar import spans
 
 At = Callable[[float, float], list[float]]
 WriteMap = Callable[..., Path]
@@ -150,4 +150,4 @@ def test_voltages_are_read_as_mappers_write_them() -> None:
     assert [volts_of(text) for text in ("110000", "380000;220000", "20 kV", "0.4kV", "high", "")] == [
         110e3, 380e3, 20e3, 400.0, None, None,
     ]  # fmt: skip
-    assert wire_of({"building": "yes"}, None, 40.0) is None
+    assert wire_of({"building": "yes"}, BuildingRules()) is None
