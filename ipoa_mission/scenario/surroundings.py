@@ -19,9 +19,8 @@ from ipoa_mission.geodesy import LocalFrame
 from ipoa_mission.geometry import Plane
 from ipoa_mission.ground import FLAT_GROUND, Ground
 from ipoa_mission.maps.areas import MapArea, Zones, join_zones
-from ipoa_mission.maps.buildings import Buildings
+from ipoa_mission.maps.buildings import Buildings, MapObstacle, raise_obstacles
 from ipoa_mission.maps.feature import many_objects
-from ipoa_mission.maps.map_obstacles import MapObstacle, raise_obstacles
 from ipoa_mission.maps.map_window import Box
 from ipoa_mission.maps.passed import PassedOver, count_passed_over
 from ipoa_mission.scenario.map_sections import BuildingsMap, FlightAreaMap, MapSection, NoFlyMap

@@ -16,8 +16,7 @@ from ipoa_mission.errors import BadInput
 from ipoa_mission.geodesy import Geodetic, LocalFrame
 from ipoa_mission.maps.areas import find_zones
 from ipoa_mission.maps.building_rules import BuildingRules
-from ipoa_mission.maps.buildings import search_buildings
-from ipoa_mission.maps.map_obstacles import MapObstacle
+from ipoa_mission.maps.buildings import MapObstacle, search_buildings
 from ipoa_mission.maps.map_reader import read_features
 from ipoa_mission.maps.passed import PassedOver, count_passed_over
 from ipoa_mission.unread import Unread

@@ -13,8 +13,7 @@ from ipoa_mission.geodesy import LocalFrame
 from ipoa_mission.ground import Ground
 from ipoa_mission.maps.areas import Zones, find_zones
 from ipoa_mission.maps.building_rules import BuildingRules
-from ipoa_mission.maps.buildings import Buildings, search_buildings
-from ipoa_mission.maps.map_obstacles import raise_obstacles
+from ipoa_mission.maps.buildings import Buildings, raise_obstacles, search_buildings
 from ipoa_mission.maps.map_reader import read_features
 from ipoa_mission.world.terrain import Flat
 

@@ -10,8 +10,7 @@ from ipoa_mission.errors import BadInput
 from ipoa_mission.geodesy import LocalFrame
 from ipoa_mission.ground import Ground
 from ipoa_mission.maps.building_rules import BuildingRules
-from ipoa_mission.maps.buildings import search_buildings
-from ipoa_mission.maps.map_obstacles import raise_obstacles
+from ipoa_mission.maps.buildings import raise_obstacles, search_buildings
 from ipoa_mission.world.obstacles import Cylinder, Obstacle, Prism
 from ipoa_mission.world.terrain import Flat
 from tests.refused import refuses

@@ -11,8 +11,7 @@ from hypothesis import strategies as st
 from ipoa_mission.geodesy import LocalFrame
 from ipoa_mission.ground import FLAT_GROUND
 from ipoa_mission.maps.building_rules import BuildingRules, volts_of, wire_of
-from ipoa_mission.maps.buildings import Buildings, search_buildings
-from ipoa_mission.maps.map_obstacles import MapObstacle, raise_obstacles, raise_span
+from ipoa_mission.maps.buildings import Buildings, MapObstacle, raise_obstacles, raise_span, search_buildings
 from ipoa_mission.maps.planar import spans
 
 At = Callable[[float, float], list[float]]
