@@ -11,7 +11,7 @@ _CODES = """
 already-there area-covered area-kept-out area-parted arming-refused backend-cannot bad-input battery-flown
 battery-missing cancelled command-not-ended command-refused complex-item contested damaged-file
 endless-flight far-from-home fast-landing fence-broken fence-empty file-refused flight-under-way frame-not-written
-gap-too-narrow goal-at-start heights-absurd heights-missing home-missing home-outside-fence identity-changed in-use
+gap-too-narrow goal-at-start heights-absurd heights-missing home-missing home-outside-fence identity-changed
 interrupted invalid-ring keeps-changing legs-too-near lines-too-far-apart lines-too-near link-down link-lost
 link-not-opened list-unproven log-incomplete log-useless low-battery missing mission-error mission-not-begun
 mission-refused mode-not-shown no-answer no-coordinate-system no-path no-route no-such-item no-time not-a-mission-item

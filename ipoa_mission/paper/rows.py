@@ -3,7 +3,6 @@
 import csv
 import io
 import json
-import sys
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import astuple, dataclass, fields
 from pathlib import Path
@@ -12,7 +11,7 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from ipoa_mission.errors import MissionError, WrongFormat
+from ipoa_mission.errors import WrongFormat
 from ipoa_mission.files import read_text
 from ipoa_mission.paper.problems import Measures
 from ipoa_mission.paper.published import ALGORITHMS
@@ -120,24 +119,8 @@ def write_row(file: io.TextIOWrapper, row: TrialRow) -> None:
 def open_to_append(path: Path) -> io.TextIOWrapper:
     path.parent.mkdir(parents=True, exist_ok=True)
     opened = path.open("a", encoding="utf-8", newline="")
-    _claim(opened, path)
     whole = path.read_bytes().rfind(b"\n") + 1
     opened.truncate(whole)
     if not whole:
         opened.write(",".join(_COLUMNS) + "\n")
     return opened
-
-
-def _claim(file: io.TextIOWrapper, path: Path) -> None:
-    """Lock the file until it is closed; Windows has no such lock."""
-    if sys.platform == "win32":
-        return
-    import fcntl
-
-    try:
-        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except BlockingIOError as error:
-        file.close()
-        words = "another process is adding runs to it"
-        hint = "wait for its end, or write elsewhere: --out"
-        raise MissionError(words, hint=hint, code="in-use", place=path) from error

@@ -85,14 +85,12 @@ def measure(
     """Run the trials that `path` lacks, and return all rows in their order."""
     wanted = list(dict.fromkeys(trials))
     row_of = {row.trial: row for row in read_rows(path)}
-    if row_of.keys() >= set(wanted):
-        count(progress, len(wanted), len(wanted), label)
+    missing = [trial for trial in wanted if trial not in row_of]
+    done = len(wanted) - len(missing)
+    count(progress, done, len(wanted), label)
+    if not missing:
         return [row_of[trial] for trial in wanted]
     with open_to_append(path) as file:
-        row_of = {row.trial: row for row in read_rows(path)}  # read again under the lock
-        missing = [trial for trial in wanted if trial not in row_of]
-        done = len(wanted) - len(missing)
-        count(progress, done, len(wanted), label)
         waiting = [executor.submit(run_trial, trial) for trial in missing]
         try:
             for future in as_completed(waiting):
