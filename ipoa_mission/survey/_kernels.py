@@ -11,7 +11,6 @@ from ipoa_mission.compiled import njit
 NO_WAY = 1e9  # [s]
 DIRECT, NONE = -1, -2
 TOUCH_TOLERANCE = 0.05  # [m]
-BOX_EDGES = 8  # successive edges that share a bounding box
 
 
 @njit(cache=True, error_model="numpy")
@@ -56,37 +55,27 @@ def path_seconds(clock, path):
 
 
 @njit(cache=True, error_model="numpy")
-def _boxes(edges):
-    """Return west, east, south, north (k, 4) of each `BOX_EDGES` edges (m, 4)."""
-    boxes = np.empty(((len(edges) + BOX_EDGES - 1) // BOX_EDGES, 4))
-    for box in range(len(boxes)):
-        boxes[box] = np.inf, -np.inf, np.inf, -np.inf
-        for k in range(box * BOX_EDGES, min((box + 1) * BOX_EDGES, len(edges))):
-            boxes[box, 0] = min(boxes[box, 0], edges[k, 0], edges[k, 2])
-            boxes[box, 1] = max(boxes[box, 1], edges[k, 0], edges[k, 2])
-            boxes[box, 2] = min(boxes[box, 2], edges[k, 1], edges[k, 3])
-            boxes[box, 3] = max(boxes[box, 3], edges[k, 1], edges[k, 3])
-    return boxes
-
-
-@njit(cache=True, error_model="numpy")
-def _is_clear(edges, boxes, px, py, qx, qy):
-    west, east, south, north = min(px, qx), max(px, qx), min(py, qy), max(py, qy)
-    for box in range(len(boxes)):
-        if boxes[box, 1] < west or boxes[box, 0] > east or boxes[box, 3] < south or boxes[box, 2] > north:
+def _is_clear(edges, px, py, qx, qy):
+    """Return whether a way from p to q crosses no edge."""
+    west = min(px, qx)
+    east = max(px, qx)
+    south = min(py, qy)
+    north = max(py, qy)
+    for k in range(len(edges)):
+        ax = edges[k, 0]
+        ay = edges[k, 1]
+        bx = edges[k, 2]
+        by = edges[k, 3]
+        if max(ax, bx) < west or min(ax, bx) > east or max(ay, by) < south or min(ay, by) > north:
             continue
-        for k in range(box * BOX_EDGES, min((box + 1) * BOX_EDGES, len(edges))):
-            ax, ay, bx, by = edges[k, 0], edges[k, 1], edges[k, 2], edges[k, 3]
-            if max(ax, bx) < west or min(ax, bx) > east or max(ay, by) < south or min(ay, by) > north:
-                continue
-            a = (qx - px) * (ay - py) - (qy - py) * (ax - px)
-            b = (qx - px) * (by - py) - (qy - py) * (bx - px)
-            if (a >= 0.0) == (b >= 0.0):
-                continue
-            p = (bx - ax) * (py - ay) - (by - ay) * (px - ax)
-            q = (bx - ax) * (qy - ay) - (by - ay) * (qx - ax)
-            if (p > 0.0) != (q > 0.0):
-                return False
+        a = (qx - px) * (ay - py) - (qy - py) * (ax - px)
+        b = (qx - px) * (by - py) - (qy - py) * (bx - px)
+        if (a >= 0.0) == (b >= 0.0):
+            continue
+        p = (bx - ax) * (py - ay) - (by - ay) * (px - ax)
+        q = (bx - ax) * (qy - ay) - (by - ay) * (qx - ax)
+        if (p > 0.0) != (q > 0.0):
+            return False
     return True
 
 
@@ -101,12 +90,13 @@ def _goes_by(arms, corner, east, north):
 @njit(cache=True, error_model="numpy")
 def straight_ways(places, place_arms, others, arms, edges):
     """Return straight distances from places (n, 2) to others (m, 2), or NO_WAY, (n, m) [m]; arms lead to neighbors."""
-    away, boxes = np.empty((len(places), len(others))), _boxes(edges)
+    away = np.empty((len(places), len(others)))
     for i in range(len(places)):
         for j in range(len(others)):
-            e, n = others[j, 0] - places[i, 0], others[j, 1] - places[i, 1]
+            e = others[j, 0] - places[i, 0]
+            n = others[j, 1] - places[i, 1]
             is_way = _goes_by(place_arms, i, e, n) and _goes_by(arms, j, e, n)
-            is_way = is_way and _is_clear(edges, boxes, places[i, 0], places[i, 1], others[j, 0], others[j, 1])
+            is_way = is_way and _is_clear(edges, places[i, 0], places[i, 1], others[j, 0], others[j, 1])
             away[i, j] = math.hypot(e, n) if is_way else NO_WAY
     return away
 
@@ -144,20 +134,20 @@ def ways_between(clock, ends, corners, near, between, edges, bend):
     """
     count = len(ends)
     room = max(len(corners), 1)
-    boxes = _boxes(edges)
     times = np.empty((count, count))
     last = np.empty((count, count), np.int16)
     prev = np.empty((count, room), np.int16)
     dist = np.empty(room)
     for i in range(count):
         _spread(i, near.lengths, between, bend, dist, prev)
-        out_e, out_n = ends[i, 0] - ends[i ^ 1, 0], ends[i, 1] - ends[i ^ 1, 1]
+        out_e = ends[i, 0] - ends[i ^ 1, 0]
+        out_n = ends[i, 1] - ends[i ^ 1, 1]
         out = math.hypot(out_e, out_n)
         for j in range(count):
             times[i, j], last[i, j] = NO_WAY, NONE
             if i == j or j == i ^ 1:
                 continue
-            if _is_clear(edges, boxes, ends[i, 0], ends[i, 1], ends[j, 0], ends[j, 1]):
+            if _is_clear(edges, ends[i, 0], ends[i, 1], ends[j, 0], ends[j, 1]):
                 last[i, j] = DIRECT
             else:
                 least = NO_WAY
@@ -169,12 +159,17 @@ def ways_between(clock, ends, corners, near, between, edges, bend):
                         last[i, j] = corner
                 if last[i, j] == NONE:
                     continue
-            in_e, in_n = ends[j ^ 1, 0] - ends[j, 0], ends[j ^ 1, 1] - ends[j, 1]
-            length, total, c = math.hypot(in_e, in_n), 0.0, last[i, j]
-            x, y = ends[j, 0], ends[j, 1]
+            in_e = ends[j ^ 1, 0] - ends[j, 0]
+            in_n = ends[j ^ 1, 1] - ends[j, 1]
+            length = math.hypot(in_e, in_n)
+            total = 0.0
+            c = last[i, j]
+            x = ends[j, 0]
+            y = ends[j, 1]
             while True:
                 bx, by = (ends[i, 0], ends[i, 1]) if c == DIRECT else (corners[c, 0], corners[c, 1])
-                e, n = x - bx, y - by
+                e = x - bx
+                n = y - by
                 leg = math.hypot(e, n)
                 if leg > 1e-6:
                     total += seconds_of(clock, e, n)
@@ -289,6 +284,14 @@ def _descend(entries, times, lines, dirty, sums):
 
 
 @njit(cache=True, error_model="numpy")
+def _next(state):
+    """Return the next of Marsaglia's xorshift numbers of 32 bits."""
+    state ^= (state << 13) & 0xFFFFFFFF
+    state ^= state >> 17
+    return state ^ ((state << 5) & 0xFFFFFFFF)
+
+
+@njit(cache=True, error_model="numpy")
 def search_order(times, lines, rounds):
     """Return the ends (n,) at which lines are entered in a quick order, and its cost [s].
 
@@ -303,25 +306,23 @@ def search_order(times, lines, rounds):
     for k in range(count + 2):
         dirty[k] = True
     cost = _descend(best, times, lines, dirty, sums)
-    state, failed, window = 2463534242, 0, min(count, 30)
+    state = 2463534242
+    failed = 0
+    window = min(count, 30)
     while failed < rounds and count > 3:
         for k in range(count + 2):
             now[k] = best[k]
-        low, i, e, p = 1, 0, 0, 0
-        for n in range(4):
-            state ^= (state << 13) & 0xFFFFFFFF
-            state ^= state >> 17
-            state ^= (state << 5) & 0xFFFFFFFF
-            if n == 0:
-                low = 1 + state % (count - window + 1)
-                continue
-            at = low + state % window
-            if n == 1:
-                i = at
-            elif n == 2:
-                i, e = min(i, at), max(i, at)
-            else:
-                i, e, p = min(i, at), max(min(e, at), i), max(e, at)
+        state = _next(state)
+        low = 1 + state % (count - window + 1)
+        state = _next(state)
+        first = low + state % window
+        state = _next(state)
+        second = low + state % window
+        state = _next(state)
+        third = low + state % window
+        i = min(first, second, third)
+        p = max(first, second, third)
+        e = first + second + third - i - p
         if e < p:
             _move(now, i, e, p)
         else:
