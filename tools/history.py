@@ -12,13 +12,13 @@ from collections.abc import Iterator
 from dataclasses import astuple, dataclass, fields
 from datetime import UTC, datetime
 from pathlib import Path
-
-import matplotlib
-from matplotlib.figure import Figure
+from typing import TYPE_CHECKING
 
 import ipoa_mission as api
-from ipoa_mission.report.plots import STYLE
 from tools import REPOSITORY, command_line
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 HISTORY = REPOSITORY / "docs" / "data" / "history.csv"
 
@@ -64,8 +64,13 @@ def read(path: Path) -> list[Row]:
         return [Row(version, date, scenario, measure, float(value)) for version, date, scenario, measure, value in rows]
 
 
-def plotted(rows: list[Row]) -> Figure:
+def plotted(rows: list[Row]) -> "Figure":
     """Plot a panel a measure and a line a scenario over the versions, relative to the first."""
+    import matplotlib
+    from matplotlib.figure import Figure
+
+    from ipoa_mission.report.plots import STYLE
+
     measures = list(dict.fromkeys(row.measure for row in rows))
     versions = list(dict.fromkeys(row.version for row in rows))
     with matplotlib.rc_context(dict(STYLE)):

@@ -9,7 +9,6 @@ from typing import Any
 from xml.sax.saxutils import escape, quoteattr
 
 import numpy as np
-import pyogrio
 import shapely
 
 Place = list[float]
@@ -240,6 +239,8 @@ def write(rows: list[Row], path: Path) -> None:
     if path.suffix in TEXTS:
         path.write_text(TEXTS[path.suffix](deepcopy(rows)), encoding="utf-8")
         return
+    import pyogrio  # with pandas: 0.5 s
+
     fields = sorted({key for _, tags in rows for key in tags})
     shapes = np.array([shapely.to_wkb(shapely.from_geojson(json.dumps(shape))) for shape, _ in rows], object)
     columns = [np.array([_text(tags.get(key)) for _, tags in rows], object) for key in fields]
