@@ -22,7 +22,7 @@ from ipoa_mission.flight import preflight, procedure
 from ipoa_mission.flight.flight import Flight
 from ipoa_mission.flight.procedure import Stage
 from ipoa_mission.link import departure
-from ipoa_mission.link import vehicle as link_vehicle
+from ipoa_mission.link import upload as link_upload
 from ipoa_mission.link.dialogue import Cancelled, wait
 from ipoa_mission.link.mavftp import FileRefused
 from ipoa_mission.link.messages import MissionType
@@ -240,13 +240,20 @@ def test_ctrl_c_while_the_vehicle_s_other_lists_are_read_sends_nothing(
     assert not aboard[0].transfers.listed(MissionType.MISSION)
 
 
-@pytest.mark.parametrize(("family", "left"), [(Autopilot.PX4, {30.0}), (Autopilot.ARDUPILOT, {30.0, 40.0})])
+@pytest.mark.parametrize(
+    ("family", "words", "left"),
+    [
+        (Autopilot.PX4, "the vehicle keeps the mission it had", {30.0}),
+        (Autopilot.ARDUPILOT, "the mission on the vehicle may be a mixture of new and old", {30.0, 40.0}),
+    ],
+)
 def test_a_second_ctrl_c_in_an_upload_names_all_that_the_vehicle_may_hold(
     run: Run,
     autopilot: Serve,
     aboard: list[BuiltInAutopilot],
     monkeypatch: pytest.MonkeyPatch,
     family: Autopilot,
+    words: str,
     left: set[float],
 ) -> None:
     for height in (30.0, 40.0):
@@ -261,13 +268,13 @@ def test_a_second_ctrl_c_in_an_upload_names_all_that_the_vehicle_may_hold(
 
         yield press_twice
 
-    press(monkeypatch, link_vehicle, "upload_by_file", FileRefused)  # item by item also to ArduPilot
+    press(monkeypatch, link_upload, "upload_by_file", FileRefused)  # item by item also to ArduPilot
     with autopilot(family=family) as link:
         assert run(f"upload 30.0.plan --link {link}").code == 0
         monkeypatch.setattr(interrupting, "progress_bar", impatient)
         ended = run(f"upload 40.0.plan --link {link}")
         held = aboard[0].transfers.listed(MissionType.MISSION)
-    assert (ended.code, ended.err.splitlines()[0]) == (130, f"error: stopped: {EITHER}")
+    assert (ended.code, ended.err.splitlines()[0]) == (130, f"error: cancelled: {words}")
     heights = {item.altitude for item in held if item.command == Command.NAV_WAYPOINT}
     assert heights - {ZURICH.altitude} == left
 
