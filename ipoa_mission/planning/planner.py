@@ -1,11 +1,12 @@
 """Plan a path for a task: guess, search, polish, search the best piece by piece, polish again, prove."""
 
 from dataclasses import dataclass, field, replace
+from functools import cache
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from threadpoolctl import threadpool_limits
+from threadpoolctl import ThreadpoolController
 
 from ipoa_mission.geometry import Vector, polyline_length
 from ipoa_mission.optimize.registry import build_optimizer, optimizer_class
@@ -30,6 +31,8 @@ from ipoa_mission.planning.problem import (
 from ipoa_mission.planning.proof import Proof, prove_curve
 from ipoa_mission.planning.spline import Spline
 from ipoa_mission.progress import Progress, silent
+
+threads = cache(ThreadpoolController)  # takes 5 ms
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -185,7 +188,7 @@ def plan_path(
     search, budget = (optimizer, None) if optimizer else optimizer_of(task, short=not as_printed)
     effort = strategy or (USUAL if len(task.places) <= MOST_PLACES else MANY_LEGS)
     searcher = Searcher(problem, search, np.random.default_rng(seed), effort, budget)
-    with threadpool_limits(1, "blas"):  # more threads wait, and round differently
+    with threads().limit(limits=1, user_api="blas"):  # more threads wait, and round differently
         curves = [_search_once(searcher, progress)] if as_printed else _search_passages(searcher, progress)
     safe = [curve for curve in curves if curve.proof.is_proved]
     if not safe:
@@ -198,7 +201,7 @@ def plan_path(
 def move_aside(plan: Plan, task: PathTask) -> Spline | None:
     """Move a plan's curve until it keeps another task's limits; None if it cannot."""
     problem = prepare(task)
-    with threadpool_limits(1, "blas"):
+    with threads().limit(limits=1, user_api="blas"):
         near = polish(Candidate(plan.curve, plan.via_at), problem, FIRM_DESCENT)
         candidate, proof = polish_until_proved(near, problem, replace(FINE_DESCENT, enough=1e-5, finer=1), attempts=2)
     return candidate.curve if proof.is_proved else None
@@ -351,7 +354,7 @@ def sketch_path(task: PathTask) -> Sketch:
     """
     problem = prepare(task)
     refuse_places(problem)
-    with threadpool_limits(1, "blas"):
+    with threads().limit(limits=1, user_api="blas"):
         candidates = [polish(guess.candidate(problem), problem) for guess in _sketched(problem)]
         best = sorted(candidates, key=problem.cost)
         first = best[0]

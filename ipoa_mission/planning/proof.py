@@ -104,10 +104,11 @@ def doubtful_legs(points: Points, task: PathTask) -> NDArray[np.intp]:
     return np.flatnonzero(doubtful | np.isfinite(limits.ceiling_above_ground))
 
 
-def unproved_legs(points: Points, task: PathTask) -> list[int]:
-    """Return the legs between points (n, 3) that are not proved."""
-    legs = doubtful_legs(points, task).tolist()
-    return [leg for leg in legs if not prove(points[leg : leg + 2], task, spare=0.0).is_proved]
+def unproved_legs(points: Points, task: PathTask) -> Iterator[int]:
+    """Yield unproved legs between points (n, 3)."""
+    for leg in doubtful_legs(points, task).tolist():
+        if not prove(points[leg : leg + 2], task, spare=0.0).is_proved:
+            yield leg
 
 
 def prove_curve(curve: Spline, task: PathTask) -> Proof:

@@ -103,11 +103,11 @@ class Attempt:
 
     @property
     def keeps_limits(self) -> bool:
-        return not self.draft.unknown and self._is_proved and self.quick_prediction.keeps_limits
-
-    @property
-    def _is_proved(self) -> bool:
-        return self.proof.is_proved if self.route.spline else not unproved_legs(self.route.points, self.scenario)
+        if self.draft.unknown:
+            return False
+        unproved = unproved_legs(self.route.points, self.scenario)
+        is_proved = self.proof.is_proved if self.route.spline else not any(True for _ in unproved)
+        return is_proved and self.quick_prediction.keeps_limits
 
     @cached_property
     def prediction(self) -> "RoutePrediction":

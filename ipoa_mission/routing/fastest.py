@@ -146,7 +146,7 @@ def _broken(attempt: Attempt, stations: Vector, places: list[tuple[float, float,
     broken = [
         np.interp(times, prediction.reached, stations),
         arc_lengths(samples)[is_far(samples, flown.points, tolerance)],
-        ((stations[:-1] + stations[1:]) / 2)[unproved_legs(attempt.route.points, scenario)],
+        ((stations[:-1] + stations[1:]) / 2)[list(unproved_legs(attempt.route.points, scenario))],
     ]
     return np.unique(np.concatenate(broken).clip(stations[0], stations[-1]))
 
@@ -276,9 +276,8 @@ def fastest_routes(plan: Plan, scenario: Scenario) -> list[Attempt]:
         if not composed.is_fit and not quickest:
             return [composed]
         quickest += [composed] if composed.is_fit else []
-    improved = sorted(
-        dict.fromkeys([*quickest, *map(_improve, quickest)]), key=lambda each: each.quick_prediction.seconds
-    )
+    routes = dict.fromkeys([*quickest, *map(_improve, quickest)])
+    improved = sorted(routes, key=lambda each: each.quick_prediction.seconds)
     first = _best_of_equal(improved)
     return [first, *(attempt for attempt in improved if attempt is not first)]
 
@@ -351,7 +350,7 @@ def _is_open(candidate: Attempt, attempt: Attempt) -> bool:
     points = candidate.route.points
     start, end = common_ends(attempt.route.points, points)
     legs = points[start - 1 : len(points) - end + 1]
-    return candidate.route.spline or not unproved_legs(legs, candidate.scenario)
+    return candidate.route.spline or not any(True for _ in unproved_legs(legs, candidate.scenario))
 
 
 def _changes(points: Points, step: float, via: Points, tried: set[bytes]) -> Iterator[Points]:

@@ -198,8 +198,8 @@ class _RallySearch:
         self._sample(np.unique([*self._times, *np.clip(np.add.outer(times, beside), *self._paths.in_air).ravel()]))
 
     def _sample(self, times: Vector) -> None:
-        stopped = self._paths.stops().at(times)[1]
-        height = self._paths.at(Contingency.RTL, times).paths[:, 0, 3, 2]
+        places, stopped = self._paths.stops().at(times)
+        height = self._paths.returns(places, stopped, self._paths.stops().seqs_at(times))[0][:, 0, 3, 2]
         self._times = times
         self._margins = _margins(self._paths, stopped, height, self._goals)
         self._away = np.linalg.norm(stopped[:, None, :2] - self._goals[None, :, :2], axis=2)
@@ -247,14 +247,13 @@ def _places(paths: ContingencyPaths) -> Points:
     stations = np.arange(0.0, traveled[-1] + EFFORT.place_step, EFFORT.place_step)
     spots = np.column_stack([np.interp(stations, traveled, track[:, k]) for k in range(2)])
     aside = lefts(spots)[:, :2] if len(spots) > 1 else np.zeros_like(spots)
-    spaced: list[np.ndarray] = [np.zeros(2)]
+    spaced = np.zeros((1, 2))
     for distance in EFFORT.lateral_distances:
         for sign in (1.0, -1.0) if distance else (1.0,):
             for spot in spots + sign * distance * aside:
-                if min(float(np.hypot(*(spot - other))) for other in spaced) >= EFFORT.min_separation:
-                    spaced.append(spot)
-    level = np.array(spaced[1:]).reshape(-1, 2)
-    return np.column_stack([level, paths.forecast.world.airspace.ground(level)])
+                if np.hypot(*(spot - spaced).T).min() >= EFFORT.min_separation:
+                    spaced = np.vstack([spaced, spot])
+    return np.column_stack([spaced[1:], paths.forecast.world.airspace.ground(spaced[1:])])
 
 
 def _with_room(paths: ContingencyPaths, places: Points) -> Points:

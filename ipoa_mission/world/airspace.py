@@ -35,7 +35,6 @@ class Clearance:
 
 
 ROUNDING = 1e-6  # [m]
-FEW_LEGS = 3  # quicker without an index
 NOTHING_NEAR = Clearance(float("inf"), (float("nan"),) * 3, "nothing")
 
 
@@ -264,7 +263,7 @@ class Airspace:
 
     def _beside_legs(self, starts: Points, ends: Points, reach: float) -> NDArray[np.intp]:
         """Return numbers of legs, and of obstacles that may be within `reach` [m], (2, n)."""
-        if len(starts) <= FEW_LEGS:
+        if len(starts) <= 3:  # quicker without an index
             near = [self.beside_leg(a, b, reach) for a, b in zip(starts, ends, strict=True)]
             return np.stack([np.repeat(np.arange(len(near)), list(map(len, near))), np.concatenate(near)])
         tracks = shapely.linestrings(np.stack([starts[:, :2], ends[:, :2]], axis=1))

@@ -150,7 +150,7 @@ class ContingencyPaths:
             back = np.column_stack([stops[:, :2], places[:, 2]])
             paths = np.concatenate([paths, back[:, None, None]], axis=2)
         elif contingency is Contingency.RTL:
-            paths, possible = self._returns(places, stops, self.stops(contingency).seqs_at(times))
+            paths, possible = self.returns(places, stops, self.stops(contingency).seqs_at(times))
         elif contingency is Contingency.SMART_RTL:
             home = np.broadcast_to(self.flight.pieces.points[0], (len(times), 1, 1, 3))
             paths = np.concatenate([paths, home], axis=2)
@@ -251,8 +251,7 @@ class ContingencyPaths:
     @cached_property
     def _flown(self) -> tuple[Distances, ObstacleIndices]:
         places = self.stops().places
-        if len(places) == 1:
-            places = np.repeat(places, 2, axis=0)
+        places = places if len(places) > 1 else np.repeat(places, 2, axis=0)
         return self._near(np.stack([places[:-1], places[1:]], axis=1)[:, None], np.full((len(places) - 1, 1), True))
 
     def _with_ground(self, contingency: Contingency, samples: ContingencySamples) -> ContingencySamples:
@@ -294,7 +293,7 @@ class ContingencyPaths:
     def _paths_to(self, goal: int) -> slice:
         return slice(goal * self._variants, (goal + 1) * self._variants)
 
-    def _returns(self, places: Points, stops: Points, seqs: NDArray[np.intp]) -> tuple[Paths, NDArray[np.bool_]]:
+    def returns(self, places: Points, stops: Points, seqs: NDArray[np.intp]) -> tuple[Paths, NDArray[np.bool_]]:
         """Return paths (n, k, p, 3), k as `_paths_to` goals, p: ends of `ReturnLeg`; which are possible (n, k)."""
         guidance = self.mission.autopilot.guidance
         begins = (places if guidance.climbs_coming_back else stops).copy()
