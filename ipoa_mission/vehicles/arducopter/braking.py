@@ -9,15 +9,16 @@ import math
 import numpy as np
 
 from ipoa_mission.autopilot.guidance_profile import FlownCircle
-from ipoa_mission.compiled import jit_if_faster
 from ipoa_mission.errors import BadInput
 from ipoa_mission.geometry import Plane
-from ipoa_mission.vehicles.arducopter.dynamics.shaping import BRAKING_STEPS, add_braking
 from ipoa_mission.vehicles.arducopter.limits import CENTIMETER, CopterLimits
 
 
 def braking_displacement(velocity: Plane, accel: Plane, most_accel: float, jerk: float) -> Plane:
     """Return the displacement to rest, (n, 2) [m], within an acceleration [m/s^2] and a jerk [m/s^3]."""
+    from ipoa_mission.compiled import jit_if_faster
+    from ipoa_mission.vehicles.arducopter.dynamics.shaping import BRAKING_STEPS, add_braking
+
     displacement = np.zeros((len(velocity), 2))
     add = jit_if_faster(add_braking, None, len(velocity) * BRAKING_STEPS)
     add(np.ascontiguousarray(velocity), np.ascontiguousarray(accel), most_accel, jerk, displacement)
