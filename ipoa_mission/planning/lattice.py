@@ -115,7 +115,8 @@ def guesses(problem: PreparedProblem, coarsest: int, strategy: LatticeStrategy =
             break
     routes = routes or find_routes(lattice, problem, most, looking=False)
     tolerance = min(2 * lattice.spacing[0], max(lattice.spacing[0], problem.rules.d_safe))
-    turns = max((_count_turns(route, tolerance) for route in routes), default=0)
+    lines = [shapely.LineString(route[:, :2]) for route in routes]  # corners: Douglas and Peucker
+    turns = max(shapely.get_num_points(shapely.simplify(lines, tolerance, preserve_topology=False)) - 2, default=0)
     inner = int(max(inner, min(4 + strategy.control_points_per_turn * turns, strategy.max_control_points)))
     return [
         Guess(straight, None, inner),
@@ -375,11 +376,6 @@ def _trace(before: NDArray[np.int64], node: int) -> list[int]:
         passed.append(node)
         node = before.item(node)
     return passed
-
-
-def _count_turns(route: Points, tolerance: float) -> int:
-    """Return the corners of a route within a tolerance [m] (Douglas and Peucker)."""
-    return len(shapely.simplify(shapely.LineString(route[:, :2]), tolerance, preserve_topology=False).coords) - 2
 
 
 def _region(problem: PreparedProblem) -> tuple[Vector, Vector]:

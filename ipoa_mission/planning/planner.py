@@ -32,8 +32,6 @@ from ipoa_mission.planning.proof import Proof, prove_curve
 from ipoa_mission.planning.spline import Spline
 from ipoa_mission.progress import Progress, silent
 
-threads = cache(ThreadpoolController)  # takes 5 ms
-
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Plan:
@@ -100,6 +98,7 @@ MANY_LEGS = SearchStrategy(
     max_rounds=12,
 )
 MOST_PLACES = 6  # of the usual strategy
+threads = cache(ThreadpoolController)  # takes 5 ms
 
 
 @dataclass

@@ -30,7 +30,7 @@ from ipoa_mission.forecast.contingency.contingency_paths import ContingencyPaths
 from ipoa_mission.forecast.contingency.contingency_samples import SAMPLING
 from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.mission.items import FenceCircle, Item, Mission, change_speed, land, takeoff, waypoint
-from ipoa_mission.vehicles.arducopter.braking import braking_displacement
+from ipoa_mission.vehicles.arducopter.flight_model import braking_displacement
 from ipoa_mission.vehicles.px4_multicopter.simulation import MissionSimulation
 from tests.examples import examples
 from tests.refused import refuses

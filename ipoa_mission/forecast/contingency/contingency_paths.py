@@ -222,11 +222,10 @@ class ContingencyPaths:
             near[leg], _ = airspace.obstacles[which[leg]].leg_clearance(starts[leg], ends[leg])
         for leg in np.flatnonzero((near < self.required) & self.enlarged.at_tight_place(starts, ends)):
             near[leg], which[leg] = self.enlarged.leg_clearance(starts[leg], ends[leg], within)
-        all_near = np.full((*possible.shape, parts), np.inf)
-        all_which = np.full(all_near.shape, -1)
-        all_near[possible] = near.reshape(-1, parts)
-        all_which[possible] = which.reshape(-1, parts)
-        return all_near, all_which
+        found = np.full((*possible.shape, parts), np.inf), np.full((*possible.shape, parts), -1)
+        for values, of in zip(found, (near, which), strict=True):
+            values[possible] = of.reshape(-1, parts)
+        return found
 
     def _flown_so_far(self, times: Vector, ahead: bool = False) -> tuple[Vector, NDArray[np.intp]]:
         """Return least distances (n,) of the path flown until `times`, or `ahead` after them, and obstacles."""

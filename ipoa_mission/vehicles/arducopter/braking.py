@@ -5,8 +5,8 @@ with the path's speed and acceleration, BRAKE with the vehicle's speed.
 """
 
 import math
-
-import numpy as np
+from collections.abc import Callable
+from typing import NamedTuple
 
 from ipoa_mission.autopilot.guidance_profile import FlownCircle
 from ipoa_mission.errors import BadInput
@@ -14,15 +14,10 @@ from ipoa_mission.geometry import Plane
 from ipoa_mission.vehicles.arducopter.limits import CENTIMETER, CopterLimits
 
 
-def braking_displacement(velocity: Plane, accel: Plane, most_accel: float, jerk: float) -> Plane:
-    """Return the displacement to rest, (n, 2) [m], within an acceleration [m/s^2] and a jerk [m/s^3]."""
-    from ipoa_mission.compiled import jit_if_faster
-    from ipoa_mission.vehicles.arducopter.dynamics.shaping import BRAKING_STEPS, add_braking
+class Braking(NamedTuple):
+    """Displacement `to_rest`, (n, 2) [m], from velocities and accelerations, within one [m/s^2] and a jerk [m/s^3]."""
 
-    displacement = np.zeros((len(velocity), 2))
-    add = jit_if_faster(add_braking, None, len(velocity) * BRAKING_STEPS)
-    add(np.ascontiguousarray(velocity), np.ascontiguousarray(accel), most_accel, jerk, displacement)
-    return displacement
+    to_rest: Callable[[Plane, Plane, float, float], Plane]
 
 
 def circle_spin(limits: CopterLimits, radius: float, speed: float) -> float:

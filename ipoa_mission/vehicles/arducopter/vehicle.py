@@ -16,7 +16,7 @@ from ipoa_mission.autopilot.parameters import Parameters
 from ipoa_mission.autopilot.returning import HOME, Contingency, ReturnBy, ReturnOrder, ReturnRoute, horizontal_distance
 from ipoa_mission.autopilot.version import Version
 from ipoa_mission.geometry import Place, Points, Vector
-from ipoa_mission.vehicles.arducopter.braking import braking_displacement, flown_circle
+from ipoa_mission.vehicles.arducopter.braking import Braking, flown_circle
 from ipoa_mission.vehicles.arducopter.failsafes import FAILSAFES
 from ipoa_mission.vehicles.arducopter.limits import (
     FENCE_SWITCHES,
@@ -234,6 +234,7 @@ class ArduCopter(Autopilot):
         spared_by="RNGFND1_TYPE",
     )
     parts: ClassVar[Mapping[str, str]] = {
+        "Braking": "ipoa_mission.vehicles.arducopter.flight_model:BRAKING",
         "FlightModel": "ipoa_mission.vehicles.arducopter.flight_model:MODEL",
         "LogFormat": "ipoa_mission.vehicles.arducopter.log:FORMAT",
         "DeviationLaw": "ipoa_mission.vehicles.arducopter.flight_model:LAW",
@@ -266,9 +267,9 @@ class ArduCopter(Autopilot):
         p = PARAMETER_TABLE.complete(parameters)
         if contingency is Contingency.HOLD:
             brake_mode_decel = 7.5  # BRAKE_MODE_DECEL_RATE [m/s^2]
-            return braking_displacement(velocity, 0.0 * accel, brake_mode_decel, p["PSC_JERK_XY"])
+            return self.part(Braking).to_rest(velocity, 0.0 * accel, brake_mode_decel, p["PSC_JERK_XY"])
         lead_s = 0.25  # of the target's speed, as flown
-        return braking_displacement(velocity + lead_s * accel, accel, p["WPNAV_ACCEL"] / 100, p["PSC_JERK_XY"])
+        return self.part(Braking).to_rest(velocity + lead_s * accel, accel, p["WPNAV_ACCEL"] / 100, p["PSC_JERK_XY"])
 
     def stopping_climb(
         self, parameters: Parameters, velocity: Points, accel: Points, contingency: Contingency
@@ -284,7 +285,7 @@ class ArduCopter(Autopilot):
         braking = 7.5 if contingency is Contingency.HOLD else p["WPNAV_ACCEL_Z"] / 100  # BRAKE_MODE_DECEL_RATE
         upright = np.column_stack([climb, 0.0 * climb])
         lag_s = 0.08  # as flown
-        return braking_displacement(upright, 0.0 * upright, braking, p["PSC_JERK_Z"])[:, 0] + lag_s * climb
+        return self.part(Braking).to_rest(upright, 0.0 * upright, braking, p["PSC_JERK_Z"])[:, 0] + lag_s * climb
 
     def sinking_brake(self, parameters: Parameters) -> returning.SinkingBrake:
         limits = copter_limits(parameters)
