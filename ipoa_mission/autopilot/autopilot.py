@@ -148,7 +148,7 @@ class Autopilot(metaclass=_ByName):
 
         brake = self.sinking_brake(parameters)
         level = velocity[:, :2]
-        late_s = 0.8 * (1.0 + np.minimum(velocity[:, 2], 0.0) / brake.descent)  # as flown
+        late_s = brake.begins_late_s * (1.0 + np.minimum(velocity[:, 2], 0.0) / brake.descent)
         sinks_s = np.hypot(*level.T) / brake.accel + brake.settles_s - late_s
         offset = self.stopping_offset(parameters, level, 0.0 * level, returning.Contingency.LAND)
         return np.column_stack([offset + brake.overshoots_s * level, -brake.descent * np.maximum(sinks_s, 0.0)])

@@ -94,6 +94,7 @@ class SinkingBrake(NamedTuple):
 
     accel: float  # horizontal deceleration [m/s^2]
     descent: float  # descent speed [m/s]
+    begins_late_s: float  # after the order, in level flight
     settles_s: float  # added to the braking time
     overshoots_s: float  # of the speed, beyond the stopping point
 

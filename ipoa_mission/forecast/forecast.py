@@ -168,7 +168,7 @@ class Forecast:
         return tuple(find_unknown(self.mission_as_read))
 
     def predicted(self, noise_free: bool, fast: bool | None = None) -> Prediction:
-        """Predict times and places, `noise_free` or with the mean of sensor noise; `fast`: as in `estimate`.
+        """Predict times and places, `noise_free` or with the mean of sensor noise; `fast`: compiled, None: if quicker.
 
         Raises:
             BadInput: the mission has no end, or a parameter is invalid.

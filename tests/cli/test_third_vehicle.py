@@ -75,6 +75,7 @@ def way(program: Program, index: int, here: Place, ground: float) -> list[Place]
 
 class Model(FlightModel):
     scatter = (0.1, 0.01, 0.1)
+    takeoff_scatter_s = 0.1
     simulated_lag = 0.05
 
     def predicted(self, itinerary: Itinerary, wind: Wind, fast: bool | None, noise_free: bool) -> Prediction:
@@ -206,7 +207,7 @@ class Toy(Autopilot):
         return 0.0 * speed
 
     def sinking_brake(self, parameters: Parameters) -> SinkingBrake:
-        return SinkingBrake(SPEED, SPEED, 0.0, 0.0)
+        return SinkingBrake(SPEED, SPEED, 0.0, 0.0, 0.0)
 
     def slow_stretch(self, parameters: Parameters) -> SlowStretch | None:
         return None

@@ -19,7 +19,7 @@ from ipoa_mission.forecast.contingency.contingency_paths import ContingencyPaths
 from ipoa_mission.forecast.contingency.contingency_samples import GROUND, ContingencySamples, StoppingPoints
 from ipoa_mission.forecast.flight_energy import Consumption
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.forecast.timing.flight_model import Z_90
+from ipoa_mission.forecast.timing.flight_model import Z_90, FlightModel
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.world.airspace import Clearance
 
@@ -244,8 +244,8 @@ class Contingencies:
     def _tolerances(self, times: Vector) -> Vector:
         """Return half the interval of nine flights in ten at each of `times` (n,) [s]."""
         prediction = self.forecast.expected
-        begin_s = 0.6  # ArduCopter 4.8-dev is 0.5 s early after its take-off
-        return begin_s + np.interp(times, prediction.done, (prediction.high - prediction.low) / 2)
+        scatter_s = self.forecast.mission.autopilot.part(FlightModel).takeoff_scatter_s
+        return scatter_s + np.interp(times, prediction.done, (prediction.high - prediction.low) / 2)
 
     def _grades(self, contingency: Contingency, samples: ContingencySamples) -> list[Grade]:
         times = samples.times

@@ -93,6 +93,8 @@ class SlowedByAir(Protocol):
 class FlightModel(ABC):
     scatter: ClassVar[tuple[float, float, float]]
     """Standard deviations of an item's time about the model's: seconds, share, and seconds of a landing."""
+    takeoff_scatter_s: ClassVar[float]
+    """Greatest error of the take-off's time [s]."""
     simulated_lag: ClassVar[float]
     """Lag of the simulated vehicle's rotors and rate loop [s]."""
 
@@ -101,7 +103,7 @@ class FlightModel(ABC):
 
     @abstractmethod
     def predicted(self, itinerary: Itinerary, wind: Wind, fast: bool | None, noise_free: bool) -> Prediction:
-        """Predict the flight; `fast` and `noise_free` as in `Forecast.predicted`.
+        """Predict the flight, `noise_free` or with the mean of sensor noise; `fast`: compiled, None: if quicker.
 
         Raises:
             BadInput: an item never ends, or a parameter is invalid.
@@ -122,7 +124,7 @@ class FlightModel(ABC):
         """Predict the flight until a contingency is ordered at `time` [s], then that; `done` has only its end.
 
         Raises:
-            MissionError: as `predicted`; or the model has no such flights.
+            MissionError: the vehicle makes no progress; or the model has no such flights.
         """
         raise NotModeled(f"{itinerary.mission.autopilot.model} has no model of returns: their duration is unknown")
 

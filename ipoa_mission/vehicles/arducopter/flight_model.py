@@ -55,6 +55,7 @@ UNCERTAINTY = TimeUncertainty()
 
 class ArduCopterModel(FlightModel):
     scatter = (0.15, 0.01, 0.6)
+    takeoff_scatter_s = 0.6  # version 4.8-dev is 0.5 s early
     is_always_noise_free = True
     simulated_lag = ARDUPILOT_SIMULATOR.lag
     kept_flights = 4  # the latest, for others with the same first items

@@ -36,6 +36,7 @@ class Px4Model(FlightModel):
     """PX4 in SIH; flown with noise unless `noise_free`."""
 
     scatter = (0.7, 0.02, 2.0)
+    takeoff_scatter_s = 0.6
     simulated_lag = state.SIH.lag
 
     def __init__(self) -> None:

@@ -281,7 +281,7 @@ class Px4Multicopter(Autopilot):
 
     def sinking_brake(self, parameters: Parameters) -> returning.SinkingBrake:
         limits = px4_limits(parameters)
-        return returning.SinkingBrake(limits.accel, limits.sinks_from, 2.3, self.overshoots_s)
+        return returning.SinkingBrake(limits.accel, limits.sinks_from, 0.8, 2.3, self.overshoots_s)
 
     def slow_stretch(self, parameters: Parameters) -> returning.SlowStretch | None:
         """Return MPC_LAND_ALT1 to MPC_LAND_ALT2.
