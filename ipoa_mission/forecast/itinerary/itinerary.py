@@ -265,7 +265,8 @@ def _payload_elsewhere(mission: Mission, program: Program, n: int, next_index: i
     if item.command != Command.NAV_PAYLOAD_PLACE or not item.has_position:
         return
     parameters = mission.complete_parameters
-    radius = parameters[autopilot.parameter_table.by_meaning["acceptance radius"].name] / 100
-    if abs(program.place(next_index, NO_PLACE)[2] - program.place(n, NO_PLACE)[2]) > radius:
+    acceptance = autopilot.parameter_table.by_meaning["acceptance radius"]
+    climb = abs(program.place(next_index, NO_PLACE)[2] - program.place(n, NO_PLACE)[2])
+    if climb > parameters[acceptance.name] * acceptance.unit:
         why = "it waits at this height for that of the waypoint before, and never places the payload"
         yield Unknown(next_index + 1, why, "give it the height of the waypoint before, or 0", "never-reached")
