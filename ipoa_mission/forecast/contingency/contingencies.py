@@ -219,8 +219,8 @@ class Contingencies:
             grades = self._grades(contingency, samples)
             runs = _runs(samples.possible, grades)
             self._rows[contingency] = [(self._row(contingency, samples, run, grades[run.start]), run) for run in runs]
-        runs = self._rows[contingency]
-        return tuple(self._timed(row, samples, _extremes(samples, run)) if timed else row for row, run in runs)
+        rows = self._rows[contingency]
+        return tuple(self._timed(row, samples, _extremes(samples, run)) if timed else row for row, run in rows)
 
     def at(self, contingency: Contingency, time: float, timed: bool = True) -> ContingencyRow:
         if (unknown := self._unknown(contingency, time, time)) is not None:
@@ -374,7 +374,6 @@ def _widest(intervals: Sequence[tuple[float, float]]) -> tuple[float, float] | N
 
 
 def _extremes(samples: ContingencySamples, run: range) -> list[int]:
-    """Return the first, last, shortest and longest path."""
     lengths = np.linalg.norm(np.diff(samples.paths[run.start : run.stop], axis=2), axis=-1).sum(axis=2)
     possible = samples.possible[run.start : run.stop]
     shortest = int(np.where(possible, lengths, np.inf).min(axis=1).argmin())

@@ -123,7 +123,7 @@ class Px4Model(FlightModel):
 
     def spread(self, itinerary: Itinerary, wind: Wind, predicted: Prediction) -> Points | None:
         simulation = MissionSimulation(itinerary, wind)
-        if simulation.limits.decoupled_axes or not itinerary.visits:  # it stops at each waypoint (docs/lab/kept.md)
+        if not itinerary.visits or len(predicted.track.times) < 4:  # it does not move
             return None
         orders = simulation.mission_orders.orders
         ends = [0, *simulation.mission_orders.done]
@@ -139,6 +139,10 @@ class Px4Model(FlightModel):
                 continue
             runs.append(np.column_stack([np.interp(run.samples[:, 0], run.done[ends], done), run.samples[:, 1:4]]))
         return spread_of(predicted.track, runs)
+
+    def counts_spread(self, itinerary: Itinerary) -> bool:
+        mission = itinerary.mission
+        return not px4_limits(mission.parameters, mission.firmware_version).decoupled_axes
 
     def kinematics(self, parameters: Parameters, speed: float | None = None) -> Kinematics:
         limits = px4_limits(parameters)
