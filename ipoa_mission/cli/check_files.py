@@ -1,8 +1,6 @@
-"""Check mission files, and print what was found as lines, JSON or SARIF 2.1.0."""
+"""Check mission files, and print findings as lines or JSON."""
 
-import json
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from importlib.metadata import version
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -18,7 +16,6 @@ from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.mission.item_words import count_words
 from ipoa_mission.options import expect_mission
 from ipoa_mission.report.summary import clearance_as_json, findings_as_json, passed_over_as_json
-from ipoa_mission.rules import RULES
 from ipoa_mission.terminal import notes, print_lines
 from ipoa_mission.unread import unread_as_json
 
@@ -122,33 +119,3 @@ def clearance_words(guarantee: "ClearanceGuarantee | None") -> list[str]:
         return []
     least = guarantee.clearance
     return [f"least clearance, to {least.to} at item {least.item}: {least.words(guarantee.confidence)}"]
-
-
-def sarif(by_file: Mapping[Path, Sequence[Finding]]) -> str:
-    codes = sorted({finding.code for findings in by_file.values() for finding in findings})
-    rules = [
-        {"id": code, "shortDescription": {"text": RULES[code].means}, "help": {"text": RULES[code].do}}
-        for code in codes
-    ]
-    results = [
-        {
-            "ruleId": finding.code,
-            "ruleIndex": codes.index(finding.code),
-            "level": str(finding.severity),
-            "message": {"text": finding.message + (f" ({finding.hint})" if finding.hint else "")},
-            "locations": [
-                {
-                    "physicalLocation": {"artifactLocation": {"uri": file.as_posix()}},
-                    "logicalLocations": [
-                        {"name": "mission" if finding.seq is None else f"item {finding.seq}", "kind": "element"}
-                    ],
-                }
-            ],
-        }
-        for file, findings in by_file.items()
-        for finding in findings
-    ]
-    driver = {"name": "ipoa-mission", "version": version("ipoa-mission"), "rules": rules}
-    schema = "https://json.schemastore.org/sarif-2.1.0.json"
-    log = {"$schema": schema, "version": "2.1.0", "runs": [{"tool": {"driver": driver}, "results": results}]}
-    return json.dumps(log, indent=2) + "\n"

@@ -5,7 +5,6 @@ import typer
 
 from ipoa_mission.cli.groups import ContingencyOptions, WorldOptions
 from ipoa_mission.errors import BadInput, OptionConflict
-from ipoa_mission.files import write_atomically
 from ipoa_mission.options import ANYWAY, FileArgument, JsonOption, argument, flag
 from ipoa_mission.terminal import notes, picked, print_json, print_lines, print_table
 
@@ -19,7 +18,6 @@ if TYPE_CHECKING:
 def check(
     files: Annotated[list[Path], argument("FILE...", "Mission files (.plan, .waypoints), or folders of them.")],
     options: ContingencyOptions,
-    sarif: Annotated[Path | None, flag("--sarif", "Write the findings in all files as SARIF, for CI.", "FILE")] = None,
     anyway: Annotated[bool, flag("--anyway", ANYWAY)] = False,
     as_json: JsonOption = False,
 ) -> None:
@@ -31,7 +29,6 @@ def check(
     """
     from ipoa_mission.checks.unsafe import unreadable
     from ipoa_mission.cli.check_files import CheckedFile, check_file, missions_in
-    from ipoa_mission.cli.check_files import sarif as sarif_log
     from ipoa_mission.cli.reading import read_world
     from ipoa_mission.mission.item_words import count_words
 
@@ -51,8 +48,6 @@ def check(
             checked.append(CheckedFile(path, (unreadable(error),)))
         if not as_json and not (is_one and wrong):
             checked[-1].print()
-    if sarif is not None:
-        write_atomically(sarif, sarif_log({checked_file.file: checked_file.findings for checked_file in checked}))
     if is_one and wrong:
         raise wrong
     errors = sum(checked_file.errors for checked_file in checked)

@@ -11,7 +11,7 @@ HEAD = """\
 # Findings
 
 Made from the code by `python -m tools.generate.findings`. `check` prints the code of a finding behind it;
-`--json` and `--sarif` have it too. A code keeps its meaning. A code marked "yes" can be left out, with
+`--json` has it too. A code keeps its meaning. A code marked "yes" can be left out, with
 `check --ignore CODE` or in a scenario with `ignore = ["CODE"]` under `[safety]`; from the others a crash may follow.
 
 | code | means | do | may be ignored |
