@@ -10,7 +10,7 @@ import ipoa_mission.options as options
 from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.centimeters import floor_cm
 from ipoa_mission.cli.groups import FlownByOptions
-from ipoa_mission.errors import BadInput, LogUseless, OptionConflict, imported
+from ipoa_mission.errors import BadInput, LogUseless, OptionConflict
 from ipoa_mission.options import expect_mission
 from ipoa_mission.terminal import notes, picked, print_json, print_lines, print_table, round_finite
 
@@ -36,8 +36,6 @@ class LogOptions:
     number: Annotated[int | None, options.flag("--flight", "Only the N-th flight in the log.", "N", min=1)] = None
     system: options.LogSystemOption = None
     scenario: options.ScenarioOption = None
-    picture: Annotated[Path | None, options.flag("--picture", "Also draw it: .png or .svg.", "FILE")] = None
-    force: options.ForceOption = False
 
 
 def compare(
@@ -61,7 +59,6 @@ def compare(
     from ipoa_mission.flight.post_flight import landed_elsewhere
     from ipoa_mission.logs.flight_log import read_flights
     from ipoa_mission.report.compare import Assumptions
-    from ipoa_mission.terminal import expect_free
     from ipoa_mission.wind import CALM
 
     if len(files) > 2:
@@ -77,17 +74,11 @@ def compare(
     if file is not None:
         mission, remarks = _read_mission(file, log, flown.autopilot, flown_by.autopilot is None)
     numbers = _numbers(options, log, len(flown.flights))
-    if options.picture is not None:
-        expect_free([options.picture], options.force, ask=not as_json)
     version = None if flown_by.version is None else flown.autopilot.tables.expect(flown_by.version)
     world = read_world(options.scenario, flown_by.air)
     learned = None if flown_by.vehicle is None else read_vehicle(flown_by.vehicle, flown.autopilot)
     assumed = Assumptions(flown_by.parameters, learned, flown_by.air or CALM, version)
     rows = [_row(number, flown.flights[number - 1], mission, assumed, world) for number in numbers]
-    drawn = []
-    if options.picture is not None and rows[0].compared is not None:
-        _draw(rows[0].compared, options.picture, (file or log).stem)
-        drawn = [str(options.picture)]
     landed = (words for row in rows if row.compared for words in landed_elsewhere(row.compared.forecast, row.record))
     remarks += [*flown_by.parameter_remarks, *flown.remarks, *_remarks(rows, log, world), *landed]
     beyond = flown.autopilot.beyond_the_model(flown.version)
@@ -96,13 +87,12 @@ def compare(
         on = f"{flown.autopilot} {flown.version}".strip()
         title = f"{log.name}: {on}" if file is None else f"{file.name} on {flown.autopilot}, as {log.name} has it"
         _report(rows, title, remarks if beyond is None else [*remarks, beyond])
-        print_lines(*(f"written: {path}" for path in drawn))
     elif not is_useless:
         flights = [_as_json(row) for row in rows]
         for row in rows:
             flight = f"flight {row.number}: " if len(rows) > 1 else ""
             remarks += [f"{flight}{words}" for words in (row.compared.remarks if row.compared else ())]
-        about = {"autopilot": flown.autopilot.name, "version": flown.version, "model": beyond, "written": drawn}
+        about = {"autopilot": flown.autopilot.name, "version": flown.version, "model": beyond}
         first = next(entry for entry in flights if entry.get("legs") or world)
         print_json({**first, **about, "remarks": remarks, "flights": flights})
     if is_useless:
@@ -118,10 +108,7 @@ def _numbers(options: LogOptions, log: Path, count: int) -> Sequence[int]:
     if options.number is not None and options.number > count:
         message = f"expected a number up to {count}, the flights in {log}"
         raise BadInput(message, place=f"--flight {options.number}")
-    numbers = range(1, count + 1) if options.number is None else [options.number]
-    if options.picture is not None and len(numbers) > 1:
-        raise OptionConflict(f"needs --flight N, as {log} has {len(numbers)} flights", place="--picture")
-    return numbers
+    return range(1, count + 1) if options.number is None else [options.number]
 
 
 def _row(
@@ -165,16 +152,6 @@ def _remarks(rows: list[_Row], log: Path, world: "Scenario | None") -> list[str]
         remarks += list(world.remarks)
         remarks += [f"flight {row.number}: no path near {world.name}'s home" for row in rows if row.clearance is None]
     return remarks
-
-
-def _draw(compared: "ComparedFlight", picture: Path, title: str) -> None:
-    from ipoa_mission.report.compare import flown_track
-
-    plots = imported("ipoa_mission.report.plots", "--picture needs matplotlib, which is not installed", "pictures")
-    predicted = compared.forecast.estimate.track.points
-    flown = flown_track(compared.forecast, compared.record)
-    figure = plots.draw_comparison(compared.comparison, predicted, None if flown is None else flown.points, title)
-    plots.write_picture(figure, picture)
 
 
 def _as_json(row: _Row) -> dict[str, Any]:

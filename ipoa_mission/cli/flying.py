@@ -168,7 +168,7 @@ def _print_notes(asked: FlyOptions, remarks: "Sequence[str]") -> None:
 def _fly_stages(
     changes: ChangesMade, asked: FlyOptions, vehicle: "Vehicle", job: "Job", planned: "Forecast"
 ) -> "tuple[Job, list[str], FlightRecord]":
-    """Show contingencies in flight, computed before arming; return the job with the forecast of this vehicle."""
+    """Show contingencies in flight; return the job with this vehicle's forecast."""
     from ipoa_mission.cli.contingency_output import ContingencyDisplay
     from ipoa_mission.cli.flight_output import flight_as_json
     from ipoa_mission.flight.procedure import ProcedureOptions, Stage, begin_mission, begun_forecast, load_mission

@@ -1,4 +1,4 @@
-"""Spare a start Typer's slow imports: pydantic, which converts options, and Rich's Markdown, which draws help."""
+"""Spare Typer's slow imports: pydantic for options, and Rich's Markdown for help."""
 
 import os
 import re
@@ -16,7 +16,6 @@ if TYPE_CHECKING:
 
 
 def spare_imports(verb: Any, options: Iterable[Any]) -> None:
-    """Give a verb of Typer and its options the functions below."""
     verb.format_help = partial(format_help, verb.format_help)
     for option in options:
         if hasattr(option, "get_runtime_param"):  # since Typer 0.29
@@ -25,7 +24,7 @@ def spare_imports(verb: Any, options: Iterable[Any]) -> None:
 
 
 class Prose(NamedTuple):
-    """A help text, drawn as by Rich's Markdown: paragraphs, and code in backticks."""
+    """Paragraphs with code in backticks, drawn as by Rich's Markdown."""
 
     text: str
     style: str = ""
@@ -38,7 +37,7 @@ class Prose(NamedTuple):
 
 
 def format_help(by_typer: Callable[..., None], *context: object) -> None:
-    """Draw help by Typer, with `Prose` in place of what `typer.rich_utils` imports for Markdown and tracebacks."""
+    """Draw help by Typer, with `Prose` in place of Rich's modules."""
     spared = {"rich.markdown", "rich.traceback"} - sys.modules.keys()
     sys.modules.update(dict.fromkeys(spared, SimpleNamespace(Markdown=Prose, Traceback=Prose)))  # type: ignore[arg-type]
     import_module("typer.rich_utils")
@@ -48,7 +47,7 @@ def format_help(by_typer: Callable[..., None], *context: object) -> None:
 
 
 def convert(by_typer: Callable[[], Any], value: Any, param: Any, ctx: object) -> Any:
-    """Return the value as Typer converts it; call Typer only where it has to be converted or refused."""
+    """Return the value as Typer converts it."""
     kind = param.type_descriptor.annotation
     is_list = get_origin(kind) is list
     if value is None:

@@ -262,7 +262,7 @@ class TcpChannel(RealTime):
             self._adopt(connection)
 
     def _finish(self, connection: socket.socket, unsent: bytes) -> None:
-        """Send the remaining bytes within 0.5 s, else drop the connection: a partial frame corrupts the stream."""
+        """Send the remaining bytes within 0.5 s, else drop the connection."""
         connection.settimeout(0.5)
         try:
             connection.sendall(unsent)

@@ -106,7 +106,7 @@ class Upload:
         return compare(self.items, got, self.autopilot)
 
     def _item_held(self, n: int, one: Item | bytes) -> Item:
-        """Return our own item, which needs no comparison, if the payload holds the same bits."""
+        """Return our own item if the payload holds the same bits."""
         if isinstance(one, bytes) and n < len(self.items) and stored_part(one) == stored_part(self.payloads[n]):
             return self.items[n]
         return item_of(one)
@@ -330,7 +330,7 @@ def _refuse_requests(kind: int) -> Dialogue[None]:
 
 
 def _verdict(reports: MissionReports) -> Dialogue[int]:
-    """Return PX4's last state (0: none); its reasons may come late. If our list has an id, wait until PX4 names it."""
+    """Return PX4's last state (0: none). If our list has an id, wait until PX4 names it."""
     state = 0
     is_over = reports.stored_as == 0
     heard = yield Pause(VERDICT_S)

@@ -122,7 +122,7 @@ def _places(raster: "_Raster", frame: LocalFrame, posts: _Posts) -> NDArray[np.f
 def _ground_at(
     nodes: tuple[Vector, Vector], posts: _Posts, knots: tuple[Vector, Vector], pixels: list[NDArray[np.float64]]
 ) -> NDArray[np.float64]:
-    """Return the ground above home at the nodes, (rows, columns); places depend on height, hence two passes."""
+    """Return the ground above home at the nodes, (rows, columns)."""
     smooth = scipy.interpolate.RectBivariateSpline
     low = [smooth(*knots, values)(*nodes).T for values in pixels[0]]
     high = [smooth(*knots, values)(*nodes).T for values in pixels[1]]

@@ -111,7 +111,7 @@ def compare_with_gdal(path: Path) -> Iterator[Finding]:
 
 
 def _parts(shapes: Iterable[Any]) -> Counter[tuple[str, tuple[float, ...]]]:
-    """Return the kind and bounds of each part; a closed line and each ring of a polygon are rings."""
+    """Return the kind and bounds of each part; closed lines are rings."""
     parts = Counter[tuple[str, tuple[float, ...]]]()
     for part in (part for shape in shapes if shape is not None for part in simple_parts(shape) if not part.is_empty):
         rings = [part.exterior, *part.interiors] if part.geom_type == "Polygon" else [part]

@@ -144,7 +144,7 @@ class _Heights:
 
 
 def _levels(east: Any, north: Any, winds: ForecastWinds) -> Iterator[tuple[float, Datum, tuple[Any, Any]]]:
-    """Yield all levels: by axis, height in the name, or coordinate of one value, which xarray attaches to all."""
+    """Yield levels by axis, height in the name, or coordinate of one value."""
     name = str(east.name)
     verticals = [heights for each in east.coords.values() if (heights := _heights(winds.path, each)) is not None]
     axes = [heights for heights in verticals if heights.coordinate.ndim]

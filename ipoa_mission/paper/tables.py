@@ -85,7 +85,7 @@ def table_4(rows: Sequence[TrialRow]) -> Table:
 def _compare_with_rivals(
     rows: Sequence[TrialRow], rivals: Sequence[str], cases: Sequence[str], measure: str | None = None
 ) -> dict[str, list[str]]:
-    """Return for each rival and case whether IPOA is lower (+), higher (-), or neither (=), Holm over all."""
+    """Return whether IPOA is lower (+), higher (-), or neither (=), Holm over all."""
     ours = [results(rows, case, "ipoa", measure) for case in cases]
     theirs = {rival: [results(rows, case, rival, measure) for case in cases] for rival in rivals}
     signs = iter(compare_pairs([pair for each in theirs.values() for pair in zip(ours, each, strict=True)]))

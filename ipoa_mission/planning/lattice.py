@@ -125,7 +125,7 @@ def guesses(problem: PreparedProblem, coarsest: int, strategy: LatticeStrategy =
 
 
 def _climbing(routes: list[Points], inner: int, problem: PreparedProblem, step: float, both: bool) -> Iterator[Guess]:
-    """Yield guesses within slope limits; as steep as the route if a detour is long or blocked, or `both`."""
+    """Yield guesses within slope limits; as steep as the route for a long detour, or `both`."""
     for route in routes:
         detour = np.inf
         if problem.climbs_limited:

@@ -261,7 +261,7 @@ def _find_passages(searcher: Searcher, coarsest: int, progress: Progress) -> lis
 
 
 def _rivals(candidates: list[Candidate], searcher: Searcher) -> list[tuple[Candidate, Candidate]]:
-    """Return the first candidate, and those near the best after each stage of a rough polish, with their curves."""
+    """Return the candidates near the best after a rough polish, and the first, with their curves."""
     problem = searcher.problem
     strategy = searcher.strategy
     if problem.climbs_limited:

@@ -87,7 +87,7 @@ def report_html(
 
 
 def _page_data(predicted: SampledTrack, legs: Sequence[ItemLeg], returns: Sequence[Mapping[str, Any]]) -> str:
-    """Return the flight as JSON that is safe inside an HTML script element."""
+    """Return the flight as JSON, safe inside an HTML script."""
     decimals = {"times": 2, "along": 1, "points": 2, "speeds": 2, "ground": 2, "apart": 2}
     data = {
         "course": {name: _rounded(getattr(predicted, name), digits) for name, digits in decimals.items()},

@@ -22,9 +22,7 @@ from matplotlib.ticker import MaxNLocator
 from ipoa_mission.errors import WrongSuffix
 from ipoa_mission.files import write_atomically
 from ipoa_mission.geometry import Points, arc_lengths
-from ipoa_mission.report.compare import Comparison
 from ipoa_mission.report.drawn_flight import ground_mesh
-from ipoa_mission.report.number_format import signed
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.world.airspace import Airspace
 from ipoa_mission.world.obstacles import Obstacle
@@ -93,25 +91,6 @@ def draw_views(scenario: Scenario, paths: Mapping[str, Points], views: Sequence[
         if paths:
             handles, labels = figure.axes[0].get_legend_handles_labels()
             figure.legend(handles, labels, loc="outside lower center", ncols=min(len(paths), 6), frameon=False)
-    return figure
-
-
-def draw_comparison(comparison: Comparison, planned: Points, flown: Points | None, title: str = "") -> Figure:
-    """Paths are (n, 3) [m]."""
-    with sheet(9.2, 3.8) as figure:
-        left, right = figure.subplots(1, 2, width_ratios=(1, 1.5))
-        left.plot(*planned[:, :2].T, color=Color.BLUE, linewidth=1.6, label="estimated")
-        if flown is not None:
-            dashed = (0, (4, 2))
-            left.plot(*flown[:, :2].T, color=Color.VERMILLION, linewidth=1.2, linestyle=dashed, label="flown")
-        left.set(xlabel="east [m]", ylabel="north [m]", title="from above")
-        left.set_aspect("equal", adjustable="datalim")
-        left.grid(color="#E3E3E3", linewidth=0.5)
-        _draw_leg_times(right, comparison)
-        words = ["path estimated", *(["path flown"] if flown is not None else []), "time estimated", "time flown"]
-        figure.legend([*left.lines, *right.containers], words, loc="outside lower center", ncols=4, frameon=False)
-        if title:
-            figure.suptitle(title, fontsize=10)
     return figure
 
 
@@ -222,19 +201,3 @@ def _mark_ends(axes: Axes, scenario: Scenario, plane: tuple[int, int]) -> None:
         spot = tuple(point[list(plane)])
         axes.plot(*spot, marker="o", markersize=6, markerfacecolor="white", markeredgecolor=Color.BLACK, zorder=6)
         axes.annotate(words, spot, zorder=7, bbox=box, **label)
-
-
-def _draw_leg_times(axes: Axes, comparison: Comparison) -> None:
-    legs = comparison.legs
-    middles = np.arange(len(legs))
-    hatched: dict[str, Any] = {"color": "white", "edgecolor": Color.VERMILLION, "hatch": "////", "linewidth": 0.8}
-    axes.bar(middles - 0.2, [leg.estimated_s for leg in legs], 0.38, color=Color.BLUE, label="estimated")
-    axes.bar(middles + 0.2, [leg.flown_s for leg in legs], 0.38, label="flown", **hatched)
-    step = max(1, -(-len(legs) // 30))  # at most 30 labels
-    axes.set_xticks(middles[::step], [str(leg.seq) for leg in legs[::step]])
-    flown_s = comparison.flown_route_s
-    title = "leg by leg"
-    if flown_s > 0:
-        error = signed(100 * comparison.route_error, 1, "%")
-        title = f"route: estimated {comparison.estimated_route_s:.1f} s, flown {flown_s:.1f} s ({error})"
-    axes.set(xlabel="item", ylabel="time for the leg [s]", title=title)

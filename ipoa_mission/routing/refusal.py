@@ -108,7 +108,7 @@ def _gap(tightest: KeptLimit, airspace: Airspace) -> str:
 
 
 def _opposite(place: Vector, name: str, needed: float, airspace: Airspace) -> tuple[float, str | None]:
-    """Return the width [m] of the gap at `place` from obstacle `name` on, and the opposite obstacle's name or None."""
+    """Return the width [m] of the gap at `place`, and the name opposite to `name`."""
     import shapely
 
     point = shapely.Point(place[:2])

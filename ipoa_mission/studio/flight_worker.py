@@ -101,7 +101,7 @@ class FlightWorker:
         answer(State(phase="over", words=words))
 
     def _await_start(self, loaded: Loaded) -> None:
-        """Poll for the start of this very flight: a blocking wait cannot be cancelled."""
+        """Poll for the start: a blocking wait cannot be cancelled."""
         start: JobOrder | None = None
         while start is None:
             with suppress(queue.Empty):
@@ -287,7 +287,7 @@ class Watch:
                 self._reserve = self._budget.against_plan(left, forecast_s)
 
     def _each_order(self, forecast_s: float, unknown: str, position: Position) -> Iterator[OrderThen]:
-        """Yield each order's effect, or why it is `unknown`; hold and land are checked from the actual position."""
+        """Yield each order's effect from the actual position, or why it is `unknown`."""
         current = self.vehicle.state.current
         if self.vehicle.order.is_held:
             item = "" if current is None else f" with item {current.seq + 1 - self.vehicle.autopilot.seq_offset}"

@@ -274,7 +274,7 @@ def _simplify(keep_out: Any, area: Any, spacing: float) -> Any:
 
 
 def _where_lines_go(area: Any, keep_out: Any, visible: Any, spacing: float, past: float) -> Any:
-    """Return the area for lines, inset by the overshoot. Holes get no inset: it takes many more lines."""
+    """Return the area for lines, inset by the overshoot, but round holes."""
     outlines = union_of([shapely.Polygon(part.exterior) for part in area.geoms])
     # The missed area grows with the cube of the inset.
     inset = min(past, (0.25 * MAX_UNSEEN * spacing**2 * math.sqrt(area.area)) ** (1 / 3))

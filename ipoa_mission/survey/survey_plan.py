@@ -138,7 +138,7 @@ def _too_near(forecasts: Sequence[Forecast]) -> list[tuple[KeptLimit, ClearanceG
 
 
 def _missing_clearance(kept: KeptLimit, guarantee: ClearanceGuarantee, bodies: Sequence[Obstacle]) -> dict[str, float]:
-    """Return the clearance [m] missing to the worst obstacle, and to others about as near, which have no bound."""
+    """Return the clearance [m] missing to the worst obstacle, and to others about as near."""
     flight = guarantee.flight
     lost = kept.nominal - kept.guaranteed
     min_slack = 0.25  # [m]

@@ -157,7 +157,6 @@ def test_a_flight_that_began_in_the_middle_is_remarked(run: Run) -> None:
         ("{plan} {logs}/sitl-px4.ulg", "sitl.plan: expected a mission for px4"),
         ("{px4} {logs}/sitl-px4.ulg more", "more: expected a mission and a log at most"),
         ("{logs}/twice-ardupilot.bin --flight 3", "--flight 3: expected a number up to 2"),
-        ("{logs}/twice-ardupilot.bin --picture both.svg", "--picture: needs --flight N"),
     ],
 )
 def test_incompatible_inputs_are_bad_input(

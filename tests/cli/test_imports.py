@@ -15,7 +15,6 @@ from ipoa_mission.link.channel import UdpChannel, parse_address
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as Mock
 from ipoa_mission.simulator.faults import Faults
 from ipoa_mission.simulator.station import Server, Station
-from tests.cli.conftest import Run
 
 MISSIONS = Path(__file__).parents[2] / "missions"
 FOR_ARDUPILOT, FOR_PX4 = str(MISSIONS / "campus.plan"), str(MISSIONS / "sitl.plan")
@@ -115,15 +114,3 @@ def test_the_last_collections_visit_few_objects() -> None:
     ended = subprocess.run([sys.executable, "-c", ENDING], capture_output=True, text=True, timeout=300)
     frozen, visited = map(int, ended.stdout.splitlines()[-1].split())
     assert visited < 1000 < 10_000 < frozen
-
-
-def test_a_picture_without_matplotlib_is_an_error_that_names_the_extra(
-    run: Run, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    for name in [name for name in sys.modules if name.startswith(("matplotlib.", "ipoa_mission.report.plots"))]:
-        monkeypatch.delitem(sys.modules, name)
-    monkeypatch.setitem(sys.modules, "matplotlib", None)
-    ended = run(f"compare {MISSIONS}/logs/campus-arducopter.tlog --picture flown.png")
-    assert ended.code == 1
-    assert "pip install 'ipoa-mission[pictures]'" in ended.err
-    assert not list(Path().iterdir())

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 import shapely
 
-import ipoa_mission as api
 from ipoa_mission.autopilot.autopilot import autopilot_named
 from ipoa_mission.forecast.forecast import Forecast, estimate
 from ipoa_mission.forecast.timing.estimate import Estimate
@@ -64,9 +63,7 @@ def test_items_that_the_autopilot_does_not_report_are_joined_to_the_next(bowed: 
     assert math.isnan(comparison.flown_total_s)
 
 
-def test_a_flight_that_reached_nothing_is_no_crash(bowed: Bowed, forecast: Foreseen, tmp_path: Path) -> None:
-    from ipoa_mission.report.plots import draw_comparison
-
+def test_a_flight_that_reached_nothing_is_no_crash(bowed: Bowed, forecast: Foreseen) -> None:
     _, mission, timed = bowed("sitl.toml")
     nothing = FlightRecord({}, 0.0, (), (), False)
     comparison = compare_flight(timed, nothing)
@@ -74,7 +71,6 @@ def test_a_flight_that_reached_nothing_is_no_crash(bowed: Bowed, forecast: Fores
     assert math.isnan(comparison.route_error)
     assert flown_track(Forecast(mission), nothing) is None
     assert "reports no item" in page_of(forecast("sitl.toml"), flight=nothing)
-    api.write_picture(draw_comparison(comparison, timed.track.points, None), tmp_path / "empty.png")
 
 
 def test_the_flown_path_comes_back_to_the_millimeter(bowed: Bowed) -> None:
@@ -91,24 +87,6 @@ def test_the_report_of_a_flight_has_both_times_in_every_row(bowed: Bowed, foreca
     assert f"<td>{1.25 * timed.items[5].done_s:.1f}</td>" in page
     assert 'class="flown"' in page
     assert "NaN" not in page
-
-
-def test_the_picture_shows_both_times_of_each_leg(bowed: Bowed, tmp_path: Path) -> None:
-    from matplotlib.patches import Rectangle
-
-    from ipoa_mission.report.plots import draw_comparison
-
-    _, mission, timed = bowed("campus.toml")
-    flight = flown_as(timed, mission, 1.1, 0.5)
-    comparison, track = compare_flight(timed, flight), flown_track(Forecast(mission), flight)
-    assert track is not None
-    figure = draw_comparison(comparison, timed.track.points, track.points)
-    bars = [bar.get_height() for bar in figure.axes[1].patches if isinstance(bar, Rectangle)]
-    assert bars[: len(comparison.legs)] == pytest.approx([leg.estimated_s for leg in comparison.legs])
-    assert bars[len(comparison.legs) :] == pytest.approx([leg.flown_s for leg in comparison.legs])
-    for name in "ab":
-        api.write_picture(draw_comparison(comparison, timed.track.points, track.points), tmp_path / f"{name}.svg")
-    assert (tmp_path / "a.svg").read_bytes() == (tmp_path / "b.svg").read_bytes()
 
 
 def test_heights_count_from_home_as_set_at_arming(bowed: Bowed) -> None:

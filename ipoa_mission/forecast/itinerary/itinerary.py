@@ -213,7 +213,7 @@ def _after_a_spline(program: Program, n: int) -> Iterator[Unknown]:
 
 
 def _braking_lengths(mission: Mission) -> list[float]:
-    """Return for each item the length of a spline on which it can stop from its speed [m]; 0 from a stop."""
+    """Return each item's braking length on a spline [m]; 0 from a stop."""
     autopilot, items = mission.autopilot, mission.items
     table = autopilot.parameter_table
     values = mission.complete_parameters

@@ -68,7 +68,7 @@ def route_time(itinerary: Itinerary, prediction: Prediction) -> RouteTime:
 
 
 def _most_asked(itinerary: Itinerary, first: int, last: int, standard: float) -> float:
-    """Return the highest horizontal speed in force between two visits [m/s]; the one before counts as well."""
+    """Return the highest horizontal speed in force between two visits [m/s]."""
     asked = [
         (n, visit.item.params[1])
         for n, visit in enumerate(itinerary.visits[:last])

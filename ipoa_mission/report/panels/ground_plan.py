@@ -74,7 +74,7 @@ def legend(scenario: Scenario, extent: Extent, flown: bool, home: bool) -> str:
 
 
 def _relief(east: Matrix, north: Matrix, up: Matrix) -> str:
-    """Draw the ground in 8 tints with contour lines; empty if it is level within 1 m."""
+    """Draw the ground in tints with contour lines; empty if level within 1 m."""
     low = float(up.min())
     high = float(up.max())
     if high - low < 1.0:

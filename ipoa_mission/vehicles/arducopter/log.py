@@ -250,7 +250,7 @@ def _item(values: dict[str, Any]) -> Item:
 
 
 def _states(gathered: _Gathered) -> list[tuple[float, Message]]:
-    """Return a heartbeat for each change of arming or mode; with LOG_DISARMED 0 the log begins armed."""
+    """Return a heartbeat for each change; with LOG_DISARMED 0 the log begins armed."""
     begins = gathered.begins or 0.0
     armed = not gathered.arming[0][1] if gathered.arming else gathered.opened_by_arming
     mode = 0

@@ -204,7 +204,7 @@ def _span(time: float, durations: Vector, times_on_ground: Vector) -> Matrix:
 
 
 def _interval(itinerary: Itinerary, times: Matrix) -> tuple[Vector, Vector]:
-    """Return when nine flights in ten end each visit: earliest and latest (n,), by the times of runs (m, n) [s]."""
+    """Return the 90 % interval of each visit's end, (n,) each, of runs (m, n) [s]."""
     done = times.mean(axis=0)
     lands = np.array([visit.item.command in MULTICOPTER_LANDINGS for visit in itinerary.visits], dtype=bool)
     has_landed = np.maximum.accumulate(lands)

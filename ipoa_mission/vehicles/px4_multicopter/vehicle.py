@@ -70,7 +70,7 @@ def _of_a_list(
 
 
 def _refused_anywhere(firmware: Firmware, command: int, frame: int, values: Sequence[float]) -> Refused | None:
-    """Return the refusal of a frame, or of an unused param that is not 0 or NaN (NaN in a place)."""
+    """Return the refusal of a frame, or of an unused param other than 0 or NaN."""
     if frame not in firmware.frames:
         return Refused("UNSUPPORTED_FRAME")
     used = None if firmware.used is None else firmware.used.get(command)

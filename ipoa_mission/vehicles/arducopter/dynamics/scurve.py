@@ -100,7 +100,7 @@ def profile(length: float, limits: SCurveLimits, enter: float = 0.0, leave: floa
 def _cruise_and_brake(
     segments: list[Segment], state: Moment, speeds: tuple[float, float], down: Ramp, length: float
 ) -> tuple[float, float]:
-    """Append the rest of the leg, from the peak to the leave speed; return when it brakes and ends [s]."""
+    """Append the leg after its peak; return when it brakes and ends [s]."""
     (begin, _, _, way), (peak, leave) = state, speeds
     cruise = max(0.0, (length - way - (peak + leave) / 2 * down.lasts) / peak)
     segments.append(Segment(begin=begin, lasts=cruise, shape=CONSTANT, jerk=0.0, accel=0.0, speed=peak, way=way))
