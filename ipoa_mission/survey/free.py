@@ -3,26 +3,17 @@
 import math
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 
 from ipoa_mission.geometry import Matrix, Plane, Vector, union_of
-from ipoa_mission.survey._kernels import DIRECT, NO_WAY, NONE, straight_ways, ways_between
+from ipoa_mission.survey._kernels import DIRECT, NO_WAY, NONE, Ways, straight_ways, ways_between
 from ipoa_mission.survey.survey_area import INSET
 from ipoa_mission.survey.times import LegTimes
 
 MAX_TURN = math.radians(60.0)
-
-
-class Ways(NamedTuple):
-    """Straight ways, for kernels; those of row n lead to `columns[begins[n] : begins[n + 1]]`."""
-
-    lengths: Matrix  # or NO_WAY, (n, m) [m]
-    begins: NDArray[np.int64]  # (n + 1,)
-    columns: NDArray[np.int64]  # (k,)
 
 
 @dataclass(frozen=True, eq=False)

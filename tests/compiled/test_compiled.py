@@ -6,6 +6,7 @@ import pickle
 import struct
 import subprocess
 import sys
+import tomllib
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -19,6 +20,7 @@ from ipoa_mission.compiled.library import _struct
 from ipoa_mission.vehicles.arducopter.dynamics.steps import fly_leg
 from ipoa_mission.vehicles.px4_multicopter.dynamics.flight import fly
 from tools import REPOSITORY
+from tools.machine_code.build_hook import NEEDED
 
 #: Every compiled function has a part in it.
 PLANNED = """
@@ -47,6 +49,18 @@ def planned(folder: Path, **environment: str) -> tuple[bool, bool, dict[str, str
     )  # fmt: skip
     native, numba, files = json.loads(run.stdout.splitlines()[-1])
     return native, numba, files
+
+
+def test_kernels_are_compiled_with_the_packages_that_a_build_has() -> None:
+    """A wheel had no machine code when a kernel's module imported pydantic."""
+    words = (
+        "import sys; from tools.machine_code import kernels; print(*{name.partition('.')[0] for name in sys.modules})"
+    )
+    run = subprocess.run([sys.executable, "-c", words], capture_output=True, text=True, cwd=REPOSITORY)
+    assert run.returncode == 0, run.stderr
+    project = tomllib.loads((REPOSITORY / "pyproject.toml").read_text())["project"]
+    packages = {requirement.partition(">")[0] for requirement in project["dependencies"]}
+    assert packages & {name.partition(".")[0] for name in run.stdout.split()} <= set(NEEDED)
 
 
 @pytest.mark.long
