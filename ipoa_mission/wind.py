@@ -3,7 +3,10 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Annotated, NamedTuple
+
+from ipoa_mission.errors import BadInput
 
 MAX_LEVELS = 8
 
@@ -88,6 +91,8 @@ class Wind:
 
         `heights` are above home, increasing [m], `speeds` [m/s] and `from_deg` [degrees].
         """
+        if not 1 <= len(heights) <= MAX_LEVELS or any(high <= low for low, high in pairwise(heights)):
+            raise BadInput(f"expected 1 to {MAX_LEVELS} increasing heights, not {list(heights)}")
         winds = [cls(speed, angle) for speed, angle in zip(speeds, from_deg, strict=True)]
         levels = tuple(WindLevel(up, wind.east, wind.north) for up, wind in zip(heights, winds, strict=True))
         strongest = max(winds, key=lambda wind: wind.speed)

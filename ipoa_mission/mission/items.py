@@ -19,7 +19,7 @@ from ipoa_mission.autopilot.known_parameters import expect_own
 from ipoa_mission.autopilot.learned import LearnedVehicle
 from ipoa_mission.autopilot.parameters import Parameters
 from ipoa_mission.autopilot.version import Version
-from ipoa_mission.errors import Remedy
+from ipoa_mission.errors import BadInput, Remedy
 from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.geodesy import Geodetic, LocalFrame
 
@@ -223,9 +223,12 @@ class Mission:
         """Return the mission with these parameters, which override its own.
 
         Raises:
-            BadInput: one of them belongs to the other firmware.
+            BadInput: one belongs to the other firmware, or is not finite.
         """
         expect_own(parameters, self.autopilot)
+        for name, value in parameters.items():
+            if not math.isfinite(value):
+                raise BadInput(f"expected a finite number, not {value}", place=name)
         return self._overridden(self.parameters, parameters) if parameters else self
 
     def assuming(self, parameters: Parameters) -> "Mission":

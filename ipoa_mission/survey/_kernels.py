@@ -3,25 +3,14 @@
 # mypy: disable-error-code="no-untyped-def,misc"
 
 import math
-from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ipoa_mission.compiled import njit
-from ipoa_mission.geometry import Matrix
 
 NO_WAY = 1e9  # [s]
 DIRECT, NONE = -1, -2
 TOUCH_TOLERANCE = 0.05  # [m]
-
-
-class Ways(NamedTuple):
-    """Straight ways; those of row n lead to `columns[begins[n] : begins[n + 1]]`."""
-
-    lengths: Matrix  # or NO_WAY, (n, m) [m]
-    begins: NDArray[np.int64]  # (n + 1,)
-    columns: NDArray[np.int64]  # (k,)
 
 
 @njit(cache=True, error_model="numpy")
@@ -140,7 +129,7 @@ def _spread(start, near, between, bend, dist, prev):
 def ways_between(clock, ends, corners, near, between, edges, bend):
     """Return the times of the ways between all line ends (n, n), corners at both ends included [s].
 
-    `near` and `between`: straight `Ways` from ends to corners and between corners. Also return the last corner
+    `near` and `between`: straight `times.Ways` from ends to corners and between corners. Also return the last corner
     before an end (n, n) and before a corner (n, m), or DIRECT, or NONE for no way.
     """
     count = len(ends)

@@ -9,9 +9,9 @@ import numpy as np
 import shapely
 
 from ipoa_mission.geometry import Matrix, Plane, Vector, union_of
-from ipoa_mission.survey._kernels import DIRECT, NO_WAY, NONE, Ways, straight_ways, ways_between
+from ipoa_mission.survey._kernels import DIRECT, NO_WAY, NONE, straight_ways, ways_between
 from ipoa_mission.survey.survey_area import INSET
-from ipoa_mission.survey.times import LegTimes
+from ipoa_mission.survey.times import LegTimes, Ways
 
 MAX_TURN = math.radians(60.0)
 

@@ -6,6 +6,7 @@ from itertools import chain, pairwise
 from typing import NamedTuple, TypeAlias
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ipoa_mission.errors import MissionError
 from ipoa_mission.forecast.forecast import Forecast
@@ -20,6 +21,14 @@ from ipoa_mission.wind import CALM, Wind
 RIGHT_ANGLE = 4  # index in ANGLES
 ANGLES = np.radians(90.0 / RIGHT_ANGLE * np.arange(2 * RIGHT_ANGLE + 1))
 SHORT_LEGS_S = np.array([0.3, 1.0, 10 / 3])  # times at speed, of one ratio
+
+
+class Ways(NamedTuple):
+    """Straight ways; those of row n lead to `columns[begins[n] : begins[n + 1]]`."""
+
+    lengths: Matrix  # or NO_WAY, (n, m) [m]
+    begins: NDArray[np.int64]  # (n + 1,)
+    columns: NDArray[np.int64]  # (k,)
 
 
 class LegTimeTable(NamedTuple):

@@ -11,6 +11,7 @@ from ipoa_mission.simulator.simulated_flight import SimulatedFlight
 from ipoa_mission.simulator.situation import Conditions
 from ipoa_mission.wind import CALM, Wind, wind_at, wind_table
 from tests.recorded_flights import FLIGHTS, IN_WIND, Recorded, read_flight, read_flights
+from tests.refused import refuses
 
 FLOWN = read_flights(Autopilot.ARDUPILOT, IN_WIND)
 PX4_FLOWN = read_flights(Autopilot.PX4, IN_WIND)
@@ -134,6 +135,21 @@ def test_wind_profile_is_interpolated_between_levels_and_constant_beyond() -> No
     assert (wind.speed, wind.from_deg) == (8.0, 180.0)
     stronger = Wind.of_profile([20.0, 40.0], [4.0, 8.0], [270.0, 270.0], spread=2.0).as_strong_as_may_be()
     assert (stronger.at(0.0), stronger.at(40.0)) == pytest.approx((5.0, 10.0))
+
+
+@pytest.mark.parametrize("heights", [(), (100.0, 10.0), (10.0, 10.0), tuple(range(9))])
+def test_wind_profile_of_other_than_a_few_increasing_heights_is_refused(heights: tuple[float, ...]) -> None:
+    with refuses("bad-input", "", "1 to 8", f"{list(heights)}"):
+        Wind.of_profile(heights, [5.0] * len(heights), [0.0] * len(heights))
+
+
+@pytest.mark.parametrize("autopilot", list(registered()))
+@pytest.mark.parametrize("value", [np.nan, np.inf])
+def test_a_parameter_that_is_no_finite_number_is_refused(autopilot: Autopilot, value: float) -> None:
+    mission = Mission(Geodetic(47.4, 8.5, 488.0), (), autopilot)
+    name = sorted(autopilot.parameter_names)[0]
+    with refuses("bad-input", name, f"{value}"):
+        mission.with_parameters({name: value})
 
 
 @pytest.mark.parametrize("levels", [2, 7, 8])

@@ -8,8 +8,7 @@ import numpy as np
 
 from ipoa_mission.compiled import compiled, records
 from ipoa_mission.planning.obstacle_grid import Bench, Moves, Nodes, ObstacleGrid, Raster, Rules, Soft, Spans
-from ipoa_mission.survey._kernels import Ways
-from ipoa_mission.survey.times import LegTimeTable
+from ipoa_mission.survey.times import LegTimeTable, Ways
 from ipoa_mission.vehicles.arducopter.dynamics.motion import ARDUPILOT_SIMULATOR, NO_LEG, CopterLeg, State, tuning
 from ipoa_mission.vehicles.arducopter.dynamics.shaping import add_braking
 from ipoa_mission.vehicles.arducopter.dynamics.steps import fly_leg
