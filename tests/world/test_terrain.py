@@ -104,6 +104,10 @@ def test_leg_height_over_terrain_is_equal_compiled_and_in_python() -> None:
             expected = plain.extreme(points, landform, peaks, greatest, np.inf)
             height = (ground.greatest_height if greatest else ground.least_height)(points)
             assert height == pytest.approx(expected, abs=1e-9)
+        legs = np.stack([points[:-1], points[1:]], axis=1)
+        singly = [plain.extreme(leg, landform, peaks, False, np.inf)[0] for leg in legs]
+        assert plain.least_heights(legs, landform, peaks, np.inf).tolist() == singly
+        assert ground.legs_height(legs[:, 0], legs[:, 1]) == pytest.approx(singly, abs=1e-9)
 
 
 @pytest.mark.parametrize("axis", range(3))
