@@ -3,17 +3,17 @@
 import logging
 import math
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import TYPE_CHECKING, Protocol
 
 from ipoa_mission.autopilot.commands import Command, VehicleCommand
-from ipoa_mission.errors import MissionError
 from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.link import messages as m
 from ipoa_mission.link import orders
 from ipoa_mission.link.conversations import VehicleTexts, listen_for_words
-from ipoa_mission.link.dialogue import Dialogue, Pause, SendOnce, until
+from ipoa_mission.link.dialogue import Dialogue, Exchange, NoAnswer, Pause, RetryPolicy, SendOnce, until
 from ipoa_mission.link.logbook import Logbook
 from ipoa_mission.link.vehicle_state import NotFlown, NotReady, VehicleState
 from ipoa_mission.mission.flight_record import Deviation, DeviationKind, OnDeviation
@@ -23,52 +23,14 @@ if TYPE_CHECKING:
 
 log = logging.getLogger(__name__)
 ORDER_REPEATS = 6  # one a second
+ORDER_POLICY = RetryPolicy(1.0, retries=ORDER_REPEATS - 1, alive_retries=ORDER_REPEATS - 1, adapt=False)
 SHOWN_S = 5.0
 PENDING_RESULTS = frozenset({m.CommandResult.ACCEPTED, m.CommandResult.IN_PROGRESS})  # the mode may still change
 
 
-def pause(state: VehicleState) -> Dialogue[None]:
-    """Hold position; raise NotReady. ArduCopter pauses on its way to a waypoint, and brakes elsewhere; PX4 holds."""
-    yield from _expect_flying(state)
-    if state.autopilot.protocol_profile.pauses_in_mission:
-        check = partial(state.expect_mode, "pause", state.custom_mode)
-        result, _ = yield from orders.send(Command.DO_PAUSE_CONTINUE, 0.0, check=check)
-        if result == m.CommandResult.ACCEPTED:
-            yield from until(lambda: state.custom_mode is not None, SHOWN_S)
-            return
-    yield from _enter(state, state.autopilot.modes.hold)
-
-
-def resume(state: VehicleState) -> Dialogue[None]:
-    yield from _expect_flying(state)
-    yield from _enter(state, state.autopilot.modes.mission)
-    if state.autopilot.protocol_profile.pauses_in_mission:
-        check = partial(state.expect_mode, "go on", state.autopilot.modes.mission)
-        yield from orders.send(Command.DO_PAUSE_CONTINUE, 1.0, check=check)  # refused unless paused
-
-
-def return_to_launch(state: VehicleState) -> Dialogue[None]:
-    """Return and land, by the vehicle's parameters; raise NotReady."""
-    yield from _expect_flying(state)
-    yield from _enter(state, state.autopilot.modes.returning)
-
-
-@dataclass
-class _Step:
-    """Repeat until the `mode` is shown, without one until accepted; `otherwise`: if refused."""
-
-    name: str
-    message: m.CommandLong
-    mode: int | None = None
-    pauses: bool = False
-    otherwise: "_Step | None" = None
-    times_sent: int = 0
-    due_s: float = -math.inf
-
-
 @dataclass
 class FlightOrder:
-    """Repeat an order until the vehicle obeys, refuses or changes to another mode; order nothing in a link loss."""
+    """Give a watched vehicle one order at a time; none in a link loss."""
 
     state: VehicleState
     now: Callable[[], float]
@@ -78,25 +40,18 @@ class FlightOrder:
     _was_paused: bool = False  # as reported
     _is_cut: bool = False
     _mode: int | None = None  # before the order
-    _steps: list[_Step] = field(default_factory=list)
+    _name: str = ""
+    _exchange: Exchange[bool] | None = None
 
     def give(self, mode: int) -> None:
-        self._take(self._change(mode))
+        self._take(self.state.autopilot.modes.name(mode), enter(self.state, mode))
 
     def hold(self) -> None:
-        if self.is_paused or any(step.pauses for step in self._steps):
-            return  # a second pause would be refused
-        autopilot = self.state.autopilot
-        order = self._change(autopilot.modes.hold)
-        if autopilot.protocol_profile.pauses_in_mission and self.state.custom_mode == autopilot.modes.mission:
-            order = _Step("pause", orders.command_long(Command.DO_PAUSE_CONTINUE, 0.0), pauses=True, otherwise=order)
-        self._take(order)
+        if not self.is_paused and not (self.is_under_way and self._name == "hold"):  # a second pause would be refused
+            self._take("hold", hold(self.state))
 
     def go_on(self) -> None:
-        steps = [self._change(self.state.autopilot.modes.mission)]
-        if self.is_paused:
-            steps.append(_Step("go on", orders.command_long(Command.DO_PAUSE_CONTINUE, 1.0)))
-        self._take(*steps)
+        self._take("go on", go_on(self.state, self.is_paused))
 
     @property
     def is_held(self) -> bool:
@@ -104,14 +59,14 @@ class FlightOrder:
 
     @property
     def is_under_way(self) -> bool:
-        return bool(self._steps)
+        return self._exchange is not None
 
     def cut(self, is_cut: bool) -> None:
         self._is_cut = is_cut
         self.is_refused = False
-        if self._steps:
-            self.words = f"{self._steps[0].name} was ordered, and the link was lost before the vehicle showed it"
-            self._steps.clear()
+        if self.is_under_way:
+            self.words = f"{self._name} was ordered, and the link was lost before the vehicle showed it"
+            self._exchange = None
 
     def observe(self, heard: m.Message, now_s: float) -> Dialogue[None]:
         state = self.state
@@ -120,57 +75,77 @@ class FlightOrder:
             self.is_paused = state.is_paused
         self.is_paused = self.is_paused and state.custom_mode == state.autopilot.modes.mission
         if not state.armed:
-            self._steps.clear()
+            self._exchange = None
+        exchange = self._exchange
+        if exchange is None:
+            return
         try:
-            self._hear(heard)
-            if not self._steps:
-                return
             state.expect_flown()
-            if self.now() >= self._steps[0].due_s:
-                if self._steps[0].times_sent == ORDER_REPEATS:
-                    words = f"{self._steps[0].name} was ordered {ORDER_REPEATS} times, and the vehicle does not show it"
-                    self._refused(NotReady(words, code="mode-not-shown"))
-                step = self._steps[0]
-                step.times_sent += 1
-                step.due_s = self.now() + 1.0
-                yield SendOnce(step.message)
+            due = exchange.outgoing()
+            if not due:  # before it is sent, only another's order is answered
+                exchange.receive(heard, self.now())
+                exchange.tick(self.now())
+                due = exchange.outgoing()
+            for message in due:
+                yield SendOnce(message)
+            if exchange.finished:
+                self.is_paused = exchange.result
+                self._exchange = None
+        except NoAnswer:
+            self._fail(f"{self._name} was ordered {ORDER_REPEATS} times, and the vehicle does not show it")
         except (NotFlown, NotReady, orders.CommandRefused) as reason:
-            self.words = str(reason)
-            self.is_refused = isinstance(reason, orders.CommandRefused) or reason.code == "mode-not-shown"
-            self._steps.clear()
-            log.warning("%s", reason)
+            self._fail(str(reason))
+            self.is_refused = self.is_refused and not isinstance(reason, NotFlown)
 
-    def _change(self, mode: int) -> _Step:
-        autopilot = self.state.autopilot
-        return _Step(autopilot.modes.name(mode), orders.mode_order(mode, autopilot), mode)
-
-    def _take(self, *steps: _Step) -> None:
-        self.words = f"{steps[0].name} was not ordered: the link is lost" if self._is_cut and steps else ""
+    def _take(self, name: str, order: Dialogue[bool]) -> None:
+        self.words = f"{name} was not ordered: the link is lost" if self._is_cut else ""
         self.is_refused = False
         self._mode = self.state.custom_mode
-        self._steps = [] if self._is_cut else [*steps]
+        self._name = name
+        self._exchange = None if self._is_cut else Exchange(order, self.now(), ORDER_POLICY)
 
-    def _hear(self, heard: m.Message) -> None:
-        while self._steps and self._steps[0].mode is not None and self._steps[0].mode == self.state.custom_mode:
-            self._take(*self._steps[1:])
-        if not self._steps:
-            return
-        step = self._steps[0]
-        self.state.expect_mode(step.name, self._mode)
-        if step.times_sent == 0 or not isinstance(heard, m.CommandAck) or heard.command != step.message.command:
-            return  # before it is sent, only another's order is answered
-        if step.mode is None and heard.result == m.CommandResult.ACCEPTED:
-            self.is_paused = step.pauses
-            self._take(*self._steps[1:])
-        elif heard.result not in PENDING_RESULTS:
-            action = step.name if step.mode is None else f"change to {step.name}"
-            self._refused(orders.CommandRefused(action, heard.result))
+    def _fail(self, words: str) -> None:
+        self.words = words
+        self.is_refused = self.state.custom_mode == self._mode
+        self._exchange = None
+        log.warning("%s", words)
 
-    def _refused(self, why: MissionError) -> None:
-        otherwise = self._steps[0].otherwise
-        if otherwise is None:
-            raise why
-        self._take(otherwise)
+
+def in_flight(state: VehicleState, order: Dialogue[bool]) -> Dialogue[None]:
+    """Give an order to a flying vehicle; raise NotReady."""
+    yield from until(lambda: state.armed is not None and state.custom_mode is not None, SHOWN_S)  # by heartbeats
+    if not state.armed or state.in_air is False:
+        raise NotReady(f"expected a vehicle in the air: {state}", hint="`fly` begins a flight", code="not-in-the-air")
+    yield from order
+
+
+def hold(state: VehicleState) -> Dialogue[bool]:
+    """Return whether it pauses within its mission, as ArduCopter on its way to a waypoint; else it changes its mode."""
+    modes = state.autopilot.modes
+    if state.autopilot.protocol_profile.pauses_in_mission and state.custom_mode == modes.mission:
+        with suppress(NoAnswer):
+            check = partial(state.expect_mode, "pause", modes.mission)
+            result, _ = yield from orders.send(Command.DO_PAUSE_CONTINUE, 0.0, check=check)
+            if result == m.CommandResult.ACCEPTED:
+                return True
+    return (yield from enter(state, modes.hold))
+
+
+def go_on(state: VehicleState, is_paused: bool) -> Dialogue[bool]:
+    yield from enter(state, state.autopilot.modes.mission)
+    if state.autopilot.protocol_profile.pauses_in_mission:
+        check = partial(state.expect_mode, "go on", state.autopilot.modes.mission)
+        result, words = yield from orders.send(Command.DO_PAUSE_CONTINUE, 1.0, check=check)
+        if is_paused and result != m.CommandResult.ACCEPTED:
+            raise orders.CommandRefused("go on", result, words)
+    return False
+
+
+def enter(state: VehicleState, mode: int) -> Dialogue[bool]:
+    """Raise NotReady unless the vehicle shows the mode; return False: it does not pause."""
+    if reason := (yield from change_mode(state, mode)):
+        raise NotReady(reason, hint=str(state))
+    return False
 
 
 def change_mode(state: VehicleState, mode: int) -> Dialogue[str]:
@@ -201,18 +176,6 @@ def _taken_back(state: VehicleState, mode: int, texts: VehicleTexts) -> Dialogue
                 return result
         heard = yield None
     return m.CommandResult.ACCEPTED
-
-
-def _enter(state: VehicleState, mode: int) -> Dialogue[None]:
-    if reason := (yield from change_mode(state, mode)):
-        raise NotReady(reason, hint=str(state))
-
-
-def _expect_flying(state: VehicleState) -> Dialogue[None]:
-    """Wait for heartbeats only: other streams may not come."""
-    yield from until(lambda: state.armed is not None and state.custom_mode is not None, SHOWN_S)
-    if not state.armed or state.in_air is False:
-        raise NotReady(f"expected a vehicle in the air: {state}", hint="`fly` begins a flight", code="not-in-the-air")
 
 
 class Monitor(Protocol):

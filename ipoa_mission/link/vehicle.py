@@ -30,13 +30,13 @@ from ipoa_mission.link.dialogue import (
     until,
 )
 from ipoa_mission.link.discovery import FoundVehicle, VehicleSession
-from ipoa_mission.link.flight_order import SHOWN_S, Conformance, FlightOrder, pause, resume, return_to_launch
+from ipoa_mission.link.flight_order import SHOWN_S, Conformance, FlightOrder, enter, go_on, hold, in_flight
 from ipoa_mission.link.logbook import Logbook, Observer, watch
 from ipoa_mission.link.messages import Heartbeat, Message, MissionType
 from ipoa_mission.link.onboard_list import OnboardList, ReplacedSince, prove_after_flight, with_lists
 from ipoa_mission.link.reconnect import RETRY_S, SILENT_S, KnownVehicle, LinkLoss
 from ipoa_mission.link.upload import Unflyable, Unplaced, Upload, UploadState, upload
-from ipoa_mission.link.vehicle_state import ModeWatch, NotReady, VehicleState
+from ipoa_mission.link.vehicle_state import ModeWatch, NotReady
 from ipoa_mission.mission import stored_mission
 from ipoa_mission.mission.flight_record import FlightRecord
 from ipoa_mission.mission.items import Item, Mission
@@ -186,13 +186,13 @@ class Vehicle(VehicleSession):
         Raises:
             NotReady, NoAnswer, TimeUp: it does not obey, or does not fly.
         """
-        self._run_in_flight(pause)
+        self._run_in_flight(hold(self.state))
 
     def resume(self) -> None:
-        self._run_in_flight(resume)
+        self._run_in_flight(go_on(self.state, self.state.is_paused))
 
     def return_to_launch(self) -> None:
-        self._run_in_flight(return_to_launch)
+        self._run_in_flight(enter(self.state, self.autopilot.modes.returning))
 
     def prepare(
         self, first: int = 0, progress: Progress = silent, permit: Callable[[Geodetic], object] | None = None
@@ -362,9 +362,9 @@ class Vehicle(VehicleSession):
         """
         self._run_order(orders.set_parameter(name, value, self.autopilot))
 
-    def _run_in_flight(self, order: Callable[[VehicleState], Dialogue[None]]) -> None:
+    def _run_in_flight(self, order: Dialogue[bool]) -> None:
         with self._in_time(), self.state.with_state_as_hint():
-            self._run_order(order(self.state))
+            self._run_order(in_flight(self.state, order))
 
     def _overhear(self, message: Message) -> None:
         super()._overhear(message)

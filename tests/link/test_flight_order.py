@@ -11,7 +11,7 @@ import pytest
 from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.autopilot.commands import Command, VehicleCommand
 from ipoa_mission.link.dialogue import SPECIFIED, Dialogue, Exchange
-from ipoa_mission.link.flight_order import SHOWN_S, pause, resume, return_to_launch
+from ipoa_mission.link.flight_order import SHOWN_S, enter, go_on, hold, in_flight
 from ipoa_mission.link.messages import CommandAck, CommandResult, Message, Position, Text
 from ipoa_mission.link.vehicle import Vehicle
 from ipoa_mission.link.vehicle_state import NotReady, VehicleState
@@ -125,10 +125,22 @@ def test_px4_says_why_it_takes_back_its_yes() -> None:
         assert "in AUTO.RTL" in str(refused.value.hint)
 
 
+def paused(state: VehicleState) -> Dialogue[None]:
+    return in_flight(state, hold(state))
+
+
+def resumed(state: VehicleState) -> Dialogue[None]:
+    return in_flight(state, go_on(state, is_paused=False))
+
+
+def returned(state: VehicleState) -> Dialogue[None]:
+    return in_flight(state, enter(state, state.autopilot.modes.returning))
+
+
 def answered(*answers: Message) -> Exchange[None]:
     """A vehicle in AUTO.MISSION, ordered home, that answers this and shows nothing."""
     state = VehicleState(Autopilot.PX4, armed=True, custom_mode=Autopilot.PX4.modes.mission)
-    exchange = Exchange(return_to_launch(state), 0.0, SPECIFIED)
+    exchange = Exchange(returned(state), 0.0, SPECIFIED)
     for n, answer in enumerate(answers, start=1):
         exchange.receive(answer, 0.2 * n)
     return exchange
@@ -144,7 +156,7 @@ def test_a_later_refusal_without_words_is_named_by_its_result() -> None:
 
 def test_a_mode_that_is_accepted_and_not_shown_is_no_return() -> None:
     state = VehicleState(Autopilot.PX4, armed=True, custom_mode=Autopilot.PX4.modes.mission)
-    exchange = Exchange(return_to_launch(state), 0.0, SPECIFIED)
+    exchange = Exchange(returned(state), 0.0, SPECIFIED)
     exchange.receive(CommandAck(VehicleCommand.DO_SET_MODE, CommandResult.ACCEPTED), 0.1)
     exchange.tick(SHOWN_S)
     with refuses("not-ready", "", "AUTO.RTL") as unseen:
@@ -152,14 +164,14 @@ def test_a_mode_that_is_accepted_and_not_shown_is_no_return() -> None:
     assert "AUTO.MISSION" in str(unseen.value.hint)
 
 
-@pytest.mark.parametrize("order", [pause, resume, return_to_launch])
+@pytest.mark.parametrize("order", [paused, resumed, returned])
 @pytest.mark.parametrize("family", registered())
 def test_a_verb_does_not_repeat_its_order_after_the_pilot_took_over(
     family: Autopilot, order: Callable[[VehicleState], Dialogue[None]]
 ) -> None:
     modes = family.modes
     state = VehicleState(family, armed=True, custom_mode=modes.mission)
-    if order is resume and not family.protocol_profile.pauses_in_mission:
+    if order is resumed and not family.protocol_profile.pauses_in_mission:
         state.custom_mode = modes.hold
     exchange = Exchange(order(state), 0.0, SPECIFIED)
     assert exchange.outgoing()
