@@ -1,8 +1,10 @@
 """The interface of an autopilot's flight model, and what it predicts."""
 
 from abc import ABC, abstractmethod
+from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass
-from typing import ClassVar, NamedTuple, Protocol
+from itertools import count
+from typing import ClassVar, Generic, NamedTuple, Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -83,6 +85,34 @@ class LegSpeeds(NamedTuple):
         if self.corner >= 10.0:
             reasons.append(f"corner {self.corner:.0f} deg")
         return ", ".join([*reasons, "stop"] if self.stops else reasons)
+
+
+End = TypeVar("End")
+
+
+class SharedStretches(Generic[End]):
+    """Ends of stretches, shared by flights that begin alike."""
+
+    def __init__(self, most: int) -> None:
+        self._most = most
+        self._numbers = count()
+        self._ends: dict[tuple[Hashable, Hashable], tuple[int, End]] = {}
+
+    def fly(
+        self, conditions: Hashable, start: End, stretches: Sequence[Hashable], fly_on: Callable[[End, int], End]
+    ) -> list[End]:
+        """Return the end of each stretch. It depends on the conditions and the `stretches` so far."""
+        before = conditions
+        end = start
+        ends = list[End]()
+        for n, stretch in enumerate(stretches):
+            if (before, stretch) not in self._ends:
+                self._ends[before, stretch] = next(self._numbers), fly_on(end, n)
+            before, end = self._ends[before, stretch]
+            ends.append(end)
+        while len(self._ends) > self._most:
+            del self._ends[next(iter(self._ends))]  # the oldest
+        return ends
 
 
 class SlowedByAir(Protocol):

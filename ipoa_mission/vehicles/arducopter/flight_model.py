@@ -1,8 +1,7 @@
 """Flight times of ArduCopter 4.x in AUTO, item by item, by its simulated dynamics."""
 
 import math
-from collections.abc import Iterator
-from functools import cached_property
+from collections.abc import Hashable, Iterator
 from typing import NamedTuple
 
 import numpy as np
@@ -15,7 +14,7 @@ from ipoa_mission.errors import BadInput, EndlessFlight, MissionError
 from ipoa_mission.forecast.deviation.law import DeviationLaw, Quantiles
 from ipoa_mission.forecast.itinerary.itinerary import UNTIMED, Itinerary
 from ipoa_mission.forecast.timing.bound import Kinematics
-from ipoa_mission.forecast.timing.flight_model import FlightModel, LegSpeeds, Prediction, SlowedByAir, corner_deg
+from ipoa_mission.forecast.timing.flight_model import FlightModel, LegSpeeds, Prediction, SharedStretches, corner_deg
 from ipoa_mission.forecast.timing.track import Track
 from ipoa_mission.geometry import Place, Plane, Samples
 from ipoa_mission.mission.items import Item
@@ -23,7 +22,7 @@ from ipoa_mission.vehicles.arducopter.braking import Braking
 from ipoa_mission.vehicles.arducopter.dynamics import procedures
 from ipoa_mission.vehicles.arducopter.dynamics.copter import Copter, airframe_of
 from ipoa_mission.vehicles.arducopter.dynamics.legs import limits_along
-from ipoa_mission.vehicles.arducopter.dynamics.motion import ARDUPILOT_SIMULATOR, Kind
+from ipoa_mission.vehicles.arducopter.dynamics.motion import ARDUPILOT_SIMULATOR, Airframe, Kind
 from ipoa_mission.vehicles.arducopter.dynamics.shaping import BRAKING_STEPS, add_braking
 from ipoa_mission.vehicles.arducopter.limits import LANDED_S, copter_limits
 from ipoa_mission.vehicles.arducopter.vehicle import ARDUCOPTER
@@ -58,32 +57,23 @@ class ArduCopterModel(FlightModel):
     takeoff_scatter_s = 0.6  # version 4.8-dev is 0.5 s early
     is_always_noise_free = True
     simulated_lag = ARDUPILOT_SIMULATOR.lag
-    kept_flights = 4  # the latest, for others with the same first items
-    most_kept_visits = 400  # of each
-    _latest: "tuple[_MissionRun, ...]" = ()
+
+    def __init__(self) -> None:
+        self._latest = SharedStretches[_VisitEnd](most=1600)
 
     def predicted(self, itinerary: Itinerary, wind: Wind, fast: bool | None, noise_free: bool) -> Prediction:
         flight = _MissionRun(itinerary, wind, fast)
-        flight.continue_nearest_of(self._latest)
-        for n in range(len(flight.visit_ends), len(itinerary.visits)):
-            try:
-                reason = flight.visit(n)
-            except BadInput:
-                raise
-            except MissionError as lost:
-                raise lost.at(f"item {itinerary.visits[n].seq}") from None
-            flight.visit_ends.append(flight.end_of_visit(reason))
-        if len(flight.visit_ends) <= self.most_kept_visits:
-            self._latest = (flight, *self._latest)[: self.kept_flights]
-        track = Track.joined(flight.samples)
-        reasons = tuple(end.reason for end in flight.visit_ends)
-        done = np.array([end.time for end in flight.visit_ends], dtype=np.float64)
+        start = flight.end_of_visit("")
+        ends = self._latest.fly(flight.conditions, start, flight.stretches(), flight.fly_on)
+        track = Track.joined([samples for end in (start, *ends) for samples in end.samples])
+        reasons = tuple(end.reason for end in ends)
+        done = np.array([end.copter.state.time for end in ends], dtype=np.float64)
         first_legs = np.array([UNCERTAINTY.first_leg(visit.item) for visit in itinerary.visits]).reshape(-1, 2)
         early, late = np.maximum.accumulate(first_legs).T
         doubt = UNCERTAINTY.flight_s + UNCERTAINTY.flight_share * done
         low = done - np.hypot(doubt, early)
         high = done + np.hypot(doubt, late)
-        return Prediction(done, low, high, reasons, track, tuple(flight.remarks))
+        return Prediction(done, low, high, reasons, track, tuple(remark for end in ends for remark in end.remarks))
 
     def predict_contingency(
         self, itinerary: Itinerary, wind: Wind, contingency: Contingency, time: float
@@ -118,23 +108,19 @@ class ArduCopterModel(FlightModel):
         speeds = (speed or limits.speed, limits.climb, limits.descent)
         return Kinematics(*speeds, limits.accel, limits.jerk, across=max(limits.accel, limits.corner_accel))
 
-    def airframe(self, altitude: float) -> SlowedByAir:
+    def airframe(self, altitude: float) -> Airframe:
         return ARDUPILOT_SIMULATOR.at_altitude(altitude)
 
 
 class _VisitEnd(NamedTuple):
-    """A flight after a visit."""
+    """A flight after a visit, and that visit's samples and remarks."""
 
     copter: Copter
     airborne: bool
     touched: float
-    samples: int  # numbers until then
-    remarks: int
+    samples: list[Samples]
+    remarks: list[str]
     reason: str
-
-    @property
-    def time(self) -> float:
-        return self.copter.state.time
 
 
 class _MissionRun:
@@ -154,49 +140,42 @@ class _MissionRun:
         self.touched = math.nan
         self.remarks: list[str] = []
         self.samples: list[Samples] = []
-        self.visit_ends: list[_VisitEnd] = []
         self.note()
 
-    def continue_nearest_of(self, flights: "tuple[_MissionRun, ...]") -> None:
-        shared = [self._visits_shared(flight) for flight in flights]
-        most = max(shared, default=0)
-        if most == 0:
-            return
-        other = flights[shared.index(most)]
-        last = other.visit_ends[most - 1]
-        self.copter = last.copter.copied()
-        self.airborne = last.airborne
-        self.touched = last.touched
-        self.samples = other.samples[: last.samples]
-        self.remarks = other.remarks[: last.remarks]
-        self.visit_ends = other.visit_ends[:most]
-
-    def _visits_shared(self, other: "_MissionRun") -> int:
-        """Count the equal visits; a visit depends on the next two places."""
-        if self._conditions != other._conditions:
-            return 0
-        visits = self.itinerary.visits
-        others = other.itinerary.visits
-        pairs = zip(visits, others, strict=False)
-        equal = next((n for n, (one, another) in enumerate(pairs) if one != another), min(len(visits), len(others)))
-        if equal == len(visits) == len(others):
-            return equal
-        moving = [n for n in range(equal) if visits[n].item.moves]
-        return moving[-2] if len(moving) > 1 else 0
-
-    @cached_property
-    def _conditions(self) -> tuple[object, ...]:
+    @property
+    def conditions(self) -> Hashable:
         mission = self.itinerary.mission
         ground = self.itinerary.ground
         height = self.itinerary.start_height
         return (
             *(self.limits, self.airframe, self.wind, height, id(ground.terrain), ground.datum, ground.earth_radius),
-            *(mission.home, mission.rally, mission.parameters, mission.firmware_version, mission.autopilot),
+            *(mission.home, mission.rally, tuple(sorted(mission.parameters.items()))),
+            *(mission.firmware_version, self.itinerary.program.ground_at_home),
         )
 
+    def stretches(self) -> list[Hashable]:
+        """Return each visit, with all to the second next one that moves: it depends on these."""
+        visits = self.itinerary.visits
+        moving = [n for n, visit in enumerate(visits) if visit.item.moves]
+        after = np.searchsorted(moving, np.arange(len(visits)), side="right").tolist()
+        lasts = [moving[k + 1] if k + 1 < len(moving) else len(visits) for k in after]
+        return [visits[n : last + 1] for n, last in enumerate(lasts)]
+
+    def fly_on(self, before: _VisitEnd, n: int) -> _VisitEnd:
+        self.copter = before.copter.copied()
+        self.airborne = before.airborne
+        self.touched = before.touched
+        self.samples = []
+        self.remarks = []
+        try:
+            return self.end_of_visit(self.visit(n))
+        except BadInput:
+            raise
+        except MissionError as lost:
+            raise lost.at(f"item {self.itinerary.visits[n].seq}") from None
+
     def end_of_visit(self, reason: str) -> _VisitEnd:
-        numbers = len(self.samples), len(self.remarks)
-        return _VisitEnd(self.copter.copied(), self.airborne, self.touched, *numbers, reason)
+        return _VisitEnd(self.copter, self.airborne, self.touched, self.samples, self.remarks, reason)
 
     @property
     def is_aborted(self) -> bool:

@@ -5,7 +5,6 @@ A run without noise gives the path, many with noise mean and spread.
 
 import math
 from collections.abc import Callable
-from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,18 +17,22 @@ from ipoa_mission.errors import MissionError, NotModeled
 from ipoa_mission.forecast.deviation.law import DeviationLaw, Quantiles
 from ipoa_mission.forecast.itinerary.itinerary import Itinerary
 from ipoa_mission.forecast.timing.bound import Kinematics
-from ipoa_mission.forecast.timing.flight_model import NEVER_MISSED, Z_90, FlightModel, Missed, Prediction, SlowedByAir
+from ipoa_mission.forecast.timing.flight_model import (
+    NEVER_MISSED,
+    Z_90,
+    FlightModel,
+    Missed,
+    Prediction,
+    SharedStretches,
+)
 from ipoa_mission.forecast.timing.track import Track
 from ipoa_mission.geometry import Matrix, Points, Vector
 from ipoa_mission.vehicles.px4_multicopter.dynamics import state
 from ipoa_mission.vehicles.px4_multicopter.dynamics.navigator import HELD_OR_REACHED
 from ipoa_mission.vehicles.px4_multicopter.dynamics.state import Order
 from ipoa_mission.vehicles.px4_multicopter.limits import px4_limits
-from ipoa_mission.vehicles.px4_multicopter.simulation import RUNS, MissionSimulation, SharedStretches
+from ipoa_mission.vehicles.px4_multicopter.simulation import RUNS, FlownOrders, MissionSimulation, fly_noise_free
 from ipoa_mission.wind import Wind
-
-#: Sensors, conditions, orders, and the number of orders done after each visit.
-_Inputs: TypeAlias = tuple[state.SensorModel, bytes, bytes, tuple[int, ...]]
 
 
 class Px4Model(FlightModel):
@@ -40,20 +43,26 @@ class Px4Model(FlightModel):
     simulated_lag = state.SIH.lag
 
     def __init__(self) -> None:
-        self._latest = SharedStretches()
-        self._latest_noisy: dict[_Inputs, tuple[Matrix, list[str]]] = {}
+        self._latest = SharedStretches[FlownOrders](most=2048)
+        self._latest_noisy = SharedStretches[tuple[Matrix, tuple[str, ...]]](most=4)
 
     def predicted(self, itinerary: Itinerary, wind: Wind, fast: bool | None, noise_free: bool) -> Prediction:
         simulation = MissionSimulation(itinerary, wind, state.NOISE_FREE if noise_free else state.SIH_SENSORS)
-        ends = list(simulation.mission_orders.done)
-        remarks = list(simulation.mission_orders.remarks)
+        orders, visits_done, remarks = simulation.mission_orders
+        ends = list(visits_done)
 
-        exact_run = self._latest.fly(simulation, fast)
+        exact_run = fly_noise_free(simulation, fast, self._latest)
         exact_times = exact_run.done[ends]
         samples = exact_run.samples
         times = exact_times[None, :]
         if itinerary.visits and not noise_free:
-            times, lost = self._cached_noisy_times(simulation, RUNS.most * samples[-1, 0] / RUNS.step_s, fast)
+            steps = RUNS.most * samples[-1, 0] / RUNS.step_s
+            fly_noisy = simulation.flight_of(orders, noisy=True, fast=fast, steps=steps)
+            inputs = (simulation.noise_free_constants.senses, records(orders, Order).tobytes(), visits_done)
+            ((times, lost),) = self._latest_noisy.fly(
+                *(simulation.conditions, (times, ()), [inputs]),
+                lambda *_: _sample_runs(lambda seed: fly_noisy(simulation.at_start(seed)).done[ends], RUNS.known_share),
+            )
             remarks += lost
         done = times.mean(axis=0)
         low, high = _interval(itinerary, times)
@@ -62,23 +71,7 @@ class Px4Model(FlightModel):
         clock = np.ascontiguousarray(samples[:, 0])
         numbers = range(0 if noise_free else len(itinerary.visits))
         reasons = tuple(simulation.why_slow(n, exact_times, clock, samples) for n in numbers)
-        return Prediction(done, low, high, reasons, track, tuple(remarks), _missed(itinerary, times))
-
-    def _cached_noisy_times(
-        self, simulation: MissionSimulation, steps: float, fast: bool | None
-    ) -> tuple[Matrix, list[str]]:
-        """Return times (runs, visits) [s], and remarks."""
-        planned = simulation.mission_orders
-        ends = list(planned.done)
-        orders = records(planned.orders, Order).tobytes()
-        inputs = (simulation.noise_free_constants.senses, simulation.conditions, orders, planned.done)
-        if inputs not in self._latest_noisy:
-            fly_noisy = simulation.flight_of(planned.orders, noisy=True, fast=fast, steps=steps)
-            sampled = _sample_runs(lambda seed: fly_noisy(simulation.at_start(seed)).done[ends], RUNS.known_share)
-            while len(self._latest_noisy) >= RUNS.kept:
-                del self._latest_noisy[next(iter(self._latest_noisy))]
-            self._latest_noisy[inputs] = sampled
-        return self._latest_noisy[inputs]
+        return Prediction(done, low, high, reasons, track, remarks, _missed(itinerary, times))
 
     def predict_contingency(
         self, itinerary: Itinerary, wind: Wind, contingency: Contingency, time: float
@@ -110,7 +103,7 @@ class Px4Model(FlightModel):
         if len(clusters) > 1:
             each = zip(clusters, (spans[:, 0] - time).round().tolist(), strict=True)
             words = ", ".join(f"{low:.0f} to {high:.0f} s in {runs.sum()}" for runs, (low, _, high) in each)
-            remarks.append(f"ordered at {time:.1f} s, of {len(durations)} flights with noise it takes {words}")
+            remarks += (f"ordered at {time:.1f} s, of {len(durations)} flights with noise it takes {words}",)
         likeliest = int(np.argmax([runs.sum() for runs in clusters]))
         mean_order_time = float(np.mean(exact_order_times[clusters[likeliest]]))
         _, exact_run = simulation.flown_with(contingency, mean_order_time, None)
@@ -119,7 +112,7 @@ class Px4Model(FlightModel):
         end, touched = spans[likeliest, :, 1]
         track = Track.of(exact_run.samples, exact_run.samples[:, 0] + time - mean_order_time)
         between = float(low[1]), float(touched), float(high[1])
-        return Prediction(np.array([end]), low[:1], high[:1], ("",), track, tuple(remarks), touched=between)
+        return Prediction(np.array([end]), low[:1], high[:1], ("",), track, remarks, touched=between)
 
     def spread(self, itinerary: Itinerary, wind: Wind, predicted: Prediction) -> Points | None:
         simulation = MissionSimulation(itinerary, wind)
@@ -149,7 +142,7 @@ class Px4Model(FlightModel):
         speed = min(speed or limits.cruise, limits.max_speed)
         return Kinematics(speed, limits.climb, limits.descent, limits.accel, limits.jerk)
 
-    def airframe(self, altitude: float) -> SlowedByAir:
+    def airframe(self, altitude: float) -> state.Airframe:
         return state.SIH
 
     def median_times(self, itinerary: Itinerary) -> Vector:
@@ -162,7 +155,7 @@ class Px4Model(FlightModel):
         return np.asarray(np.median([fly_on(start).done[ends] for start in starts], axis=0))
 
 
-def _sample_runs(once: Callable[[int], Vector], share: float) -> tuple[Matrix, list[str]]:
+def _sample_runs(once: Callable[[int], Vector], share: float) -> tuple[Matrix, tuple[str, ...]]:
     """Return times of runs (m, n), until the last's mean is known to a `share`, and remarks.
 
     Raise MissionError if most never end.
@@ -180,8 +173,9 @@ def _sample_runs(once: Callable[[int], Vector], share: float) -> tuple[Matrix, l
             if seed > 2 * len(times) + RUNS.batch:
                 raise
             lost.append(str(error))
-    remarks = [f"{len(lost)} of {len(lost) + len(times)} flights with noise did not end: {lost[0]}"] if lost else []
-    return np.array(times), remarks
+    if not lost:
+        return np.array(times), ()
+    return np.array(times), (f"{len(lost)} of {len(lost) + len(times)} flights with noise did not end: {lost[0]}",)
 
 
 def _duration_clusters(durations: Vector) -> list[NDArray[np.bool_]]:

@@ -3,7 +3,6 @@
 import math
 from bisect import bisect_right
 from functools import lru_cache
-from hashlib import sha256
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
@@ -13,7 +12,7 @@ from ipoa_mission.autopilot.returning import Contingency
 from ipoa_mission.compiled import jit_if_faster, records
 from ipoa_mission.errors import MissionError
 from ipoa_mission.forecast.itinerary.itinerary import Itinerary
-from ipoa_mission.forecast.timing.flight_model import LegSpeeds, corner_deg
+from ipoa_mission.forecast.timing.flight_model import LegSpeeds, SharedStretches, corner_deg
 from ipoa_mission.geometry import Samples, Vector
 from ipoa_mission.vehicles.px4_multicopter.dynamics import navigator, state
 from ipoa_mission.vehicles.px4_multicopter.dynamics.flight import at_start, fly
@@ -33,7 +32,6 @@ class NoisyRuns(NamedTuple):
     step_s: float = 0.04
     sample_steps: int = 3  # between samples
     batch: int = 6  # runs between checks
-    kept: int = 4  # latest missions
     known_share: float = 0.003  # relative standard error of the mean
     contingency_share: float = 0.008  # for a contingency
     doubt_s: float = 0.8  # standard deviation of the model, its constant part
@@ -179,33 +177,18 @@ class MissionSimulation:
         return min(order.cruise, rate * length / abs(rise)) if rise else order.cruise
 
 
-class SharedStretches:
-    """Noise-free flights with the same first orders share these stretches, to equal bits."""
+def fly_noise_free(
+    simulation: MissionSimulation, fast: bool | None, latest: SharedStretches[FlownOrders]
+) -> FlownOrders:
+    """Fly a mission without noise, order by order; `latest` flights may share the first ones."""
+    orders = simulation.mission_orders.orders
+    fly_on = simulation.flight_of(orders, noisy=False, fast=fast)
+    sees_ground = simulation.noise_free_constants.senses.sees_ground
+    stretches = [(sees_ground and order.kind == state.LAND, records([order], Order).tobytes()) for order in orders]
 
-    orders_at_once = 4
-    most_stretches = 512
+    def fly_order(flown: FlownOrders, n: int) -> FlownOrders:
+        return fly_on(flown._replace(samples=flown.samples[:0]), to=n + 1)
 
-    def __init__(self) -> None:
-        self._stretches: dict[bytes, FlownOrders] = {}  # by a digest of all that they depend on
-
-    def fly(self, simulation: MissionSimulation, fast: bool | None) -> FlownOrders:
-        orders = simulation.mission_orders.orders
-        fly_on = simulation.flight_of(orders, noisy=False, fast=fast)
-        flown = simulation.at_start(0)
-        if jit_if_faster(fly, fast, 0.0) is fly or not orders:
-            return fly_on(flown)
-        rows = records(orders, Order)
-        samples = [flown.samples]
-        digest = simulation.conditions
-        for first in range(0, len(orders), self.orders_at_once):
-            end = min(first + self.orders_at_once, len(orders))
-            lands = any(order.kind == state.LAND for order in orders[first:end])
-            sees_ground = lands and simulation.noise_free_constants.senses.sees_ground  # without effect before LAND
-            digest = sha256(digest + bytes((sees_ground,)) + rows[first:end].tobytes()).digest()
-            if digest not in self._stretches:
-                self._stretches[digest] = fly_on(flown._replace(samples=flown.samples[:0]), to=end)
-            flown = self._stretches[digest]
-            samples.append(flown.samples)
-        while len(self._stretches) > self.most_stretches:
-            del self._stretches[next(iter(self._stretches))]  # the oldest
-        return flown._replace(samples=np.vstack(samples))
+    start = simulation.at_start(0)
+    ends = [start, *latest.fly(simulation.conditions, start, stretches, fly_order)]
+    return ends[-1]._replace(samples=np.vstack([flown.samples for flown in ends]))
