@@ -9,9 +9,7 @@ import numpy as np
 from ipoa_mission import Scenario
 from ipoa_mission.optimize.ipoa import iterate_chaotic_map
 from ipoa_mission.paper.problems import FUNCTIONS, OPTIMA
-from ipoa_mission.paper.published import ALGORITHMS
-from ipoa_mission.paper.rows import TrialRow, results
-from ipoa_mission.paper.runs import CHECKPOINTS
+from ipoa_mission.paper.runs import ALGORITHMS, CHECKPOINTS, TrialRow, results
 from ipoa_mission.planning.spline import Spline
 
 #: distinct with color blindness (Okabe and Ito)

@@ -15,8 +15,7 @@ from ipoa_mission.files import write_atomically
 from ipoa_mission.paper import figures, tables
 from ipoa_mission.paper.markdown_table import Table, filled
 from ipoa_mission.paper.problems import campus_scenario, map_scenario
-from ipoa_mission.paper.rows import Rows, TrialRow, runs_of
-from ipoa_mission.paper.runs import SERIES, Series, measure
+from ipoa_mission.paper.runs import SERIES, Rows, Series, TrialRow, measure, runs_of
 from ipoa_mission.progress import Progress, silent
 
 

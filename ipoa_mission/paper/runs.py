@@ -1,23 +1,68 @@
-"""`run_trial` is a pure function (except for the seconds): process, machine and order do not matter."""
+"""Trials and their runs, in a CSV file for each series; an incomplete last line is no row.
 
+`run_trial` is a pure function (except for the seconds): process, machine and order do not matter.
+"""
+
+import csv
 import json
 import time
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor, as_completed
-from dataclasses import dataclass, replace
+from contextlib import contextmanager, suppress
+from dataclasses import astuple, dataclass, fields, replace
 from datetime import date
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
+from typing import TextIO, TypeAlias
 
 import numpy as np
+from numpy.typing import NDArray
 from threadpoolctl import threadpool_info, threadpool_limits
 
+from ipoa_mission.errors import MissionError, WrongFormat
+from ipoa_mission.files import read_text
 from ipoa_mission.optimize.registry import build_optimizer
 from ipoa_mission.optimize.search import Optimum, minimize
 from ipoa_mission.paper import problems
-from ipoa_mission.paper.published import ALGORITHMS
-from ipoa_mission.paper.rows import Trial, TrialRow, open_to_append, read_rows, write_row
 from ipoa_mission.progress import Progress, count, silent
+
+#: columns of all tables; the paper prints Tables 5 to 8 in another order
+ALGORITHMS = ("ipoa", "dbo", "poa", "ssa", "mpoa", "hho")
+#: shares of a run's evaluations
+CHECKPOINTS = np.linspace(0, 1, 26)
+
+
+@dataclass(frozen=True)
+class Trial:
+    """Define one run; its number is its seed, the same for all algorithms.
+
+    `settings`: JSON with sorted keys. `budget`: evaluations; 0: the algorithm's own number of iterations.
+    """
+
+    problem: str
+    case: str
+    dimension: int
+    algorithm: str
+    settings: str
+    budget: int
+    run: int
+
+
+@dataclass(frozen=True)
+class TrialRow:
+    """Hold a trial's result; `history`: the best cost at `CHECKPOINTS`."""
+
+    trial: Trial
+    cost: float
+    evaluations: int
+    seconds: float
+    history: tuple[float, ...]
+    measures: problems.Measures
+    date: str
+    versions: str
+
+
+Rows: TypeAlias = Mapping[str, Sequence[TrialRow]]
 
 
 @dataclass(frozen=True)
@@ -46,8 +91,28 @@ SERIES = {
     )
 }
 
-#: shares of a run's evaluations
-CHECKPOINTS = np.linspace(0, 1, 26)
+
+def runs_of(rows: Sequence[TrialRow]) -> int:
+    return 1 + max(row.trial.run for row in rows)
+
+
+def results(rows: Sequence[TrialRow], case: str, algorithm: str, measure: str | None = None) -> NDArray[np.float64]:
+    """Return the cost of every run on a case, or a measure, (runs,). On CEC2022 the optimum is subtracted."""
+    values = [
+        (row.trial.run, row.cost if measure is None else row.measures[measure])
+        for row in rows
+        if (row.trial.case, row.trial.algorithm) == (case, algorithm)
+    ]
+    return np.array([value for _, value in sorted(values)], dtype=np.float64)
+
+
+def mean_results(rows: Sequence[TrialRow], cases: Sequence[str], measure: str | None = None) -> NDArray[np.float64]:
+    return np.array([[results(rows, case, name, measure).mean() for name in ALGORITHMS] for case in cases])
+
+
+def mean_evaluations(rows: Sequence[TrialRow]) -> str:
+    means = {name: np.mean([row.evaluations for row in rows if row.trial.algorithm == name]) for name in ALGORITHMS}
+    return ", ".join(f"{name.upper()} {mean:,.0f}" for name, mean in means.items())
 
 
 def _problem_of(trial: Trial) -> problems.Problem:
@@ -79,33 +144,6 @@ def run_trial(trial: Trial) -> TrialRow:
     )
 
 
-def measure(
-    trials: Iterable[Trial], path: Path, executor: Executor, progress: Progress = silent, label: str = ""
-) -> list[TrialRow]:
-    """Run the trials that `path` lacks, and return all rows in their order."""
-    wanted = list(dict.fromkeys(trials))
-    row_of = {row.trial: row for row in read_rows(path)}
-    missing = [trial for trial in wanted if trial not in row_of]
-    done = len(wanted) - len(missing)
-    count(progress, done, len(wanted), label)
-    if not missing:
-        return [row_of[trial] for trial in wanted]
-    with open_to_append(path) as file:
-        waiting = [executor.submit(run_trial, trial) for trial in missing]
-        try:
-            for future in as_completed(waiting):
-                row = future.result()
-                row_of[row.trial] = row
-                write_row(file, row)
-                file.flush()
-                done += 1
-                count(progress, done, len(wanted), label)
-        finally:
-            for future in waiting:
-                future.cancel()
-    return [row_of[trial] for trial in wanted]
-
-
 def _at_checkpoints(optimum: Optimum) -> tuple[float, ...]:
     spent = np.searchsorted(optimum.evaluations, CHECKPOINTS * optimum.evaluations[-1], side="right") - 1
     return tuple(float(h) for h in optimum.history[np.maximum(spent, 0)])
@@ -123,3 +161,81 @@ def _versions() -> str:
     packages = [f"{package}={of(package)}" for package in ("ipoa-mission", "numpy", "scipy", "minionpy")]
     kernels = sorted({info.get("architecture", info["internal_api"]) for info in threadpool_info()})
     return " ".join([*packages, f"blas={'+'.join(kernels)}"])
+
+
+def measure(
+    trials: Iterable[Trial], path: Path, executor: Executor, progress: Progress = silent, label: str = ""
+) -> list[TrialRow]:
+    """Run the trials that `path` lacks, and return all rows in their order. Raises MissionError if it is locked."""
+    wanted = list(dict.fromkeys(trials))
+    with _locked(path) as file:
+        row_of = {row.trial: row for row in read_rows(path)}
+        missing = [trial for trial in wanted if trial not in row_of]
+        done = len(wanted) - len(missing)
+        count(progress, done, len(wanted), label)
+        waiting = [executor.submit(run_trial, trial) for trial in missing]
+        try:
+            for future in as_completed(waiting):
+                row = future.result()
+                row_of[row.trial] = row
+                _write_row(file, row)
+                done += 1
+                count(progress, done, len(wanted), label)
+        finally:
+            for future in waiting:
+                future.cancel()
+    return [row_of[trial] for trial in wanted]
+
+
+_COLUMNS = [f.name for f in fields(Trial)] + [f.name for f in fields(TrialRow) if f.name != "trial"]
+
+
+@contextmanager
+def _locked(path: Path) -> Iterator[TextIO]:
+    """Open a file to append whole rows; no other process may, except on Windows."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with path.open("a", encoding="utf-8", newline="") as file:
+        try:
+            with suppress(ImportError):
+                import fcntl
+
+                fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError as error:
+            hint = "wait for its end, or write elsewhere: --out"
+            raise MissionError("another process adds runs to it", hint=hint, code="in-use", place=path) from error
+        whole = path.read_bytes().rfind(b"\n") + 1
+        file.truncate(whole)
+        if not whole:
+            file.write(",".join(_COLUMNS) + "\n")
+            file.flush()
+        yield file
+
+
+def _write_row(file: TextIO, row: TrialRow) -> None:
+    cells = [*astuple(row.trial), repr(row.cost), row.evaluations, f"{row.seconds:.3f}"]
+    cells += [" ".join(f"{h:.5g}" for h in row.history), json.dumps(row.measures), row.date, row.versions]
+    csv.writer(file, lineterminator="\n").writerow(cells)
+    file.flush()
+
+
+def read_rows(path: Path) -> list[TrialRow]:
+    lines = read_text(path).splitlines(keepends=True)
+    if lines and not lines[-1].endswith("\n"):
+        lines.pop()
+    if lines and lines[0].rstrip("\n") != ",".join(_COLUMNS):
+        raise WrongFormat(f"expected the columns {','.join(_COLUMNS)}", place=f"{path}:1")
+    return list(_rows(path, lines[1:]))
+
+
+def _rows(path: Path, lines: Sequence[str]) -> Iterator[TrialRow]:
+    for number, cells in enumerate(csv.reader(lines), start=2):
+        try:
+            problem, case, dimension, algorithm, settings, budget, run, *measured = cells
+            cost, evaluations, seconds, history, measures, day, versions = measured
+            trial = Trial(problem, case, int(dimension), algorithm, settings, int(budget), int(run))
+            costs = tuple(float(h) for h in history.split())
+            yield TrialRow(
+                trial, float(cost), int(evaluations), float(seconds), costs, json.loads(measures), day, versions
+            )
+        except ValueError as error:
+            raise WrongFormat(f"expected {len(_COLUMNS)} cells of a run: {error}", place=f"{path}:{number}") from error

@@ -3,18 +3,33 @@
 Its maps are unpublished: of Tables 5 to 8 only ranks and ratios compare.
 """
 
+import tomllib
 from collections.abc import Callable, Sequence
+from importlib.resources import files
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ipoa_mission.paper.markdown_table import Table, factor, number, ours_and_print, per_cent
 from ipoa_mission.paper.problems import FUNCTIONS, OPTIMA, WEIGHTS
-from ipoa_mission.paper.published import ALGORITHMS, PRINTED, RIVALS_OF_TABLE_4, improved
-from ipoa_mission.paper.rows import TrialRow, mean_evaluations, mean_results, results, runs_of
+from ipoa_mission.paper.runs import ALGORITHMS, TrialRow, mean_evaluations, mean_results, results, runs_of
 from ipoa_mission.paper.statistics import compare_pairs, count_signs, holm, places, rank_sum, ranking
 
 FLOOR = 1e-8  # smaller errors count as this, as in the CEC competitions
+RIVALS_OF_TABLE_4 = ("dbo", "poa", "ssa", "hho", "mpoa")
+#: Printed numbers by table, part (function, experiment or map), and measure. `table_4` has p against
+#: `RIVALS_OF_TABLE_4`.
+PRINTED: dict[str, Any] = tomllib.loads(
+    files("ipoa_mission.paper").joinpath("published.toml").read_text(encoding="utf-8")
+)
+
+
+def improved(where: str) -> list[dict[str, list[float]]]:
+    """Return the printed parts that a claim in the text is about: "Table 6" or "Table 7, 10 obstacles"."""
+    name, _, obstacles = where.removesuffix(" obstacles").partition(", ")
+    table = PRINTED[name.lower().replace(" ", "_")]
+    return [table[obstacles]] if obstacles else [table] if name == "Table 8" else list(table.values())
 
 
 def table_3(rows: Sequence[TrialRow]) -> Table:

@@ -5,8 +5,7 @@ from pathlib import Path
 import pytest
 
 from ipoa_mission import files
-from ipoa_mission.paper.rows import Trial
-from ipoa_mission.paper.runs import run_trial
+from ipoa_mission.paper.runs import Trial, run_trial
 
 REPOSITORY = Path(__file__).parents[2]
 SMALL = json.dumps({"evaluations": 15_000})

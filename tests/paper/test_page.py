@@ -5,7 +5,7 @@ import pytest
 
 from ipoa_mission.paper.markdown_table import filled
 from ipoa_mission.paper.reproduce import ITEMS, page
-from ipoa_mission.paper.rows import TrialRow, read_rows
+from ipoa_mission.paper.runs import TrialRow, read_rows
 
 FOLDER = Path(__file__).parents[2] / "docs" / "reproduction"
 

@@ -2,7 +2,8 @@ import numpy as np
 import pytest
 
 from ipoa_mission.paper.problems import FUNCTIONS
-from ipoa_mission.paper.published import ALGORITHMS, PRINTED, improved
+from ipoa_mission.paper.runs import ALGORITHMS
+from ipoa_mission.paper.tables import PRINTED, improved
 
 TABLES = {name: PRINTED[name] for name in ("table_3", "table_5", "table_6", "table_7")} | {
     "table_8": {"": PRINTED["table_8"]}

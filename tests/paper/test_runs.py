@@ -8,8 +8,7 @@ from typing import Any
 import pytest
 
 from ipoa_mission.paper.reproduce import open_processes
-from ipoa_mission.paper.rows import Trial, TrialRow, read_rows
-from ipoa_mission.paper.runs import CHECKPOINTS, measure, run_trial
+from ipoa_mission.paper.runs import CHECKPOINTS, Trial, TrialRow, measure, read_rows, run_trial
 from tests.refused import refuses
 
 pytest.importorskip("minionpy")
@@ -88,6 +87,18 @@ def test_a_line_that_was_cut_off_is_no_row_and_does_not_spoil_the_next(tmp_path:
     again = measure(TRIALS, path, Here())
     assert [(r.trial, r.cost) for r in again] == [(r.trial, r.cost) for r in whole]
     assert {r.trial for r in read_rows(path)} == set(TRIALS)
+
+
+def test_two_processes_do_not_add_to_the_same_file(tmp_path: Path) -> None:
+    path = tmp_path / "rows.csv"
+
+    def add_too(share: float, words: str) -> None:
+        with refuses("in-use", "rows.csv"):
+            measure(TRIALS, path, Here())
+
+    measure(TRIALS, path, Here(), add_too)
+    assert len(read_rows(path)) == len(TRIALS)
+    measure(TRIALS, path, Here(breaks_after=0))
 
 
 def test_waiting_runs_are_cancelled_when_the_series_is_stopped(tmp_path: Path) -> None:

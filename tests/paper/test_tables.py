@@ -9,10 +9,9 @@ import pytest
 from ipoa_mission.paper import figures, tables
 from ipoa_mission.paper.markdown_table import Table, number
 from ipoa_mission.paper.problems import FUNCTIONS
-from ipoa_mission.paper.published import PRINTED
 from ipoa_mission.paper.reproduce import ITEMS, Artifact, open_processes, page, reproduce
-from ipoa_mission.paper.rows import Trial, TrialRow
-from ipoa_mission.paper.runs import CHECKPOINTS, Series
+from ipoa_mission.paper.runs import CHECKPOINTS, Series, Trial, TrialRow
+from ipoa_mission.paper.tables import PRINTED
 from tests.refused import refuses
 
 RUNS = 3
