@@ -13,12 +13,12 @@ def refuses(
 ) -> Iterator[pytest.ExceptionInfo[Any]]:
     """Expect an error with this code, whose place ends in `place`, and whose message has each of the `names`.
 
-    `names` are figures, names of things, parameters and options, no prose of ours; `facts` are attributes.
+    `names` are figures, names of things, parameters and options, no prose of ours; `facts` are attributes, or `known`.
     """
     with pytest.raises(kind) as caught:
         yield caught
     error = caught.value
     assert error.code == code, f"{error.code}: {error}"
     assert (error.place or "").endswith(place), f"{error.place}: {error}"
-    assert {name: getattr(error, name) for name in facts} == facts
+    assert {name: getattr(error, name, error.known.get(name)) for name in facts} == facts
     assert not [name for name in names if name not in f"{error}"], f"{names}: {error}"

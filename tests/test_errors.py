@@ -18,14 +18,14 @@ endless-flight far-from-home fast-landing fence-broken fence-empty file-refused 
 gap-too-narrow goal-at-start heights-absurd heights-missing home-missing home-outside-fence identity-changed
 interrupted invalid-ring keeps-changing legs-too-near lines-too-far-apart lines-too-near link-down link-lost
 link-not-opened list-unproven log-incomplete log-useless low-battery missing mission-error mission-not-begun
-mission-refused mode-not-shown no-answer no-coordinate-system no-path no-route no-such-item no-time not-a-mission-item
+mission-refused no-answer no-coordinate-system no-path no-route no-such-item no-time not-a-mission-item
 not-at-start not-checked not-covered not-degrees not-enough-battery not-flown not-found not-heard not-in-the-air
 not-modeled not-on-ground not-planned not-ready not-split not-started-up not-the-same-vehicle not-yet nothing-flown
 nothing-left nothing-there option-conflict other-autopilot other-item-current other-kind other-rally-points
 outside-own-fence package-missing page-not-built parameter-kept picture place-blocked process-killed
 read-back-differs replaced replaced-since ring-misplaced several-vehicles signs-otherwise silence speaks-mavlink1
 stale start-not-reached streams-missing survey-too-long survey-too-low survey-too-near time-missing time-not-covered
-time-up too-large too-many-flights too-narrow unfinished unflyable unknown-dialect unknown-name unknown-parameter
+time-up too-large too-many-flights too-narrow unflyable unknown-dialect unknown-name unknown-parameter
 unknown-version unplaced unreachable unreadable unsafe unwritable upload-again walled-off way-home-blocked winds-absurd
 wrong-format wrong-suffix
 """

@@ -15,7 +15,7 @@ import math
 from collections.abc import Callable, Generator
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import Any, Generic, Self, TypeAlias, TypeVar
+from typing import Generic, TypeAlias, TypeVar
 
 from ipoa_mission.errors import MissionError
 from ipoa_mission.link.item_run import ItemsRead, ItemsSent
@@ -50,21 +50,7 @@ class ListAboard(StrEnum):
         return "upload again, or clear it" if self is ListAboard.MIXTURE else "upload again"
 
 
-class Unfinished(MissionError, code="unfinished"):
-    def __init__(
-        self, message: str, hint: str | None = None, *, list_on_vehicle: str | None = None, **more: Any
-    ) -> None:
-        super().__init__(message, hint, **more)
-        self.list_on_vehicle = list_on_vehicle
-        if list_on_vehicle is not None:
-            self.known["list_on_vehicle"] = list_on_vehicle
-
-    def leaving(self, aboard: ListAboard, name: str, hint: str | None = None) -> Self:
-        """Return the error with the state of the list `name`."""
-        return type(self)(f"{self}: {aboard.words(name)}", hint, list_on_vehicle=aboard)
-
-
-class NoAnswer(Unfinished, code="no-answer"):
+class NoAnswer(MissionError, code="no-answer"):
     """The other side stayed silent."""
 
 
@@ -72,17 +58,12 @@ class Silence(MissionError, code="silence"):
     """A vehicle that sends unasked is silent."""
 
 
-class Cancelled(Unfinished, code="cancelled"):
-    """Ctrl-C; the message names the list left, if any."""
+class Cancelled(MissionError, code="cancelled"):
+    """Ctrl-C."""
 
 
-class TimeUp(Unfinished, code="time-up"):
+class TimeUp(MissionError, code="time-up"):
     """The user's time limit is over."""
-
-
-def cancelled(name: str, aboard: ListAboard) -> Cancelled:
-    ended = Cancelled("cancelled too late" if aboard is ListAboard.NEW else "cancelled")
-    return ended.leaving(aboard, name, None if aboard is ListAboard.OLD else aboard.remedy)
 
 
 @dataclass(frozen=True)

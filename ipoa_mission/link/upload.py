@@ -17,14 +17,12 @@ from ipoa_mission.link.dialogue import (
     SendOnce,
     Step,
     TimeUp,
-    cancelled,
     hear,
     wait,
 )
 from ipoa_mission.link.item_run import ItemsSent
 from ipoa_mission.link.messages import WARNING, Ack, Current, Message, MissionState, MissionType, Request, Result
 from ipoa_mission.link.wire import item_of, item_payload, stored_part
-from ipoa_mission.mission.item_words import count_words
 from ipoa_mission.mission.items import Item
 from ipoa_mission.mission.stored_mission import Difference, compare, first_number
 from ipoa_mission.progress import Progress, count, silent
@@ -174,20 +172,31 @@ class UploadState:
     furthest: int = -1  # requested in this attempt
     may_be_whole: bool = False  # the vehicle may hold the whole list
     is_verified: bool = False  # the list was read back without a difference
+    is_doubted: bool = False  # since then the vehicle may have received another list
     checksum: int = 0  # as read back; 0: none
     reports: MissionReports = field(default_factory=MissionReports)
 
     def aboard(self, job: Upload) -> ListAboard:
         if self.is_verified:
-            return ListAboard.NEW
+            return ListAboard.UNKNOWN if self.is_doubted else ListAboard.NEW
         if job.truncates and self.attempt > 0:
             return ListAboard.MIXTURE
         return ListAboard.EITHER if self.may_be_whole else ListAboard.OLD
 
-    def explain(self, failed: MissionError, job: Upload) -> None:
+    def explained(self, failed: MissionError, job: Upload) -> MissionError:
+        """Return the error with what the vehicle holds of the list."""
         aboard = self.aboard(job)
-        failed.hint = f"{aboard.words(list_name(job.kind))}: {aboard.remedy}"
-        failed.known["list_on_vehicle"] = aboard
+        words = failed.args[0]
+        if isinstance(failed, TimeUp):
+            words += f": {share_words(max(self.furthest, 0), len(job.items), job.kind)} had been sent"
+            words += f" in attempt {self.attempt}" if self.attempt > 0 else ""
+        elif words == "cancelled" and aboard is ListAboard.NEW:
+            words = "cancelled too late"
+        is_as_before = isinstance(failed, Cancelled) and aboard is ListAboard.OLD
+        explained = failed.at(hint=failed.hint or (None if is_as_before else aboard.remedy))
+        explained.args = (f"{words}: {aboard.words(list_name(job.kind))}",)
+        explained.known = failed.known | {"list_on_vehicle": aboard}
+        return explained
 
 
 def upload(
@@ -199,11 +208,14 @@ def upload(
     does `state` at any time.
     """
     state = state or UploadState()
-    if by_file and job.numbers is not None and job.kind == MissionType.MISSION:
-        with suppress(mavftp.FileRefused, NoAnswer, ReadBackDiffers):  # the ordinary transfer finds the cause
-            return (yield from upload_by_file(job, progress, state))
-        state.furthest = -1
-    return (yield from _upload_items(job, progress, state))
+    try:
+        if by_file and job.numbers is not None and job.kind == MissionType.MISSION:
+            with suppress(mavftp.FileRefused, NoAnswer, ReadBackDiffers):  # the ordinary transfer finds the cause
+                return (yield from upload_by_file(job, progress, state))
+            state.furthest = -1
+        return (yield from _upload_items(job, progress, state))
+    except (Cancelled, TimeUp, NoAnswer, conversations.MissionRefused) as failed:
+        raise state.explained(failed, job) from None
 
 
 def _upload_items(job: Upload, progress: Progress, state: UploadState) -> Dialogue[int]:
@@ -216,58 +228,52 @@ def _upload_items(job: Upload, progress: Progress, state: UploadState) -> Dialog
             yield from conversations.observed(_store(job, state, progress), state.reports.note)
         except Cancelled:
             yield from _cancel(job, state, progress)
-    except TimeUp as late:
+            raise
+    except TimeUp:
         yield SendOnce(Ack(Result.OPERATION_CANCELLED, job.kind))
-        arrived = f"{share_words(max(state.furthest, 0), len(job.items), job.kind)} had arrived"
-        late = TimeUp(f"{late}: in attempt {state.attempt} {arrived}")
-        state.explain(late, job)
-        raise late from None
+        raise
     if job.autopilot.protocol_profile.judges_later and job.kind == MissionType.MISSION and job.items:
         try:
             verdict = yield from _verdict(state.reports)
         except (Cancelled, TimeUp) as aborted:
-            hint = "its check of the mission was not awaited"
-            raise aborted.leaving(ListAboard.NEW, list_name(job.kind), hint) from None
+            aborted.hint = "its check of the mission was not awaited"
+            raise
         if not (verdict == MissionState.NO_MISSION and state.reports.agrees(job)):
-            yield from _confirm_stored(job, state.reports)
+            yield from _confirm_stored(job, state)
         if verdict == MissionState.NO_MISSION:
             raise Unflyable(str(state.reports))
         return state.reports.stored_as if state.reports.proves(job) else 0
     return state.checksum
 
 
-def _confirm_stored(job: Upload, reports: MissionReports) -> Dialogue[None]:
+def _confirm_stored(job: Upload, state: UploadState) -> Dialogue[None]:
+    reports = state.reports
     if reports.proves(job):
         return
+    state.is_doubted = True
     for _ in range(conversations.READ_ATTEMPTS):
         reports.reset_ids()
-        try:
-            stored = yield from conversations.observed(conversations.read_list(job.kind), reports.note)
-        except (Cancelled, TimeUp, NoAnswer) as aborted:
-            hint = "it was verified, but since then not confirmed, or another one was reported"
-            raise aborted.leaving(ListAboard.UNKNOWN, list_name(job.kind), hint) from None
+        stored = yield from conversations.observed(conversations.read_list(job.kind), reports.note)
         if (difference := job.difference(stored)) is not None:
             raise Replaced(job.kind, difference)
         if reports.agrees(job):
+            state.is_doubted = False
             return
     raise conversations.KeepsChanging(job.kind)
 
 
 def _cancel(job: Upload, state: UploadState, progress: Progress) -> Dialogue[None]:
-    """Leave a whole list on the vehicle; raise Cancelled, which names it."""
+    """Leave a whole list on the vehicle: the new one if the old one is dropped already."""
     if job.truncates:
         state.attempt = 0
         yield from _store(job, state, progress)
-        words = f"cancelled: the vehicle had dropped its old {list_name(job.kind)}, so the new one was completed"
-        hint = f"it is whole and verified; {ListAboard.NEW.remedy}"
-        raise Cancelled(words, hint, list_on_vehicle=ListAboard.NEW)
+        return
     yield from _refuse_requests(job.kind)
-    aboard = state.aboard(job)
-    if aboard is ListAboard.EITHER:
+    if state.may_be_whole:
         with suppress(conversations.MissionRefused, NoAnswer):
             stored = yield from conversations.read_list(job.kind)
-            aboard = ListAboard.NEW if job.difference(stored) is None else ListAboard.OLD
-    raise cancelled(list_name(job.kind), aboard)
+            state.is_verified = job.difference(stored) is None
+            state.may_be_whole = state.is_verified
 
 
 def _store(job: Upload, state: UploadState, progress: Progress) -> Dialogue[None]:
@@ -292,9 +298,8 @@ def _store(job: Upload, state: UploadState, progress: Progress) -> Dialogue[None
             result = yield from conversations.offer(job.items, job.kind, run=run)
             state.reports.reset_at_reading()
             stored, state.checksum = yield from conversations.read_consistent(job.kind, job.numbers)
-        except NoAnswer as silence:
+        except NoAnswer:
             if state.attempt == ATTEMPTS or max(furthest_before, state.furthest) < 0:
-                state.explain(silence, job)
                 raise
         except conversations.MissionRefused as refusal:
             again = refused_before is not None and (
@@ -304,9 +309,8 @@ def _store(job: Upload, state: UploadState, progress: Progress) -> Dialogue[None
             state.may_be_whole &= was_whole or not is_refused
             is_final = is_refused and (not job.truncates or again)
             if state.attempt == ATTEMPTS or is_final or (again and refusal.result == Result.ERROR):
-                final = conversations.MissionRefused(refusal.result, job.kind, refusal.seq, refusal.words, job.first)
-                state.explain(final, job)
-                raise final from None
+                words = refusal.words
+                raise conversations.MissionRefused(refusal.result, job.kind, refusal.seq, words, job.first) from None
             refused_before = refusal
             yield from wait(1.0)
         else:
@@ -354,32 +358,24 @@ def _verdict(reports: MissionReports) -> Dialogue[int]:
 def upload_by_file(job: Upload, progress: Progress = silent, state: UploadState | None = None) -> Dialogue[int]:
     """Return the checksum of the file as read back. Raise FileRefused if the vehicle keeps its old mission."""
     state = state or UploadState()
-    name = list_name(job.kind)
     total = len(job.items)
 
     def note(share: float, words: str) -> None:
         state.furthest = int(total * share)
         count(progress, state.furthest, total)
 
-    try:
-        closing = yield from mavftp.write_file(mavftp.MISSION_FILE, mavftp.pack_mission(job.items, job.kind), note)
-    except (Cancelled, TimeUp) as aborted:  # an unclosed file is not taken
-        hint = f"{max(state.furthest, 0)} of {count_words(total)} had been sent"
-        raise aborted.leaving(ListAboard.OLD, name, hint) from None
-    state.may_be_whole = True
+    closing = yield from mavftp.write_file(mavftp.MISSION_FILE, mavftp.pack_mission(job.items, job.kind), note)
+    state.may_be_whole = True  # before, an unclosed file is not taken
     try:
         return (yield from _close_file(job, closing))
-    except TimeUp as late:
-        raise late.leaving(ListAboard.EITHER, name) from None
-    except Cancelled:  # the file may have been taken
-        aboard = ListAboard.NEW
-        try:
-            yield from _close_file(job, closing)
-        except mavftp.FileRefused:
-            aboard = ListAboard.OLD
-        except (NoAnswer, TimeUp, ReadBackDiffers, conversations.KeepsChanging):
-            aboard = ListAboard.EITHER
-        raise cancelled(name, aboard) from None
+    except Cancelled:
+        with suppress(NoAnswer, TimeUp, ReadBackDiffers, conversations.KeepsChanging):
+            try:
+                yield from _close_file(job, closing)
+                state.is_verified = True
+            except mavftp.FileRefused:
+                state.may_be_whole = False
+        raise
 
 
 def _close_file(job: Upload, closing: mavftp.FileMessage) -> Dialogue[int]:

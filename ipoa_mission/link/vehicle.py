@@ -26,7 +26,6 @@ from ipoa_mission.link.dialogue import (
     RetryPolicy,
     Silence,
     TimeUp,
-    cancelled,
     until,
 )
 from ipoa_mission.link.discovery import FoundVehicle, VehicleSession
@@ -129,7 +128,7 @@ class Vehicle(VehicleSession):
                     raise with_lists(Unplaced() if is_unplaced else error, kind, list(lists)) from None
             if interrupt.take():
                 words = "cancelled too late: the vehicle holds everything that was sent"
-                raise Cancelled(words, list_on_vehicle=ListAboard.NEW)
+                raise Cancelled(words, known={"list_on_vehicle": ListAboard.NEW})
         self._set_mission(mission)
 
     def upload_items(self, items: Sequence[Item], kind: int, progress: Progress = silent) -> None:
@@ -142,7 +141,7 @@ class Vehicle(VehicleSession):
             try:
                 list_id = self._run_order(upload(job, progress, state, by_file=self._options.fast))
             except KeyboardInterrupt:  # a second Ctrl-C ends a dialogue at once
-                raise cancelled(conversations.list_name(kind), state.aboard(job)) from None
+                raise state.explained(Cancelled("cancelled"), job) from None
             self._onboard_lists[kind] = OnboardList(job, list_id)
 
     def download(self, progress: Progress = silent) -> Mission:

@@ -288,7 +288,7 @@ def test_ctrl_c_at_a_question_is_no_answer(monkeypatch: pytest.MonkeyPatch) -> N
 def test_the_link_s_more_exact_words_follow_the_earlier_changes() -> None:
     changes = ChangesMade({(ChangeKind.PARAMETERS, ""): "parameters were written: MPC_XY_CRUISE"})
     with pytest.raises(Interrupted) as ended, changes.reporting("either mission"):
-        raise Cancelled("cancelled: the vehicle keeps the mission it had", list_on_vehicle="old")
+        raise Cancelled("cancelled: the vehicle keeps the mission it had", known={"list_on_vehicle": "old"})
     words = "stopped: parameters were written: MPC_XY_CRUISE; cancelled: the vehicle keeps the mission it had"
     assert str(ended.value) == words
     assert ended.value.known["list_on_vehicle"] == "old"

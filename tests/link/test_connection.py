@@ -137,7 +137,7 @@ def test_an_upload_ends_when_the_user_s_patience_does(family: Autopilot) -> None
     with refuses("time-up", "", "attempt 1") as late:
         vehicle.upload(suited(vehicle, Mission(HOME, (takeoff(HOME, 10.0), *legs))))
     assert connection.channel.now() == pytest.approx(begun + 5.0, abs=0.1)
-    assert ("keeps" if family is Autopilot.PX4 else "mixture") in str(late.value.hint)
+    assert ("keeps" if family is Autopilot.PX4 else "mixture") in str(late.value)
     vehicle.upload(suited(vehicle, MISSION))  # the next one has its own five seconds
 
 

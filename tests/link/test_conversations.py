@@ -15,7 +15,7 @@ from ipoa_mission.link.conversations import (
     list_name,
     offer,
 )
-from ipoa_mission.link.dialogue import SPECIFIED, Dialogue, Exchange, ListAboard, NoAnswer, Tell, cancelled
+from ipoa_mission.link.dialogue import SPECIFIED, Dialogue, Exchange, ListAboard, NoAnswer, Tell
 from ipoa_mission.link.item_run import ItemsRead, ItemsSent
 from ipoa_mission.link.messages import (
     Ack,
@@ -341,9 +341,7 @@ def test_lists_are_called_what_humans_call_them() -> None:
 def test_words_on_a_list_agree_in_number(kind: int, name: str) -> None:
     differs = ReadBackDiffers(kind, Difference(1, "param1", "1", "2"))
     assert f"{differs}".startswith(f"the {name} on the vehicle is not what was sent: ")
-    assert f"{cancelled(name, ListAboard.EITHER)}".startswith(
-        f"cancelled: the vehicle holds a whole {name}, the old or the new"
-    )
+    assert ListAboard.EITHER.words(name) == f"the vehicle holds a whole {name}, the old or the new one"
 
 
 def test_only_the_last_words_are_kept() -> None:

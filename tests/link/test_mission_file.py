@@ -30,7 +30,7 @@ from ipoa_mission.link.mavftp import (
 )
 from ipoa_mission.link.messages import CommandResult, FileTransfer, ItemAt, Message, MissionType
 from ipoa_mission.link.onboard_list import prove
-from ipoa_mission.link.upload import ReadBackDiffers, Replaced, Upload, upload_by_file
+from ipoa_mission.link.upload import ReadBackDiffers, Replaced, Upload, upload, upload_by_file
 from ipoa_mission.link.vehicle import ConnectionOptions, Vehicle
 from ipoa_mission.mission.items import Item
 from ipoa_mission.mission.stored_mission import compare
@@ -153,7 +153,8 @@ def test_an_aborted_file_upload_leaves_a_whole_mission_and_names_it(error: Missi
     old, new = items_of(ARDUPILOT, 4, shift=0.1), items_of(ARDUPILOT, 40)
     vehicle.upload_items(old, MissionType.MISSION)
     until = connection_of(vehicle).channel.now() + moment
-    exchange = Exchange(upload_by_file(Upload(new, ARDUPILOT)), connection_of(vehicle).channel.now(), SPECIFIED)
+    job = Upload(new, ARDUPILOT, numbers=count(1000, 2))
+    exchange = Exchange(upload(job, by_file=True), connection_of(vehicle).channel.now(), SPECIFIED)
     with pytest.raises(type(error)) as caught:
         drive(exchange, connection_of(vehicle), until, error)
     stored = mock.transfers.listed(0)
