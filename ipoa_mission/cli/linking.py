@@ -227,17 +227,17 @@ def scan(
     from ipoa_mission.link.connect import open_connection
     from ipoa_mission.link.dialogue import NoAnswer
     from ipoa_mission.link.discovery import scan as listen
-    from ipoa_mission.link.discovery import versions_of
+    from ipoa_mission.link.discovery import version_of
 
     with open_connection(link) as connection:
         heard = listen(connection, seconds)
-        versions = versions_of(connection, (vehicle.system for vehicle in heard))
+        versions = {vehicle.system: version_of(connection, vehicle.system) for vehicle in heard}
         rows = [
             {
                 "system": vehicle.system,
                 "autopilot": str(vehicle.kind.autopilot),
                 "kind": str(vehicle.kind),
-                "firmware_version": str(versions[vehicle.system]) if vehicle.system in versions else None,
+                "firmware_version": str(versions[vehicle.system] or "") or None,
                 "flown": vehicle.kind.is_flown,
                 "armed": vehicle.armed,
                 "contested": connection.contested(vehicle.system),

@@ -13,7 +13,7 @@ from ipoa_mission.link.channel import Channel, Peer
 from ipoa_mission.link.codec import EVERYONE, Codec, Heard, LongTexts, Target, is_old, is_signed
 from ipoa_mission.link.definitions import Definition
 from ipoa_mission.link.dialogue import Cancelled, Dialogue, Exchange, NoAnswer, RoundTrip, Silence, T, TimeUp
-from ipoa_mission.link.messages import AUTOPILOT_COMPONENT, Heartbeat, MavAutopilot, Message
+from ipoa_mission.link.messages import AUTOPILOT_COMPONENT, NO_AUTOPILOT, Heartbeat, Message
 from ipoa_mission.link.routes import CLAIM_S, Routes
 from ipoa_mission.link.signing import Doubt
 from ipoa_mission.link.tlog import TlogWriter
@@ -143,7 +143,7 @@ class Connection(MessageLink):
         now = self.now()
         if now >= self._next_heartbeat:  # MAV_TYPE_GCS
             self._next_heartbeat = now + 1.0
-            self.send(Heartbeat(6, MavAutopilot.INVALID))
+            self.send(Heartbeat(6, NO_AUTOPILOT))
         return self._hear(self.channel.receive(min(until, self._next_heartbeat)))
 
     def carry_on(self, exchange: Exchange[T], target: Target, until: float, is_over: Callable[[], bool]) -> list[Heard]:
@@ -243,7 +243,7 @@ class Connection(MessageLink):
             if is_signed(heard.raw):
                 self._signing.add(name)
             return True
-        if isinstance(heard.message, Heartbeat) and heard.message.autopilot != MavAutopilot.INVALID:
+        if isinstance(heard.message, Heartbeat) and heard.message.vehicle is not None:
             first, last = self._rivals.get(name, (now, now))
             self._rivals[name] = (first if now - last < CLAIM_S else now, now)
             if not self._is_warned and self.contested(heard.system):

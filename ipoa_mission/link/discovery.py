@@ -3,7 +3,7 @@
 import math
 from collections.abc import Iterable, Iterator
 from contextlib import AbstractContextManager, contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Self
 
 from ipoa_mission.autopilot.autopilot import VehicleKind
@@ -14,10 +14,8 @@ from ipoa_mission.link.connection import Connection, Listening, MessageLink, run
 from ipoa_mission.link.conversations import observed
 from ipoa_mission.link.dialogue import SPECIFIED, Dialogue, RetryPolicy, RoundTrip, T
 from ipoa_mission.link.mavutil_channel import expect_connection, messages_from, payload_of
-from ipoa_mission.link.orders import message_request, request_version
+from ipoa_mission.link.orders import request_version
 from ipoa_mission.link.vehicle_state import VehicleState
-
-VERSIONS_S = 3.0
 
 
 @dataclass(frozen=True)
@@ -36,33 +34,21 @@ def scan(connection: Connection, seconds: float = 3.0) -> tuple[FoundVehicle, ..
     return tuple(autopilots[system] for system in sorted(autopilots))
 
 
-def versions_of(connection: Connection, systems: Iterable[int], seconds: float = VERSIONS_S) -> dict[int, Version]:
-    silent = set(systems)
-    versions = dict[int, Version]()
-    until = connection.now() + seconds
-    while silent and connection.now() < until:
-        for system in sorted(silent):
-            connection.send(message_request("AUTOPILOT_VERSION"), Target(system, m.AUTOPILOT_COMPONENT))
-        again = min(connection.now() + 0.7, until)
-        while silent and connection.now() < again:
-            for heard in connection.receive(again):
-                if isinstance(heard.message, m.AutopilotVersion) and heard.system in silent:
-                    silent.discard(heard.system)
-                    version = Version.of_flight_sw(heard.message.flight_sw_version)
-                    if version is not None:
-                        versions[heard.system] = version
-    return versions
+def version_of(connection: Connection, system: int) -> Version | None:
+    """Return a heard vehicle's version; None if it does not say it within three seconds."""
+    policy = replace(SPECIFIED, answer_s=0.7, retries=3, alive_retries=3, adapt=False)
+    target = Target(system, m.AUTOPILOT_COMPONENT)
+    about = run_dialogue(connection, target, request_version(), RoundTrip(policy))
+    return None if about is None else Version.of_flight_sw(about.flight_sw_version)
 
 
 def autopilots_in(heard: Iterable[Heard]) -> dict[int, FoundVehicle]:
     autopilots: dict[int, FoundVehicle] = {}
     for received in heard:
         beat = received.message
-        is_autopilot = received.component == m.AUTOPILOT_COMPONENT
-        if is_autopilot and isinstance(beat, m.Heartbeat) and beat.autopilot != m.MavAutopilot.INVALID:
-            kind = VehicleKind(beat.autopilot, beat.type)
+        if isinstance(beat, m.Heartbeat) and beat.vehicle is not None and received.component == m.AUTOPILOT_COMPONENT:
             is_ready = beat.system_status >= m.STANDBY
-            autopilots[received.system] = FoundVehicle(received.system, kind, beat.armed, is_ready)
+            autopilots[received.system] = FoundVehicle(received.system, beat.vehicle, beat.armed, is_ready)
     return autopilots
 
 

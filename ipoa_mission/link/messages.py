@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from enum import IntEnum
 from typing import Annotated, ClassVar, TypeAlias, dataclass_transform
 
+from ipoa_mission.autopilot.autopilot import VehicleKind
 from ipoa_mission.mission.items import Item
 
 CRITICAL, WARNING, INFO = 2, 4, 6  # MAV_SEVERITY; lower is worse
@@ -63,13 +64,8 @@ class MissionState(IntEnum):
     COMPLETE = 5
 
 
-class MavAutopilot(IntEnum):
-    GENERIC = 0
-    ARDUPILOT = 3
-    INVALID = 8  # a ground station, a gimbal
-    PX4 = 12
-
-
+#: MAV_AUTOPILOT_INVALID: a ground station, a gimbal.
+NO_AUTOPILOT = 8
 #: MAV_STATE_STANDBY; lower: still booting.
 STANDBY = 3
 #: MAV_MODE_FLAG_SAFETY_ARMED in HEARTBEAT.base_mode.
@@ -169,6 +165,11 @@ class Heartbeat(Message, name="HEARTBEAT"):
     @property
     def armed(self) -> bool:
         return bool(self.base_mode & ARMED_FLAG)
+
+    @property
+    def vehicle(self) -> VehicleKind | None:
+        """Return None for a ground station or a gimbal."""
+        return None if self.autopilot == NO_AUTOPILOT else VehicleKind(self.autopilot, self.type)
 
 
 class Text(Message, name="STATUSTEXT"):

@@ -67,10 +67,9 @@ class VehicleState:
                 self.battery_left = left / 100.0
         match message:
             case m.Heartbeat() if not self.owns(message):
-                if message.autopilot != m.MavAutopilot.INVALID:
-                    self.other_kind = self.other_kind or VehicleKind(message.autopilot, message.type)
+                self.other_kind = self.other_kind or message.vehicle
             case m.Heartbeat():
-                self.kind = VehicleKind(message.autopilot, message.type)
+                self.kind = message.vehicle
                 self.booted = message.system_status >= m.STANDBY
                 if self.armed and not message.armed:
                     self.landed_state = None  # of the flight
@@ -111,9 +110,9 @@ class VehicleState:
     def owns(self, message: m.Message) -> bool:
         if not isinstance(message, m.Heartbeat):
             return True
-        if message.autopilot == m.MavAutopilot.INVALID:
+        reported = message.vehicle
+        if reported is None:
             return False
-        reported = VehicleKind(message.autopilot, message.type)
         return self.kind in (None, reported) or (reported.is_flown and reported.autopilot is self.autopilot)
 
     @contextmanager

@@ -156,8 +156,9 @@ def read_telemetry_log(path: Path, system: int | None = None) -> Log:
         if heard.message is None:
             continue
         beat = heard.message if heard.component == m.AUTOPILOT_COMPONENT else None
-        if heard.system not in kinds and isinstance(beat, m.Heartbeat) and beat.autopilot != m.MavAutopilot.INVALID:
-            kind = kinds[heard.system] = VehicleKind(beat.autopilot, beat.type)
+        kind = beat.vehicle if isinstance(beat, m.Heartbeat) else None
+        if kind is not None and heard.system not in kinds:
+            kinds[heard.system] = kind
             if reader is None and _is_flown(kind) and system in (None, heard.system):
                 reader = _Reader(heard.system, kind.autopilot)
         if reader is None:

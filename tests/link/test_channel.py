@@ -9,18 +9,19 @@ from types import SimpleNamespace
 
 import pytest
 
+from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.link.channel import LinkDown, SerialChannel, UdpChannel, open_channel, parse_address, serial_ports
 from ipoa_mission.link.codec import EVERYONE, Codec, Framer, frames
 from ipoa_mission.link.connect import meet
 from ipoa_mission.link.connection import Connection
 from ipoa_mission.link.dialogue import SPECIFIED, NoAnswer, TimeUp
-from ipoa_mission.link.messages import Heartbeat, MavAutopilot, Text
+from ipoa_mission.link.messages import Heartbeat, Text
 from ipoa_mission.link.vehicle import ConnectionOptions
 from tests.quick_link import hurry
 from tests.refused import refuses
 
 pytest.importorskip("serial")
-AUTOPILOT = Codec(1, 1).encode(Heartbeat(2, MavAutopilot.PX4), EVERYONE, 0.0)
+AUTOPILOT = Codec(1, 1).encode(Heartbeat(2, Autopilot.PX4.mav_autopilot), EVERYONE, 0.0)
 
 
 class Cable:

@@ -10,7 +10,7 @@ from ipoa_mission.link import definitions
 from ipoa_mission.link.connect import connect, meet, open_connection
 from ipoa_mission.link.definitions import add_dialect
 from ipoa_mission.link.mavutil_channel import MavutilChannel, expect_connection, messages_from
-from ipoa_mission.link.messages import Heartbeat, MavAutopilot, Message
+from ipoa_mission.link.messages import Heartbeat, Message
 from tests.link.suited import met
 from tests.link.test_strangers import Net, connection_on, station
 from tests.refused import refuses
@@ -64,7 +64,9 @@ def test_only_the_requested_of_two_vehicles_on_a_link_is_heard() -> None:
     heard: list[Message] = []
     vehicle.overhearing = heard.append
     assert {message.get_srcSystem() for message in vehicle.messages(3.0)} == {2}
-    assert {message.autopilot for message in heard if isinstance(message, Heartbeat)} == {MavAutopilot.ARDUPILOT}
+    assert {message.autopilot for message in heard if isinstance(message, Heartbeat)} == {
+        Autopilot.ARDUPILOT.mav_autopilot
+    }
 
 
 def test_a_message_to_another_station_is_returned_and_not_noted() -> None:

@@ -7,13 +7,13 @@ import pytest
 from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.flight.preflight import idle_fence, other_values
 from ipoa_mission.geodesy import Geodetic
-from ipoa_mission.link.messages import ARMED_FLAG, Current, ExtendedState, Heartbeat, MavAutopilot, Message, Position
+from ipoa_mission.link.messages import ARMED_FLAG, Current, ExtendedState, Heartbeat, Message, Position
 from ipoa_mission.link.vehicle_state import NotReady, VehicleState
 from ipoa_mission.mission.items import FenceCircle, Mission, return_to_launch, takeoff
 from tests.refused import refuses
 
 HOME = Geodetic(47.4, 8.5, 400.0)
-ARMED, DISARMED = (Heartbeat(2, MavAutopilot.ARDUPILOT, flag | 1, 3) for flag in (ARMED_FLAG, 0))
+ARMED, DISARMED = (Heartbeat(2, Autopilot.ARDUPILOT.mav_autopilot, flag | 1, 3) for flag in (ARMED_FLAG, 0))
 HIGH = Position(1.0, 47.4, 8.5, 420.0, 20.0, (0.0, 0.0, 0.0))
 STATES: dict[str, tuple[list[Message], bool | None, str]] = {
     "nothing": ([], None, "the vehicle has not reported its state"),

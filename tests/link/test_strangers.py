@@ -13,7 +13,7 @@ from ipoa_mission.link.codec import EVERYONE, Codec, Target
 from ipoa_mission.link.connect import connect, meet
 from ipoa_mission.link.connection import CAUSE_S, Connection
 from ipoa_mission.link.dialogue import NoAnswer
-from ipoa_mission.link.messages import Ack, Count, Heartbeat, MavAutopilot, Message, MissionType, Ping, Result
+from ipoa_mission.link.messages import NO_AUTOPILOT, Ack, Count, Heartbeat, Message, MissionType, Ping, Result
 from ipoa_mission.link.tlog import read_tlog
 from ipoa_mission.link.vehicle import ConnectionOptions
 from ipoa_mission.mission.items import Mission, takeoff, waypoint
@@ -148,7 +148,7 @@ def test_forty_made_up_ids_do_not_come_between(family: Autopilot) -> None:
     net = Net(one=station(family))
     connection = connection_on(net)
     vehicle = meet(connection)
-    net.strangers.append(saying(Heartbeat(2, MavAutopilot.PX4), [Target(system, 1) for system in range(2, 42)]))
+    net.strangers.append(saying(Heartbeat(2, 12), [Target(system, 1) for system in range(2, 42)]))
     vehicle.upload(suited(vehicle, MISSION))
     assert is_exact(net, "one", family)
     assert len(vehicle.download().items) == len(MISSION.items)
@@ -157,7 +157,7 @@ def test_forty_made_up_ids_do_not_come_between(family: Autopilot) -> None:
 @pytest.mark.parametrize("family", registered())
 def test_forty_made_up_stations_do_not_come_between(family: Autopilot) -> None:
     net = Net(one=station(family))
-    beats = [Codec(system, 190).encode(Heartbeat(6, MavAutopilot.INVALID), EVERYONE, 0.0) for system in range(100, 140)]
+    beats = [Codec(system, 190).encode(Heartbeat(6, NO_AUTOPILOT), EVERYONE, 0.0) for system in range(100, 140)]
 
     def flood(now: float) -> list[tuple[bytes, Peer]]:
         for n, beat in enumerate(beats):
@@ -187,7 +187,7 @@ def test_messages_of_a_stranger_in_the_vehicle_s_name_are_not_heard(forged: Mess
 @pytest.mark.parametrize("family", registered())
 def test_another_station_with_our_ids_does_not_hide_the_built_in_autopilot(family: Autopilot) -> None:
     net = Net(one=station(family))
-    beat, twin = Codec(*US).encode(Heartbeat(6, MavAutopilot.INVALID), EVERYONE, 0.0), 0.0
+    beat, twin = Codec(*US).encode(Heartbeat(6, NO_AUTOPILOT), EVERYONE, 0.0), 0.0
     for _ in range(20):  # it was there before us
         net.ends["one"].receive(beat, "twin", twin)
 
@@ -205,7 +205,7 @@ def test_another_station_with_our_ids_does_not_hide_the_built_in_autopilot(famil
 def test_an_answer_reaches_both_stations_with_the_same_ids() -> None:
     single = station()
     for peer in ("us", "twin"):
-        single.receive(Codec(*US).encode(Heartbeat(6, MavAutopilot.INVALID), EVERYONE, 0.0), peer, 0.0)
+        single.receive(Codec(*US).encode(Heartbeat(6, NO_AUTOPILOT), EVERYONE, 0.0), peer, 0.0)
     single.receive(Codec(*US).encode(Ping(1, 0), EVERYONE, 0.0), "us", 0.0)
     assert {peer for _, peer in single.outgoing()} == {"us", "twin"}
 

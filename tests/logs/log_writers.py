@@ -10,14 +10,15 @@ import numpy as np
 from numpy.typing import NDArray
 from pyproj import Proj
 
+from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.link.codec import EVERYONE, Codec
 from ipoa_mission.link.messages import (
     ARMED_FLAG,
+    NO_AUTOPILOT,
     CommandAck,
     CommandResult,
     Current,
     Heartbeat,
-    MavAutopilot,
     Message,
     Position,
     Reached,
@@ -45,7 +46,9 @@ class Flown:
 
 def write_tlog(flown: Flown, path: Path, ardupilot: bool) -> None:
     """As our client: heartbeats once a second, start, reached items, positions."""
-    first, firmware, mode = (1, MavAutopilot.ARDUPILOT, 3) if ardupilot else (0, MavAutopilot.PX4, 4 << 16 | 4 << 24)
+    first, firmware, mode = (
+        (1, Autopilot.ARDUPILOT.mav_autopilot, 3) if ardupilot else (0, Autopilot.PX4.mav_autopilot, 4 << 16 | 4 << 24)
+    )
     messages: list[tuple[float, Message]] = [(0.0, CommandAck(400, CommandResult.ACCEPTED))]
     for beat in np.arange(-2.63, flown.landed_s + 3.0, 1.0):
         armed = ARMED_FLAG if 0 <= beat < flown.landed_s else 0
@@ -58,7 +61,7 @@ def write_tlog(flown: Flown, path: Path, ardupilot: bool) -> None:
     messages += [(float(time), _position(flown, float(time))) for time in flown.times]
     codec = Codec(7, 1)
     with closing(TlogWriter(path)) as log:
-        log.write(Codec(245, 190).encode(Heartbeat(6, MavAutopilot.INVALID), EVERYONE, 0.0), 1.7e9)
+        log.write(Codec(245, 190).encode(Heartbeat(6, NO_AUTOPILOT), EVERYONE, 0.0), 1.7e9)
         for time, message in sorted(messages, key=lambda timed: (timed[0], not isinstance(timed[1], Position))):
             log.write(codec.encode(message, EVERYONE, 0.0), 1.7e9 + time)
 

@@ -19,7 +19,6 @@ from ipoa_mission.link.messages import (
     Count,
     Heartbeat,
     ItemAt,
-    MavAutopilot,
     Message,
     ParamValue,
     Position,
@@ -124,7 +123,7 @@ def test_a_log_that_its_reader_stumbles_over_and_no_reader_are_errors(monkeypatc
 
 
 def heartbeat(armed: bool, kind: int = 2) -> Heartbeat:
-    return Heartbeat(kind, MavAutopilot.PX4, (ARMED_FLAG if armed else 0) | 1, 4 << 16 | 4 << 24)
+    return Heartbeat(kind, Autopilot.PX4.mav_autopilot, (ARMED_FLAG if armed else 0) | 1, 4 << 16 | 4 << 24)
 
 
 def written(folder: Path, *messages: tuple[float, Message]) -> Path:

@@ -8,7 +8,7 @@ from ipoa_mission.autopilot.commands import Command
 from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.link.channel import Peer, open_channel
 from ipoa_mission.link.codec import Codec, Target
-from ipoa_mission.link.messages import CommandLong, Count, Heartbeat, MavAutopilot, Message, MissionType
+from ipoa_mission.link.messages import NO_AUTOPILOT, CommandLong, Count, Heartbeat, Message, MissionType
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot
 from ipoa_mission.simulator.station import Server, Station
 
@@ -80,7 +80,7 @@ class Beside:
 def beside(family: Autopilot, speedup: float) -> tuple[Beside, BuiltInAutopilot, Server]:
     channel, autopilot = Beside(), BuiltInAutopilot(family, HOME)
     server = Server(channel, Station(autopilot), speedup)
-    channel.say(Heartbeat(6, MavAutopilot.INVALID))
+    channel.say(Heartbeat(6, NO_AUTOPILOT))
     server.step()
     return channel, autopilot, server
 
