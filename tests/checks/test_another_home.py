@@ -23,6 +23,7 @@ from ipoa_mission.studio.mission_view import mission_world
 from ipoa_mission.studio.plan_answers import expected
 from ipoa_mission.wind import Wind
 from tests.checks.test_airspace import WORLD, flight, place, seen, world
+from tests.forecast.test_flown_contingencies import row_at
 from tests.refused import refuses
 
 AUTOPILOTS = (Autopilot.PX4, Autopilot.ARDUPILOT)
@@ -104,10 +105,14 @@ def test_contingencies_and_their_landing_count_from_the_missions_home(
         for at in (PLACE, home)
     ]
     middle_s = [each.forecast.estimate.items[2].done_s - 8.0 for each in contingencies]
-    in_place, there = (each.at(Contingency.HOLD, time) for each, time in zip(contingencies, middle_s, strict=True))
-    assert there.to == in_place.to == "hall"
-    assert there.least_m - in_place.least_m == pytest.approx(home[2], abs=0.15)
-    returns = contingencies[1].at(Contingency.RTL, middle_s[1])
+    near = []
+    for paths in (each.paths for each in contingencies):
+        holds = paths.at(Contingency.HOLD, paths.flight.prediction.done[2:3] - 8.0)
+        near.append(paths.exact_clearance(Contingency.HOLD, holds, 0))
+    in_place, there = near
+    assert there.what == in_place.what == "hall"
+    assert there.distance - in_place.distance == pytest.approx(home[2], abs=0.15)
+    returns = row_at(contingencies[1], Contingency.RTL, middle_s[1])
     assert returns.lands == pytest.approx(home[:2], abs=1e-6)
     way = contingencies[1].paths.at(Contingency.RTL, np.array(middle_s[1:])).paths[0, 0]
     assert way[-1] == pytest.approx([home[0], home[1], 0.0], abs=1e-3)
@@ -187,7 +192,7 @@ def test_returns_lead_to_a_rally_point_at_its_place(autopilot: Autopilot, home: 
     mission = replace(over_the_hall(scenario, autopilot, ABOVE_HOME), rally=(rally,))
     forecast = Forecast(moved(mission, scenario, home), scenario)
     contingencies = Contingencies(forecast)
-    returns = contingencies.at(Contingency.RTL, forecast.estimate.items[2].done_s - 1.0)
+    returns = row_at(contingencies, Contingency.RTL, forecast.estimate.items[2].done_s - 1.0)
     assert returns.goal == "rally point 1"
     assert returns.lands == pytest.approx((100.0, -20.0), abs=1e-3)
     path = contingencies.paths.at(Contingency.RTL, np.array([contingencies.in_air[1] / 2])).paths[0, -1]

@@ -33,6 +33,7 @@ from ipoa_mission.mission.items import FenceCircle, Item, Mission, change_speed,
 from ipoa_mission.vehicles.arducopter.flight_model import braking_displacement
 from ipoa_mission.vehicles.px4_multicopter.simulation import MissionSimulation
 from tests.examples import examples
+from tests.forecast.test_flown_contingencies import row_at
 from tests.refused import refuses
 
 MISSIONS = Path(__file__).parents[2] / "missions"
@@ -101,14 +102,6 @@ def test_a_return_through_a_mast_is_told_and_a_higher_one_is_clear(sitl: Conting
     unclear = [row for row in high.rows(Contingency.RTL, timed=False) if not row.clear]
     # No height helps where it brakes at a corner; the flight may be two seconds early or late.
     assert all(row.to_s - row.from_s < 3.0 + 2 * 2.5 for row in unclear)
-
-
-@pytest.mark.parametrize("contingency", [Contingency.RTL, Contingency.LAND, Contingency.SMART_RTL, Contingency.HOLD])
-def test_one_second_is_told_of_as_its_row_is(sitl: Contingencies, contingency: Contingency) -> None:
-    for row in sitl.rows(contingency, timed=False):
-        second = sitl.at(contingency, (row.from_s + row.to_s) / 2, timed=False)
-        assert (second.grade, second.goal) == (row.grade, row.goal)
-        assert second.least_m >= row.least_m - 0.01 or not row.clear  # times nearer than `NEAREST_S` are not looked at
 
 
 def test_an_unclear_stretch_is_widened_by_how_late_the_flight_may_be(campus: Contingencies) -> None:
@@ -244,7 +237,7 @@ def test_land_over_a_roof_in_its_braking_distance_is_not_clear() -> None:
     time = float(np.interp(90.0, stops.places[:, 0], stops.times))
     level, sinking = contingencies.paths.at(Contingency.LAND, np.array([time])).near[0].min(axis=1)
     assert sinking < contingencies.paths.required < level  # the stopping point is 7 m beyond the hangar
-    assert not contingencies.at(Contingency.LAND, time, timed=False).clear
+    assert not row_at(contingencies, Contingency.LAND, time).clear
 
 
 def test_hold_in_a_descent_ends_at_the_height_flown() -> None:
@@ -340,15 +333,6 @@ def test_a_duration_of_two_ways_home_holds_both() -> None:
     )
 
 
-@pytest.mark.parametrize(("time", "fewest", "most"), [(76.0, 30.1, 102.2), (79.6, 29.9, 103.9), (84.0, 26.9, 35.7)])
-def test_duration_counts_ways_home_that_an_earlier_or_later_flight_takes(
-    time: float, fewest: float, most: float
-) -> None:
-    row = Contingencies(forecast_of("oldtown")).at(Contingency.RTL, time)
-    assert row.duration_s == pytest.approx((fewest, most), abs=3.0)
-    assert any("flights with noise it takes" in remark for remark in row.remarks) is (most > 90.0)
-
-
 def lose_noisy_flights(monkeypatch: pytest.MonkeyPatch, lost: range) -> list[int]:
     """Lose the flights of these seeds that have a contingency; return the list of seeds that are not lost."""
     flown, ended = MissionSimulation.flown_with, list[int]()
@@ -365,10 +349,9 @@ def lose_noisy_flights(monkeypatch: pytest.MonkeyPatch, lost: range) -> list[int
 
 def test_lost_noisy_flights_are_counted_in_a_remark(monkeypatch: pytest.MonkeyPatch) -> None:
     ended = lose_noisy_flights(monkeypatch, range(2, 7))
-    row = Contingencies(forecast_of("sitl")).at(Contingency.LAND, 30.0)
-    assert row.duration_s is not None
+    predicted = predict_contingency(forecast_of("sitl"), Contingency.LAND, 30.0)
     assert len(ended) >= 3, "one flight has no spread"
-    assert row.remarks == (f"5 of {5 + len(ended)} flights with noise did not end: the vehicle circles",)
+    assert predicted.remarks == (f"5 of {5 + len(ended)} flights with noise did not end: the vehicle circles",)
 
 
 def test_a_contingency_whose_noisy_flights_are_mostly_lost_has_no_duration(monkeypatch: pytest.MonkeyPatch) -> None:

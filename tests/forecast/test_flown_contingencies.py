@@ -19,7 +19,7 @@ from ipoa_mission import Forecast, read_mission, read_scenario
 from ipoa_mission.autopilot.autopilot import Autopilot, autopilot_named
 from ipoa_mission.autopilot.returning import Contingency, FlightStage
 from ipoa_mission.autopilot.version import Version
-from ipoa_mission.forecast.contingency.contingencies import Contingencies, predict_contingency
+from ipoa_mission.forecast.contingency.contingencies import Contingencies, ContingencyRow, predict_contingency
 from ipoa_mission.forecast.timing.flight_model import FlightModel
 from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.mission.items import Mission, land, takeoff, waypoint
@@ -190,6 +190,11 @@ def contingencies_of(mission: str) -> Contingencies:
     return Contingencies(Forecast(replace(flown, firmware_version=FLOWN_ON[str(flown.autopilot)]), scenario))
 
 
+def row_at(contingencies: Contingencies, contingency: Contingency, time: float) -> ContingencyRow:
+    rows = contingencies.rows(contingency, timed=False)
+    return next((row for row in rows if time < row.to_s), rows[-1])
+
+
 def ordered_here() -> list[Row]:
     here = {path.stem for path in MISSIONS.glob("*.plan")}
     return [row for row in ROWS if row["mission"] in here and not row["trigger"]]
@@ -203,7 +208,7 @@ def test_the_model_still_foretells_what_was_flown(row: Row) -> None:
         float(row["second"]),
     )
     second = float(np.clip(second, *contingencies.in_air))
-    predicted = contingencies.at(contingency, second, timed=False)
+    predicted = row_at(contingencies, contingency, second)
     if float(row["flown_least"]) < float(row["required"]):
         assert not predicted.clear
     elif row["clear"] == "True":

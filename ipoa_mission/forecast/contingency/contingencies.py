@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ipoa_mission.autopilot.failsafe import Failsafe
-from ipoa_mission.autopilot.returning import COMPUTED, IN_PLACE, TIMED, Contingency
+from ipoa_mission.autopilot.returning import COMPUTED, TIMED, Contingency
 from ipoa_mission.centimeters import ceil_cm, floor_cm
 from ipoa_mission.errors import MissionError
 from ipoa_mission.forecast.contingency.contingency_paths import ContingencyPaths
@@ -200,9 +200,8 @@ class Contingencies:
         stops = self.paths.stops(contingency)
         return replace(stops, times=self._mean(stops.times))
 
-    def samples(self, contingency: Contingency, between: tuple[float, float] | None = None) -> ContingencySamples:
-        noise_free = None if between is None else tuple(self._noise_free(np.array(between)).tolist())
-        samples = self.paths.samples(contingency, noise_free)
+    def samples(self, contingency: Contingency) -> ContingencySamples:
+        samples = self.paths.samples(contingency)
         return replace(samples, times=self._mean(samples.times))
 
     def all_rows(self, timed: bool = True) -> tuple[ContingencyRow, ...]:
@@ -212,7 +211,7 @@ class Contingencies:
         return {contingency: self.rows(contingency, timed) for contingency in contingencies_of(self.forecast)}
 
     def rows(self, contingency: Contingency, timed: bool = True) -> tuple[ContingencyRow, ...]:
-        if (unknown := self._unknown(contingency, *self.in_air)) is not None:
+        if (unknown := self._unknown(contingency)) is not None:
             return (unknown,)
         samples = self.samples(contingency)
         if contingency not in self._rows:
@@ -222,24 +221,10 @@ class Contingencies:
         rows = self._rows[contingency]
         return tuple(self._timed(row, samples, _extremes(samples, run)) if timed else row for row, run in rows)
 
-    def at(self, contingency: Contingency, time: float, timed: bool = True) -> ContingencyRow:
-        if (unknown := self._unknown(contingency, time, time)) is not None:
-            return unknown
-        tolerance = float(self._tolerances(np.array([time]))[0])
-        begin, end = np.clip([time - tolerance, time + tolerance], *self.in_air)
-        order_s = np.clip([time], begin, end)
-        now = replace(self.paths.at(contingency, self._noise_free(order_s)), times=order_s)
-        samples = ContingencySamples.merge([self.samples(contingency, (begin, end)), now])
-        middle = int(np.searchsorted(samples.times, order_s[0]))
-        row = self._row(contingency, samples, range(len(samples.times)), self._grades(contingency, samples)[middle])
-        row = replace(row, from_s=time, to_s=time, goal=self.paths.goal_names(contingency, samples, middle))
-        moments = (middle,) if contingency in IN_PLACE else (middle, 0, len(samples.times) - 1)
-        return self._timed(row, samples, moments, another_way_s=4.0 * tolerance) if timed else row
-
-    def _unknown(self, contingency: Contingency, begin: float, end: float) -> ContingencyRow | None:
+    def _unknown(self, contingency: Contingency) -> ContingencyRow | None:
         if contingency is not Contingency.RTL or (why := self.paths.why_unknown()) is None:
             return None
-        return ContingencyRow(contingency, begin, end, Grade.UNKNOWN, math.nan, self.paths.required, why, NO_GOAL)
+        return ContingencyRow(contingency, *self.in_air, Grade.UNKNOWN, math.nan, self.paths.required, why, NO_GOAL)
 
     def _tolerances(self, times: Vector) -> Vector:
         """Return half the interval of nine flights in ten at each of `times` (n,) [s]."""
@@ -308,19 +293,14 @@ class Contingencies:
         picked = {*np.argsort(slack, kind="stable")[:most].tolist(), *inside[few].tolist()}
         return [self.paths.exact_clearance(contingency, samples, run[n]) for n in sorted(picked)]
 
-    def _timed(
-        self, row: ContingencyRow, samples: ContingencySamples, moments: Sequence[int], another_way_s: float = 0.0
-    ) -> ContingencyRow:
-        """Count moments whose duration differs from the first one's by more than `another_way_s`."""
+    def _timed(self, row: ContingencyRow, samples: ContingencySamples, moments: Sequence[int]) -> ContingencyRow:
         if row.contingency not in TIMED:
             return row
         try:
             times = [float(samples.times[n]) for n in moments]
-            first, *others = (predict_contingency(self.forecast, row.contingency, time) for time in times)
+            flown = [predict_contingency(self.forecast, row.contingency, time) for time in times]
         except MissionError as error:
             return replace(row, why_untimed=str(error))
-        apart = [np.abs(np.subtract(each.duration_s, first.duration_s)).max() for each in others]
-        flown = [first, *(each for each, seconds in zip(others, apart, strict=True) if seconds > another_way_s)]
         used = [each.used.between for each in flown if each.used is not None]
         return replace(
             row,

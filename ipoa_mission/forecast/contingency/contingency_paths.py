@@ -121,17 +121,15 @@ class ContingencyPaths:
         margin = self.mission.autopilot.fence_margin(self.forecast.itinerary.parameters, self.mission.firmware_version)
         return "returns round fences are not modeled" if self.mission.fence and margin is not None else None
 
-    def samples(self, contingency: Contingency, between: tuple[float, float] | None = None) -> ContingencySamples:
-        """Return a contingency `between` two times [s], by default in the air, without a hidden shortfall."""
-        if between is None:
-            if contingency not in self._samples:
-                self._samples[contingency] = self.samples(contingency, self.in_air)
-            return self._samples[contingency]
-        begin, end = between
-        samples = self.at(contingency, np.linspace(begin, end, max(2, round((end - begin) / SAMPLING.step_s) + 1)))
-        while len(times := samples.gaps()):
-            samples = ContingencySamples.merge([samples, self.at(contingency, times)])
-        return samples
+    def samples(self, contingency: Contingency) -> ContingencySamples:
+        """Return a contingency in the air, without a hidden shortfall."""
+        if contingency not in self._samples:
+            begin, end = self.in_air
+            samples = self.at(contingency, np.linspace(begin, end, max(2, round((end - begin) / SAMPLING.step_s) + 1)))
+            while len(times := samples.gaps()):
+                samples = ContingencySamples.merge([samples, self.at(contingency, times)])
+            self._samples[contingency] = samples
+        return self._samples[contingency]
 
     def at(self, contingency: Contingency, times: Vector) -> ContingencySamples:
         """Return a contingency at increasing `times` (n,) [s]."""
