@@ -12,7 +12,7 @@ from ipoa_mission.errors import BadInput
 from ipoa_mission.geometry import Place, Plane, Points, Vector, as_place, leg_lengths
 from ipoa_mission.ground import Ground
 from ipoa_mission.world.obstacles import Obstacle, straightened
-from ipoa_mission.world.obstacles.obstacle import Part
+from ipoa_mission.world.obstacles.obstacle import Column, Part, distance_of
 from ipoa_mission.world.polygon import Polygon
 from ipoa_mission.world.terrain import Terrain
 
@@ -221,15 +221,13 @@ class Airspace:
         which = np.full(len(starts), -1)
         if not self.obstacles:
             return least, which
-        low, high = np.minimum(starts[:, 2], ends[:, 2]), np.maximum(starts[:, 2], ends[:, 2])
-        legs, bodies = self._beside_legs(starts, ends, within)
-        base, top = self._heights
-        level_with = np.maximum(low[legs] - top[bodies], base[bodies] - high[legs]) <= within
-        for body, near in _grouped(np.stack([legs[level_with], bodies[level_with]])):
-            away = self.obstacles[body].leg_distances(starts[near], ends[near])
-            nearer = (away < least[near]) & (away <= within)
-            least[near[nearer]] = away[nearer]
-            which[near[nearer]] = body
+        legs, bodies, bounds = self._beside_legs(starts, ends, within)
+        order = np.lexsort((bodies, bounds, legs))
+        near, first = np.unique(legs[order], return_index=True)
+        nearest = order[first]
+        is_within = bounds[nearest] <= within
+        least[near[is_within]] = bounds[nearest[is_within]]
+        which[near[is_within]] = bodies[nearest[is_within]]
         return least, which
 
     def obstacle_clearance(self, points: Points, within: float = np.inf) -> Clearance:
@@ -238,36 +236,45 @@ class Airspace:
             return NOTHING_NEAR
         starts = points[:-1]
         ends = points[1:]
-        lengths = leg_lengths(points)
         known = within if np.isfinite(within) else float(self.obstacle_distance(points).min())
-        reach = known + ROUNDING
-        near = list[tuple[float, int, int]]()  # bound, obstacle, leg
-        for body, legs in _grouped(self._beside_legs(starts, ends, reach)):
-            for parts in (2, 16):  # of each leg
-                away = _sampled_distances(self.obstacles[body], starts[legs], ends[legs], parts)
-                reach = min(reach, float(away.min()) + ROUNDING)
-                floor = _floor(away, lengths[legs] / parts, self.obstacles[body].convex)
-                close = floor <= reach
-                legs, floor = legs[close], floor[close]
-                if not len(legs):
-                    break
-            near += zip(floor.tolist(), [body] * len(legs), legs.tolist(), strict=True)
+        reach = max(known, 0.0) + ROUNDING  # inside an obstacle, bounds are not depths
+        legs, bodies, bounds = self._beside_legs(starts, ends, reach)
         least = NOTHING_NEAR
-        for bound, body, leg in sorted(near):
-            if bound > min(least.distance, reach):
+        for n in np.lexsort((legs, bodies, bounds)):
+            if bounds[n] > min(max(least.distance, 0.0), reach):
                 break
-            distance, where = self.obstacles[body].leg_clearance(starts[leg], ends[leg])
+            body = self.obstacles[bodies[n]]
+            distance, where = body.leg_clearance(starts[legs[n]], ends[legs[n]])
             if distance < least.distance:
-                least = _clearance(points, self.obstacles[body].name, distance, leg, where)
+                least = _clearance(points, body.name, distance, int(legs[n]), where)
         return least
 
-    def _beside_legs(self, starts: Points, ends: Points, reach: float) -> NDArray[np.intp]:
-        """Return numbers of legs, and of obstacles that may be within `reach` [m], (2, n)."""
+    def _beside_legs(
+        self, starts: Points, ends: Points, reach: float
+    ) -> tuple[NDArray[np.intp], NDArray[np.intp], Vector]:
+        """Return pairs of leg and obstacle that may be within `reach` [m], and bounds of their distances, (n,) each.
+
+        Where they meet, the bound is 0 or less.
+        """
+        shapes, radii, base, top = self._columns
         if len(starts) <= 3:  # quicker without an index
             near = [self.beside_leg(a, b, reach) for a, b in zip(starts, ends, strict=True)]
-            return np.stack([np.repeat(np.arange(len(near)), list(map(len, near))), np.concatenate(near)])
-        tracks = shapely.linestrings(np.stack([starts[:, :2], ends[:, :2]], axis=1))
-        return self.beside(tracks, np.full(len(tracks), max(reach, 0.0)))
+            legs, bodies = np.repeat(np.arange(len(near)), list(map(len, near))), np.concatenate(near)
+        else:
+            west_south = np.minimum(starts, ends)[:, :2] - reach
+            east_north = np.maximum(starts, ends)[:, :2] + reach
+            legs, bodies = self._index.query(shapely.box(*west_south.T, *east_north.T))
+        low = np.minimum(starts[:, 2], ends[:, 2])
+        high = np.maximum(starts[:, 2], ends[:, 2])
+        above = np.maximum(low[legs] - top[bodies], base[bodies] - high[legs])
+        is_level = above <= reach
+        legs, bodies, above = legs[is_level], bodies[is_level], above[is_level]
+        lines = shapely.linestrings(np.stack([starts[:, :2], ends[:, :2]], axis=1))
+        bounds = distance_of(shapely.distance(lines[legs], shapes[bodies]) - radii[bodies], above)
+        for body in np.unique(bodies[np.isnan(bounds)]):
+            of_body = bodies == body
+            bounds[of_body] = self.obstacles[body].leg_distances(starts[legs[of_body]], ends[legs[of_body]])
+        return legs, bodies, bounds
 
     def bounds_margin(self, points: Points) -> Clearance:
         box = replace(self.bounds, footprint=None)
@@ -297,35 +304,17 @@ class Airspace:
         return corners.mean(axis=1), radii
 
     @cached_property
-    def _heights(self) -> tuple[Vector, Vector]:
-        heights = np.array([obstacle.bounds[:, 2] for obstacle in self.obstacles])
-        return heights[:, 0], heights[:, 1]
+    def _columns(self) -> tuple[NDArray[np.object_], Vector, Vector, Vector]:
+        """Return shapes, radii, bases and tops of the obstacles' columns, (k,) each; without one, None and NaN."""
+        columns = [body.column or Column(None, np.nan, *body.bounds[:, 2]) for body in self.obstacles]
+        shapes, *numbers = zip(*columns, strict=True)
+        radii, base, top = np.array(numbers, dtype=np.float64)
+        return np.array(shapes, dtype=object), radii, base, top
 
     @cached_property
     def _index(self) -> shapely.STRtree:
         boxes = np.array([obstacle.bounds[:, :2].ravel() for obstacle in self.obstacles])
         return shapely.STRtree(shapely.box(*boxes.T))
-
-
-def _sampled_distances(obstacle: Obstacle, starts: Points, ends: Points, parts: int) -> NDArray[np.float64]:
-    spots = starts[:, None] + np.linspace(0.0, 1.0, parts + 1)[:, None] * (ends - starts)[:, None]
-    return obstacle.distance(spots.reshape(-1, 3)).reshape(-1, parts + 1)
-
-
-def _floor(away: NDArray[np.float64], part: Vector, convex: bool) -> Vector:
-    """Bound the distance along legs, from the ends of their parts (n, parts + 1).
-
-    It changes by at most 1 m per meter. For a convex obstacle it is not below the line through adjacent ends.
-    """
-    before, after = away[:, :-1], away[:, 1:]
-    floor = (before + after - part[:, None]) / 2
-    if convex:
-        slope = np.diff(away, axis=1)
-        beyond = np.full_like(floor, -np.inf)
-        beyond[:, 1:] = np.minimum(before[:, 1:], before[:, 1:] + slope[:, :-1])
-        beyond[:, :-1] = np.maximum(beyond[:, :-1], np.minimum(after[:, :-1], after[:, :-1] - slope[:, 1:]))
-        floor = np.maximum(floor, beyond)
-    return np.asarray(floor.min(axis=1))
 
 
 def _clearance(points: Points, what: str, distance: float, leg: int, fraction: float) -> Clearance:
