@@ -1,5 +1,6 @@
 """Kinds of ground, with least heights of legs above it."""
 
+from collections.abc import Hashable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import ClassVar, NamedTuple, Protocol, TypeAlias
@@ -14,7 +15,7 @@ from ipoa_mission.geometry import Points, Vector
 Spot: TypeAlias = tuple[float, int, float]  # height [m], leg, fraction
 
 
-class Terrain(Protocol):
+class Terrain(Hashable, Protocol):
     @property
     def steepness(self) -> float:
         """Bound the slope [m/m]."""
@@ -287,12 +288,7 @@ class Analytic:
     def legs_height(self, starts: Points, ends: Points, enough: float = np.inf) -> Vector:
         from ipoa_mission.world._analytic import least_heights
 
-        step = np.abs(ends - starts)
-        at_ends = [points[:, 2] - self.height(points) for points in (starts, ends)]
-        heights = np.maximum(*at_ends) - step[:, 2] - self.steepness * np.hypot(step[:, 0], step[:, 1])
-        low = heights < enough
-        heights[low] = least_heights(np.stack([starts[low], ends[low]], axis=1), *self._numbers, enough)
-        return np.asarray(heights)
+        return np.asarray(least_heights(np.stack([starts, ends], axis=1), *self._numbers, enough))
 
     def _extreme(self, points: Points, greatest: bool, enough: float = np.inf) -> Spot:
         from ipoa_mission.world._analytic import extreme
