@@ -85,8 +85,7 @@ def prove(legs: Points, task: PathTask, stray: float = 0.0, spare: float = np.in
     With `stray` [m] the legs represent a path within that distance. A clearance of `spare` [m] more than required is
     not computed further.
     """
-    angles = climb_angles(legs)
-    return _prove(legs, task, (angles, -angles), stray, spare)
+    return Proof(tuple(_leg_checks(legs, task, stray, spare)))
 
 
 def doubtful_legs(points: Points, task: PathTask) -> NDArray[np.intp]:
@@ -107,7 +106,7 @@ def doubtful_legs(points: Points, task: PathTask) -> NDArray[np.intp]:
 def unproved_legs(points: Points, task: PathTask) -> Iterator[int]:
     """Yield unproved legs between points (n, 3)."""
     for leg in doubtful_legs(points, task).tolist():
-        if not prove(points[leg : leg + 2], task, spare=0.0).is_proved:
+        if not all(check.is_kept for check in _leg_checks(points[leg : leg + 2], task, stray=0.0, spare=0.0)):
             yield leg
 
 
@@ -117,27 +116,33 @@ def prove_curve(curve: Spline, task: PathTask) -> Proof:
     u = curve.chords(tolerance)
     legs = curve.points(u)
     velocity = curve.points(u, order=1)
-    return _prove(legs, task, _steepness(velocity, curve.points(u[:-1], order=2), np.diff(u)), tolerance, np.inf)
+    steepness = _steepness(velocity, curve.points(u[:-1], order=2), np.diff(u))
+    return Proof(tuple(_checks(legs, task, steepness, tolerance, np.inf)))
 
 
-def _prove(legs: Points, task: PathTask, steepness: tuple[Vector, Vector], stray: float, spare: float) -> Proof:
+def _leg_checks(legs: Points, task: PathTask, stray: float, spare: float) -> Iterator[Check]:
+    angles = climb_angles(legs)
+    return _checks(legs, task, (angles, -angles), stray, spare)
+
+
+def _checks(
+    legs: Points, task: PathTask, steepness: tuple[Vector, Vector], stray: float, spare: float
+) -> Iterator[Check]:
     """`steepness`: angles of climb and descent, (n-1,) each [rad]."""
-    checks = list[Check]()
     airspace = task.airspace
     limits = task.limits
     if airspace.obstacles:
         clearance = airspace.obstacle_clearance(legs, within=limits.obstacle_distance + stray + spare)
-        checks.append(Check("obstacles", clearance.minus(stray), limits.obstacle_distance))
-    checks.append(Check("bounds", airspace.bounds_margin(legs).minus(stray), 0.0))
-    checks += prove_heights(legs, task, stray, spare)
+        yield Check("obstacles", clearance.minus(stray), limits.obstacle_distance)
+    yield Check("bounds", airspace.bounds_margin(legs).minus(stray), 0.0)
+    yield from prove_heights(legs, task, stray, spare)
     climbs, descents = steepness
     for limit, angles, most in (("climb", climbs, limits.climb_angle), ("descent", descents, limits.descent_angle)):
         if np.isfinite(most):
             steepest = int(np.argmax(angles))
             angle = float(np.degrees(angles[steepest]))
             clearance = Clearance(angle, as_place(legs[steepest]), f"of {limit}", steepest)
-            checks.append(Check(limit, clearance, float(np.degrees(most)), at_most=True, unit="deg"))
-    return Proof(tuple(checks))
+            yield Check(limit, clearance, float(np.degrees(most)), at_most=True, unit="deg")
 
 
 def prove_heights(legs: Points, task: PathTask, stray: float = 0.0, spare: float = np.inf) -> Iterator[Check]:
