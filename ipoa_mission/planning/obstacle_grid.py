@@ -1,6 +1,7 @@
 """The airspace as flat arrays for kernels, with a lookup by grid cell; analytic surfaces are resampled."""
 
 from collections.abc import Sequence
+from functools import lru_cache
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -148,7 +149,7 @@ def obstacle_grid_of(airspace: "Airspace", limits: "Limits", reach: float) -> Ob
     first, listed = _lists(bounds, reached, cells, cell, reach)
     shape, edges = _shapes(bodies)
 
-    ground = _heights(airspace.terrain, lower, upper)
+    ground = _heights(airspace.terrain, tuple(lower[:2]), tuple(upper[:2]))
     concern = np.inf if np.isfinite(limits.ceiling_above_ground) else limits.height_above_ground + reach
     return ObstacleGrid(
         cells=cells,
@@ -168,15 +169,16 @@ def obstacle_grid_of(airspace: "Airspace", limits: "Limits", reach: float) -> Ob
     )
 
 
-def _heights(terrain: Terrain, lower: Vector, upper: Vector) -> Grid:
+@lru_cache(maxsize=4)  # for each of the enlarged airspaces of a plan
+def _heights(terrain: Terrain, lower: tuple[float, float], upper: tuple[float, float]) -> Grid:
     if isinstance(terrain, Grid):
         return terrain
-    size = upper[:2] - lower[:2]
+    size = np.subtract(upper, lower)
     spacing = float(size.max()) / (1 if isinstance(terrain, Flat) else RESAMPLED)
     columns, rows = np.ceil(size / spacing).astype(int) + 1
     east, north = np.meshgrid(lower[0] + spacing * np.arange(columns), lower[1] + spacing * np.arange(rows))
     heights = terrain.height(np.column_stack([east.ravel(), north.ravel()]))
-    return Grid(float(lower[0]), float(lower[1]), spacing, heights.reshape(rows, columns))
+    return Grid(*lower, spacing, heights.reshape(rows, columns))
 
 
 def _highest(ground: Grid, lower: Vector, cell: float, rows: int, columns: int) -> NDArray[np.float64]:
