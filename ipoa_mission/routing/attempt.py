@@ -15,7 +15,7 @@ from ipoa_mission.forecast.timing.flight_model import Prediction
 from ipoa_mission.forecast.timing.track import Track, pieces_of, thinned
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.planning.planner import Plan
-from ipoa_mission.planning.proof import Proof, prove, unproved_legs
+from ipoa_mission.planning.proof import Proof, prove
 from ipoa_mission.routing.build import build_mission, draft_mission, items_of_waypoints
 from ipoa_mission.routing.planned_returns import choose_returns
 from ipoa_mission.routing.resample import Route, strays
@@ -24,7 +24,7 @@ from ipoa_mission.scenario import Scenario
 
 @dataclass(frozen=True, eq=False)
 class Attempt:
-    """States: the `draft`, the `furthest` built mission, and the `forecast` with chosen returns."""
+    """States: the `draft`, the `built` mission, and the `forecast` with chosen returns."""
 
     plan: Plan
     route: Route
@@ -38,22 +38,16 @@ class Attempt:
         return Forecast(draft_mission(self.route, self.scenario), self.scenario)
 
     @cached_property
-    def furthest(self) -> Forecast:
-        """Forecast the whole mission if the draft keeps its limits, else return the draft.
-
-        Raises:
-            NoRoute, Unsafe, BadInput: as `build_mission`.
-        """
-        if self.draft.guarantee.forbidding:
-            return self.draft
+    def built(self) -> Forecast:
+        """Forecast the whole mission; raises NoRoute, Unsafe or BadInput, as `build_mission`."""
         built = build_mission(self.route, self.scenario)
         return self.draft if built == self.draft.mission else Forecast(built, self.scenario)
 
     @cached_property
     def _with_returns(self) -> tuple[Forecast, tuple[Shortfall, ...]]:
         if self.scenario.safety.returns != "planned" or not self.is_guaranteed:
-            return self.furthest, ()
-        return choose_returns(self.furthest)
+            return self.built, ()
+        return choose_returns(self.built)
 
     @property
     def forecast(self) -> Forecast:
@@ -69,7 +63,7 @@ class Attempt:
 
     @property
     def is_guaranteed(self) -> bool:
-        return not self.furthest.guarantee.forbidding
+        return not self.built.guarantee.forbidding
 
     @property
     def is_acceptable(self) -> bool:
@@ -105,9 +99,7 @@ class Attempt:
     def keeps_limits(self) -> bool:
         if self.draft.unknown:
             return False
-        unproved = unproved_legs(self.route.points, self.scenario)
-        is_proved = self.proof.is_proved if self.route.spline else not any(True for _ in unproved)
-        return is_proved and self.quick_prediction.keeps_limits
+        return self.proof.is_proved and self.quick_prediction.keeps_limits
 
     @cached_property
     def prediction(self) -> "RoutePrediction":

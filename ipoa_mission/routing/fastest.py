@@ -23,7 +23,6 @@ from ipoa_mission.routing.build import VISITED
 from ipoa_mission.routing.resample import (
     ON_THE_CURVE,
     Route,
-    common_ends,
     corridor,
     curve_samples,
     evenly_spaced,
@@ -64,7 +63,7 @@ def composed_route(plan: Plan, scenario: Scenario) -> Attempt:
         radius = radii if scenario.vehicle.autopilot.guidance.turns_at_acceptance_radius else 0.0
         attempt = Attempt(plan, Route(points, radius=radius), scenario)
         fit += [attempt] if attempt.is_fit else []
-        forbidding = attempt.furthest.guarantee.forbidding if attempt.is_fit else None
+        forbidding = attempt.built.guarantee.forbidding if attempt.is_fit else None
         if forbidding == ():
             return attempt
         before = chosen.copy()
@@ -333,7 +332,7 @@ def _improve(attempt: Attempt) -> Attempt:
             candidate = attempt.along(changes[at % len(changes)])
             tried.add(candidate.route.points.tobytes())
             if (
-                _is_open(candidate, attempt)
+                (candidate.route.spline or candidate.proof.is_proved)
                 and candidate.quick_prediction.seconds < attempt.quick_prediction.seconds - SEARCH.min_gain_s
                 and candidate.is_fit
             ):
@@ -344,13 +343,6 @@ def _improve(attempt: Attempt) -> Attempt:
                 at += 1
                 in_vain += 1
     return attempt
-
-
-def _is_open(candidate: Attempt, attempt: Attempt) -> bool:
-    points = candidate.route.points
-    start, end = common_ends(attempt.route.points, points)
-    legs = points[start - 1 : len(points) - end + 1]
-    return candidate.route.spline or not any(True for _ in unproved_legs(legs, candidate.scenario))
 
 
 def _changes(points: Points, step: float, via: Points, tried: set[bytes]) -> Iterator[Points]:

@@ -190,11 +190,3 @@ def lefts(samples: Points) -> Points:
     length = np.linalg.norm(ahead, axis=1, keepdims=True)
     level = np.divide(ahead, length, out=np.zeros_like(ahead), where=length > 1e-9)
     return np.column_stack([-level[:, 1], level[:, 0], np.zeros(len(level))])
-
-
-def common_ends(points: Points, others: Points) -> tuple[int, int]:
-    """Return the numbers of equal waypoints at the start and at the end."""
-    least = min(len(points), len(others))
-    start = int(np.argmax((points[:least] != others[:least]).any(axis=1)))
-    differs = (points[-(least - start) :] != others[-(least - start) :]).any(axis=1)
-    return start, int(np.argmax(differs[::-1])) if differs.any() else least - start

@@ -21,7 +21,7 @@ from ipoa_mission.planning.proof import prove, prove_curve
 from ipoa_mission.planning.spline import Spline, basis
 from ipoa_mission.routing.assemble import choose_route
 from ipoa_mission.routing.build import build_mission, draft_mission
-from ipoa_mission.routing.resample import Route, common_ends, strays
+from ipoa_mission.routing.resample import Route, strays
 from ipoa_mission.scenario import Scenario, parse_scenario
 from ipoa_mission.simulator.fly import fly_built_in as fly_here
 from tests.examples import some, vehicles
@@ -247,12 +247,3 @@ def test_a_route_of_unknown_path_is_never_chosen() -> None:
     """
     scenario = parse_scenario(text, Path("two-houses.toml"))
     assert plan_flight(scenario).forecast.unknown == ()
-
-
-def test_a_changed_waypoint_is_found_between_the_equal_ones() -> None:
-    points = np.random.default_rng(3).normal(size=(7, 3))
-    for n in range(1, 6):
-        moved = points.copy()
-        moved[n] += 0.5
-        assert common_ends(points, moved) == (n, 6 - n)
-        assert common_ends(points, np.delete(points, n, axis=0)) == (n, 6 - n)
