@@ -71,6 +71,7 @@ class WindSection(Section):
     spread: NotNegative = 0.0
     """Greatest deviation of the wind, gusts included [m/s]. It counts for the deviation bound and the greatest energy.
     A flight that it would push off its path is refused."""
+    _air: Wind | None = PrivateAttr(None)
     _forecast: ForecastWind | None = PrivateAttr(None)
 
     @model_validator(mode="after")
@@ -89,6 +90,8 @@ class WindSection(Section):
         return self
 
     def air(self) -> Wind:
+        if self._air is not None:
+            return self._air
         if self.file is not None:
             words = "expected a scenario from read_scenario or Scenario.from_dict, which read the file"
             raise BadInput(words, place="wind.file")
@@ -98,17 +101,8 @@ class WindSection(Section):
 
     @classmethod
     def of(cls, wind: Wind, forecast: ForecastWind | None = None) -> "WindSection":
-        if not wind.levels:
-            keys = ("speed", "from_deg", "exponent", "gradient_height", "spread")
-            section = cls(**{key: getattr(wind, key) for key in keys})
-        else:
-            winds = [Wind.towards_north_east(level.north, level.east) for level in wind.levels]
-            section = cls(
-                heights=tuple(level.height for level in wind.levels),
-                speeds=tuple(level.speed for level in winds),
-                directions=tuple(level.from_deg for level in winds),
-                spread=wind.spread,
-            )
+        section = cls()
+        section._air = wind
         section._forecast = forecast
         return section
 
