@@ -6,6 +6,7 @@ terrain is KML's `relativeToGround`; GeoJSON has it in properties only, GPX not 
 
 import json
 import math
+import re
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
@@ -34,6 +35,7 @@ LonLatUp: TypeAlias = tuple[float, float, float]
 """Longitude [deg], latitude [deg], altitude [m]."""
 Ring: TypeAlias = list[tuple[float, float]]
 """Longitude and latitude [deg], closed, counterclockwise."""
+NOT_XML = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")  # by XML 1.0
 
 
 @dataclass(frozen=True)
@@ -229,14 +231,15 @@ def _gpx_point(tag: str, place: LonLatUp, name: str = "") -> Tree.Element:
     longitude, latitude, amsl = place
     height = [_node("ele", f"{amsl:.3f}")] if math.isfinite(amsl) else []
     named = [_node("name", name)] if name else []
-    return _node(tag, *height, *named, lat=f"{latitude:.9f}", lon=f"{longitude:.9f}")
+    east = min(longitude, 180.0 - 1e-9)  # the schema's longitudes end before 180
+    return _node(tag, *height, *named, lat=f"{latitude:.9f}", lon=f"{east:.9f}")
 
 
 def _node(tag: str, *content: Tree.Element | str, **attributes: str) -> Tree.Element:
     node = Tree.Element(tag, attributes)
     for part in content:
         if isinstance(part, str):
-            node.text = part
+            node.text = NOT_XML.sub("\N{REPLACEMENT CHARACTER}", part)
         else:
             node.append(part)
     return node

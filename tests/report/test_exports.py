@@ -2,6 +2,7 @@ import csv
 import io
 from dataclasses import replace
 from pathlib import Path
+from xml.etree import ElementTree
 
 import numpy as np
 import pytest
@@ -22,7 +23,7 @@ from ipoa_mission.mission.items import (
     takeoff,
     waypoint,
 )
-from ipoa_mission.report.exports import EXPORTS, lines_of, write_export
+from ipoa_mission.report.exports import EXPORTS, forecast_text, lines_of, write_export
 from ipoa_mission.report.table import mission_table
 from ipoa_mission.scenario import parse_scenario
 from tests.refused import refuses
@@ -158,6 +159,15 @@ def test_no_line_crosses_the_antimeridian(tmp_path: Path) -> None:
     assert length == pytest.approx(EARTH.line_length([179.9995, 180.0015], [-17.0, -17.0]), abs=0.01)
     collection = geojson.loads(exported(mission, ".geojson", tmp_path))
     assert collection.is_valid
+    places = gpxpy.parse(exported(mission, ".gpx", tmp_path)).get_points_data()
+    assert max(point.point.longitude for point in places) == pytest.approx(180.0, abs=2e-9)
+    assert all(-180.0 <= point.point.longitude < 180.0 for point in places), "the schema's longitudeType"
+
+
+@pytest.mark.parametrize("suffix", [".kml", ".gpx"])
+def test_a_name_with_control_characters_is_valid_xml(suffix: str) -> None:
+    root = ElementTree.fromstring(forecast_text(Forecast(MISSION), suffix, "field\x01\x1b \ufffe\ud800 1"))
+    assert "field\ufffd\ufffd \ufffd\ufffd 1" in [node.text for node in root.iter() if node.tag.endswith("}name")]
 
 
 def fence_at(longitude: float, inclusion: bool) -> tuple[FenceCircle, FencePolygon]:
