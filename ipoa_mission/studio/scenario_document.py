@@ -1,15 +1,14 @@
-"""A file under edit, and a journal next to it for undo after a restart or a crash.
-
-Each line is a JSON object: the initial text, then splices, and marks for undo, redo and save.
-"""
+"""A file under edit, and a journal next to it for undo after a restart or a crash."""
 
 import codecs
 import json
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from contextlib import suppress
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
+
+from pydantic import BaseModel, PrivateAttr
 
 from ipoa_mission import BadInput, MissionError
 from ipoa_mission.autopilot.autopilot import autopilot_named
@@ -53,27 +52,23 @@ def _count_equal(before: str, after: str) -> int:
     return next((n for n, (a, b) in enumerate(pairs) if a != b), min(len(before), len(after)))
 
 
-@dataclass
-class Journal:
+class Journal(BaseModel):
     """The text, the text last `saved` or read, and the edits. The first `done` edits are applied."""
 
-    path: Path
     text: str
     saved: str
-    edits: list[Splice] = field(default_factory=list)
+    edits: list[Splice] = []
     done: int = 0
+    _path: Path = PrivateAttr()
 
     @classmethod
     def open(cls, path: Path, on_disk: str) -> "Journal":
         """Open a file's journal, or begin one; changes by another program become an edit."""
-        first, *lines = [*_lines(path)] or [{}]
-        journal = cls(path, on_disk, on_disk)
-        if "text" in first:
-            journal = cls(path, first["text"], first.get("saved_text", first["text"]))
-            for line in lines:
-                journal._apply(line)
-        if journal.done > EDIT_LIMIT:
-            journal._rewrite()
+        try:
+            journal = cls.model_validate_json(path.read_bytes())
+        except (OSError, ValueError):
+            journal = cls(text=on_disk, saved=on_disk)
+        journal._path = path
         if journal.saved != on_disk:
             journal.take_from_disk(on_disk)
         return journal
@@ -81,18 +76,26 @@ class Journal:
     def write(self, text: str, label: str, renumbers: bool = True) -> bool:
         if text == self.text:
             return False
-        self._do(asdict(splice_between(self.text, text, label, renumbers)))
+        edits = [*self.edits[: self.done], splice_between(self.text, text, label, renumbers)]
+        self.edits = edits[-EDIT_LIMIT:]
+        self.done = len(self.edits)
+        self.text = text
+        self._keep()
         return True
 
     def step(self, by: int) -> Splice | None:
         """-1: undo, 1: redo; return the edit."""
         if not 0 <= self.done + by <= len(self.edits):
             return None
-        self._do({"step": by})
-        return self.edits[min(self.done, self.done - by)]
+        edit = self.edits[min(self.done, self.done + by)]
+        self.text = edit.redone(self.text) if by > 0 else edit.undone(self.text)
+        self.done += by
+        self._keep()
+        return edit
 
     def mark_saved(self) -> None:
-        self._do({"saved": self.done})
+        self.saved = self.text
+        self._keep()
 
     def take_from_disk(self, text: str) -> None:
         self.write(text, "changed by another program")
@@ -106,48 +109,8 @@ class Journal:
     def redo_label(self) -> str | None:
         return self.edits[self.done].label if self.done < len(self.edits) else None
 
-    def _do(self, line: dict[str, Any]) -> None:
-        self._apply(line)
-        if self.path.exists():
-            with self.path.open("a", encoding="utf-8", newline="\n") as file:
-                file.write(json.dumps(line, ensure_ascii=False) + "\n")
-        else:
-            self._rewrite()
-
-    def _apply(self, line: dict[str, Any]) -> None:
-        if "saved" in line:
-            self.saved = self.text
-        elif "start" in line:
-            self.edits[self.done :] = [Splice(**line)]
-            self._apply({"step": 1})
-        elif "step" in line and 0 <= self.done + line["step"] <= len(self.edits):
-            edit = self.edits[min(self.done, self.done + line["step"])]
-            self.text = edit.redone(self.text) if line["step"] > 0 else edit.undone(self.text)
-            self.done += line["step"]
-
-    def _rewrite(self) -> None:
-        first = max(0, self.done - EDIT_LIMIT)
-        text = self.text
-        for splice in reversed(self.edits[first : self.done]):
-            text = splice.undone(text)
-        self.edits = self.edits[first:]
-        self.done -= first
-        steps = [{"step": -1}] * (len(self.edits) - self.done)
-        lines = [{"text": text, "saved_text": self.saved}, *map(asdict, self.edits), *steps]
-        write_atomically(self.path, "".join(json.dumps(line, ensure_ascii=False) + "\n" for line in lines))
-
-
-def _lines(path: Path) -> Iterator[dict[str, Any]]:
-    if not path.is_file() or path.stat().st_size > 20_000_000:  # [bytes]
-        return
-    for text in path.read_text(encoding="utf-8", errors="replace").split("\n"):
-        try:
-            line = json.loads(text)
-        except ValueError:
-            return
-        if not isinstance(line, dict):
-            return
-        yield line
+    def _keep(self) -> None:
+        write_atomically(self._path, self.model_dump_json())
 
 
 class Stale(MissionError, code="stale"):
