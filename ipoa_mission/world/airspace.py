@@ -254,7 +254,7 @@ class Airspace:
     ) -> tuple[NDArray[np.intp], NDArray[np.intp], Vector]:
         """Return pairs of leg and obstacle that may be within `reach` [m], and bounds of their distances, (n,) each.
 
-        Where they meet, the bound is 0 or less.
+        The bound of a pair that meets is 0 or less.
         """
         shapes, radii, base, top = self._columns
         if len(starts) <= 3:  # quicker without an index
