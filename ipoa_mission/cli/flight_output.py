@@ -3,13 +3,12 @@ from pathlib import Path
 from typing import Any
 
 from ipoa_mission.autopilot.commands import command_name
-from ipoa_mission.autopilot.energy import Interval
 from ipoa_mission.centimeters import floor_cm
 from ipoa_mission.cli.check_files import clearance_words, wind_words
 from ipoa_mission.cli.checking import estimate_as_json, route_in_words
 from ipoa_mission.cli.mission_source import FlownJob, Job
 from ipoa_mission.flight.flight import Flight
-from ipoa_mission.forecast.contingency.energy_budget import ReserveNow
+from ipoa_mission.forecast.contingency.energy_budget import ReserveNow, budget_of
 from ipoa_mission.forecast.timing.estimate import Estimate
 from ipoa_mission.mission.flight_record import FlightRecord
 from ipoa_mission.mission.item_words import count_words
@@ -123,12 +122,15 @@ def describe(flight: Flight) -> list[str]:
     return lines + notes(flight.notes)
 
 
-def print_parts(whole: Flight, parts: Sequence[dict[str, Any]], written: Iterable[Path]) -> None:
+def print_parts(whole: Flight, written: Iterable[Path]) -> None:
     print_lines(*describe(whole))
     rows = []
-    for number, part in enumerate(parts, 1):
-        share = "" if part["left"] is None else f"{Interval(*part['left']).likely:.0%}"
-        takes = (f"{part['time_s']:.1f}", str(Interval(*part["energy_wh"])))
-        rows.append((str(number), str(part["items"]), *takes, share))
-    print_table(f"{len(parts)} flights, a battery each", ["flight", "items", "takes\ns", "takes\nWh", "left"], rows)
+    for number, part in enumerate(whole.parts, 1):
+        budget = budget_of(part)
+        energy = None if budget is None else budget.used.between
+        left = None if budget is None or energy is None else budget.left(energy)
+        takes = (f"{part.estimate.total_s:.1f}", str(energy or ""))
+        rows.append((str(number), str(len(part.mission.items)), *takes, "" if left is None else f"{left.likely:.0%}"))
+    title = f"{len(whole.parts)} flights, a battery each"
+    print_table(title, ["flight", "items", "takes\ns", "takes\nWh", "left"], rows)
     print_lines(f"written: {', '.join(map(str, written))}")

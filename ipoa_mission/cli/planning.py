@@ -1,7 +1,7 @@
 import shlex
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 from ipoa_mission.cli.interrupting import ChangesMade, interruptible
 from ipoa_mission.cli.planners import Planners, PlanOptions, planner_of, planners
@@ -39,7 +39,7 @@ def plan(
     """
     from ipoa_mission.cli.flight_output import print_parts, print_planned
     from ipoa_mission.cli.mission_source import adapt_scenario
-    from ipoa_mission.flight.flight import names_of, parts_summary, plan_flight, plan_for_batteries, write_parts
+    from ipoa_mission.flight.flight import plan_flight, plan_for_batteries
 
     to = asked.files
     out = to.folder
@@ -52,19 +52,15 @@ def plan(
 
     to.expect_plans([adapted.name])
     with changes.planning() as show:
-        options: dict[str, Any] = {"wind": asked.flown_by.air, "seed": asked.search.seed, "progress": show}
-        flight, parts = plan_for_batteries(adapted, **options) if split else (plan_flight(adapted, **options), ())
-    if len(parts) > 1:
-        expect_free(names_of(flight, parts, out), to.force, ask=not to.as_json)
-        summary = parts_summary(flight, parts)
-        files = [*write_parts(flight, parts, summary, out, to.report)]
-    else:
-        summary = flight.summary()
-        files = [*flight.write(out, to.report)]
+        planned = plan_for_batteries if split else plan_flight
+        flight = planned(adapted, wind=asked.flown_by.air, seed=asked.search.seed, progress=show)
+    if flight.parts:
+        expect_free([out / f"{name}.plan" for name in flight.names], to.force, ask=not to.as_json)
+    files = flight.write(out, to.report)
     if to.as_json:
-        print_json(summary | {"written": [str(file) for file in files]})
-    elif len(parts) > 1:
-        print_parts(flight, summary["flights"], files)
+        print_json(flight.summary() | {"written": [str(file) for file in files]})
+    elif flight.parts:
+        print_parts(flight, files)
     else:
         print_planned(flight, files)
 

@@ -2,10 +2,10 @@
 
 import logging
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from importlib.metadata import version
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from threadpoolctl import threadpool_limits
 
@@ -62,6 +62,7 @@ class Flight:
         findings: warnings of the check.
         remarks: notes, the warnings first.
         chosen: the route and its forecast.
+        parts: the fewest flights with a battery each, if one battery is not enough.
     """
 
     plan: Plan
@@ -69,6 +70,7 @@ class Flight:
     findings: tuple[Finding, ...]
     remarks: tuple[str, ...]
     chosen: Attempt
+    parts: tuple[Forecast, ...] = ()
 
     def __repr__(self) -> str:
         return f"<Flight {self.name}: {len(self.mission.items)} items, {self.estimate.total_s:.1f} s>"
@@ -107,6 +109,11 @@ class Flight:
         return self.scenario.name
 
     @property
+    def names(self) -> tuple[str, ...]:
+        """Return the names of its missions."""
+        return tuple(f"{self.name}-{number}" for number in range(1, len(self.parts) + 1)) or (self.name,)
+
+    @property
     def notes(self) -> tuple[str, ...]:
         warned = {words for finding in self.findings for words in (finding.message, finding.hint)}
         return tuple(remark for remark in self.remarks if remark not in warned)
@@ -114,7 +121,7 @@ class Flight:
     def write(self, folder: str | Path = ".", report: bool = False) -> tuple[Path, ...]:
         """Write to `folder` NAME.plan, .waypoints, .json, .params for parameters, NAME.html for `report`, together.
 
-        The same flight gives the same bytes.
+        With parts the missions are of those. The same flight gives the same bytes.
 
         Raises:
             BadInput: the folder cannot be written.
@@ -122,7 +129,10 @@ class Flight:
         folder = Path(folder)
         make_folder(folder)
         pages = {folder / f"{self.name}.html": self._page()} if report else {}
-        return write_files([(self.name, self.mission, self.summary())], folder, pages)
+        if not self.parts:
+            return write_files([(self.name, self.mission, self.summary())], folder, pages)
+        missions = [(name, part.mission, None) for name, part in zip(self.names, self.parts, strict=True)]
+        return write_files(missions, folder, pages, whole=(self.name, self.summary()))
 
     def summary(self) -> dict[str, object]:
         """Return NAME.json in meters, seconds and degrees."""
@@ -154,6 +164,7 @@ class Flight:
             "remarks": list(self.remarks),
             "passed_over": passed_over_as_json(self.scenario),
             "unread": unread_as_json(self.scenario.unread),
+            **({"flights": list(map(_part_as_json, self.names, self.parts))} if self.parts else {}),
         }
 
     def report(self, path: str | Path, record: "FlightRecord | None" = None) -> None:
@@ -170,9 +181,24 @@ class Flight:
 
     def _page(self, record: "FlightRecord | None" = None) -> str:
         from ipoa_mission.report.page import PageNotes, report_html
+        from ipoa_mission.report.panels.tables import parts_panel
 
-        notes = PageNotes(self.findings, self.remarks)
-        return report_html(self.forecast, notes, self.plan, record)
+        panel = parts_panel(self.parts, [f"{name}.plan" for name in self.names]) if self.parts else ""
+        return report_html(self.forecast, PageNotes(self.findings, self.remarks, panel), self.plan, record)
+
+
+def _part_as_json(name: str, part: Forecast) -> dict[str, object]:
+    budget = budget_of(part)
+    assert budget is not None, "it was split by its energy"
+    energy = budget.used.between
+    left = budget.left(energy)
+    return {
+        "file": f"{name}.plan",
+        "items": len(part.mission.items),
+        "time_s": rounded(part.estimate.total_s),
+        "energy_wh": [rounded(wh) for wh in energy],
+        "left": None if left is None else [rounded(share) for share in left],
+    }
 
 
 def plan_flight(scenario: Scenario, *, wind: Wind | None = None, seed: int = 0, progress: Progress = silent) -> Flight:
@@ -238,50 +264,12 @@ def plan_regardless_of_battery(scenario: Scenario, seed: int, progress: Progress
 
 def plan_for_batteries(
     scenario: Scenario, *, wind: Wind | None = None, seed: int = 0, progress: Progress = silent
-) -> tuple[Flight, tuple[Forecast, ...]]:
-    """Return the whole, and the fewest flights with a battery each; BadInput: the vehicle has none."""
+) -> Flight:
+    """As `plan_flight`, with `parts` if one battery is not enough; BadInput: the vehicle has none."""
     with threadpool_limits(1, "blas"):
         flight = plan_regardless_of_battery(scenario.in_wind(wind), seed, progress)
-        return flight, split_flight(flight.forecast)
-
-
-def write_parts(
-    whole: Flight, parts: Sequence[Forecast], summary: dict[str, Any], folder: Path, report: bool = False
-) -> tuple[Path, ...]:
-    """Write the parts, `summary` as NAME.json, and for `report` NAME.html, together."""
-    make_folder(folder)
-    plans = names_of(whole, parts, folder)
-    missions = ((plan.stem, part.mission, None) for plan, part in zip(plans, parts, strict=True))
-    pages = dict[Path, str]()
-    if report:
-        from ipoa_mission.report.page import PageNotes, report_html
-        from ipoa_mission.report.panels.tables import parts_panel
-
-        panel = parts_panel(parts, [path.name for path in plans])
-        notes = PageNotes(whole.findings, whole.remarks, panel)
-        pages[folder / f"{whole.name}.html"] = report_html(whole.forecast, notes, whole.plan)
-    return write_files(missions, folder, pages, whole=(whole.name, summary))
-
-
-def names_of(whole: Flight, parts: Sequence[Forecast], folder: Path) -> list[Path]:
-    return [folder / f"{whole.name}-{number}.plan" for number in range(1, len(parts) + 1)]
-
-
-def parts_summary(whole: Flight, parts: Sequence[Forecast]) -> dict[str, Any]:
-    flights = []
-    for path, part in zip(names_of(whole, parts, Path()), parts, strict=True):
-        budget = budget_of(part)
-        assert budget is not None, "it was split by its energy"
-        energy = budget.used.between
-        left = budget.left(energy)
-        flights.append({
-            "file": path.name,
-            "items": len(part.mission.items),
-            "time_s": rounded(part.estimate.total_s),
-            "energy_wh": [rounded(wh) for wh in energy],
-            "left": None if left is None else [rounded(share) for share in left],
-        })  # fmt: skip
-    return whole.summary() | {"flights": flights}
+        parts = split_flight(flight.forecast)
+    return replace(flight, parts=parts) if len(parts) > 1 else flight
 
 
 def write_report(
