@@ -80,8 +80,8 @@ from ipoa_mission.routing.resample import NoRoute as NoRoute
 from ipoa_mission.scenario import Scenario as Scenario
 from ipoa_mission.scenario import read_scenario as read_scenario
 from ipoa_mission.scenario.path_limits import Limits as Limits
-from ipoa_mission.simulator.faults import Faults as Faults
 from ipoa_mission.simulator.fly import fly_built_in as fly_built_in
+from ipoa_mission.simulator.station import Faults as Faults
 from ipoa_mission.survey.survey_flight import Survey as Survey
 from ipoa_mission.survey.survey_flight import plan_survey as plan_survey
 from ipoa_mission.wind import Wind as Wind

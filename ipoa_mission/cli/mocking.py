@@ -56,8 +56,7 @@ def mock(worse: FaultOptions, how: MockOptions, as_json: options.JsonOption = Fa
     Example: `ipoa-mission mock --scenario campus --link tcpin:127.0.0.1:5760 --speedup 10`
     """
     from ipoa_mission.link.channel import open_channel, parse_address
-    from ipoa_mission.simulator.faults import Faults
-    from ipoa_mission.simulator.station import Server, Station
+    from ipoa_mission.simulator.station import Faults, Server, Station
 
     address = parse_address(how.link)
     system = how.system or 1

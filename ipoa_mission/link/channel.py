@@ -321,12 +321,39 @@ class SerialChannel(RealTime):
             self._unsent = self._unsent[self._port.write(self._unsent) :]
 
 
+class MavutilChannel(RealTime):
+    """An open connection of pymavlink's mavutil. Nobody else may read it meanwhile."""
+
+    def __init__(self, connection: Any) -> None:
+        super().__init__()
+        if not hasattr(connection, "recv") or getattr(connection, "fd", None) is None:
+            raise BadInput(
+                f"expected a connection string, an open connection of mavutil, or MAVSDK's System, "
+                f"not {type(connection).__name__}",
+                place="connect",
+            )
+        self._connection = connection
+
+    def receive(self, until: float) -> list[tuple[bytes, Peer]]:
+        with _broken_by_errors():
+            ready = readable([self._connection.fd], max(0.0, until - self.now()))
+            data = self._connection.recv(MAX_READ) if ready else b""
+        return [(bytes(data), "mavutil")] if data else []  # it does not report the sender
+
+    def send(self, data: bytes, peer: Peer | None) -> None:
+        with _broken_by_errors():
+            self._connection.write(data)
+
+    def close(self) -> None:
+        """Do nothing: its owner closes it."""
+
+
 @contextmanager
 def _broken_by_errors() -> Iterator[None]:
     try:
         yield
     except (OSError, TypeError, ValueError) as error:
-        raise LinkDown(f"the link broke: {_reason(error)}", hint="check the plug") from error
+        raise LinkDown(f"the link broke: {_reason(error)}", hint="check the plug, or the other end") from error
 
 
 def serial_ports() -> tuple[str, ...]:

@@ -6,15 +6,13 @@ from pathlib import Path
 from typing import Any
 
 from ipoa_mission.errors import MissionError
-from ipoa_mission.link.channel import open_channel
-from ipoa_mission.link.codec import Codec, numbered
+from ipoa_mission.link.channel import MavutilChannel, open_channel
+from ipoa_mission.link.codec import Codec, numbered, read_tlog
 from ipoa_mission.link.connection import Connection, SignsOtherwise
 from ipoa_mission.link.dialogue import SPECIFIED, NoAnswer, RetryPolicy
 from ipoa_mission.link.discovery import FoundVehicle, autopilots_in, round_trips_in
-from ipoa_mission.link.mavutil_channel import MavutilChannel
 from ipoa_mission.link.messages import STATION_COMPONENT, STATION_SYSTEM, Ping
 from ipoa_mission.link.signing import Signer
-from ipoa_mission.link.tlog import read_tlog
 from ipoa_mission.link.vehicle import ConnectionOptions, Vehicle
 from ipoa_mission.link.vehicle_state import NotFlown
 

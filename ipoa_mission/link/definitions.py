@@ -112,6 +112,16 @@ def dialect_of(number: int) -> Any:
     raise BadInput("expected one of a dialect that is in use", code="unknown-dialect", place=f"message {number}")
 
 
+def payload_of(message: Any) -> tuple[Definition, bytes]:
+    number = getattr(message, "get_msgId", lambda: None)()
+    definition = None if number is None else DEFINITIONS.get(int(number))
+    if definition is None or definition.name != message.get_type():
+        words = f"expected one of pymavlink's, not {type(message).__name__}"
+        raise BadInput(words, hint="add_dialect(NAME) makes another dialect known", place="message")
+    fields = {name: getattr(message, name) for name in definition.names if hasattr(message, name)}
+    return definition, definition.pack({k: v.encode() if isinstance(v, str) else v for k, v in fields.items()})
+
+
 def _dialect(name: str) -> ModuleType:
     try:
         return import_module(f"pymavlink.dialects.v20.{name}")

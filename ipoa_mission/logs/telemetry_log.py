@@ -15,10 +15,9 @@ from ipoa_mission.autopilot.commands import Command
 from ipoa_mission.errors import BadInput, MissionError, NothingThere
 from ipoa_mission.geometry import Vector
 from ipoa_mission.link import messages as m
-from ipoa_mission.link.codec import Codec, Heard, LongTexts
+from ipoa_mission.link.codec import Codec, Heard, LongTexts, LostFrames, read_tlog
 from ipoa_mission.link.mavftp import MISSION_FILE, Opcode, unpack, unpack_mission
 from ipoa_mission.link.orders import parameter_value
-from ipoa_mission.link.tlog import LostFrames, read_tlog
 from ipoa_mission.logs.logged import Battery, Fixes, Held, Log, Measured, item_begun, presence, version_name
 from ipoa_mission.mission.items import Item
 

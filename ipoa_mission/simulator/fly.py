@@ -15,9 +15,8 @@ from ipoa_mission.mission.items import Mission
 from ipoa_mission.mission.landing_ground import known_ground
 from ipoa_mission.progress import Progress, silent
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot
-from ipoa_mission.simulator.faults import PERFECT, Faults
 from ipoa_mission.simulator.situation import Conditions
-from ipoa_mission.simulator.station import Loopback, Station
+from ipoa_mission.simulator.station import PERFECT, Faults, Loopback, Station
 from ipoa_mission.wind import CALM, Wind
 
 

@@ -13,8 +13,7 @@ from ipoa_mission.cli.app import command
 from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.link.channel import UdpChannel, parse_address
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as Mock
-from ipoa_mission.simulator.faults import Faults
-from ipoa_mission.simulator.station import Server, Station
+from ipoa_mission.simulator.station import Faults, Server, Station
 
 MISSIONS = Path(__file__).parents[2] / "missions"
 FOR_ARDUPILOT, FOR_PX4 = str(MISSIONS / "campus.plan"), str(MISSIONS / "sitl.plan")

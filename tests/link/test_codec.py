@@ -14,10 +14,9 @@ from pymavlink.generator.mavcrc import x25crc
 from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.link import codec, wire
 from ipoa_mission.link import messages as m
-from ipoa_mission.link.codec import EVERYONE, Codec, Framer, Target, frames
+from ipoa_mission.link.codec import EVERYONE, Codec, Framer, Target, frames, read_tlog
 from ipoa_mission.link.definitions import definition_of, message_name
 from ipoa_mission.link.signing import Signer
-from ipoa_mission.link.tlog import read_tlog
 from ipoa_mission.link.upload import Upload
 from ipoa_mission.mission.items import Item
 from tests.refused import refuses

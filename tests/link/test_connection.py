@@ -10,20 +10,17 @@ import pytest
 from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.link.channel import Address, LinkDown, Transport, UdpChannel, open_channel, parse_address
-from ipoa_mission.link.codec import EVERYONE, Codec, Heard, Target
+from ipoa_mission.link.codec import EVERYONE, Codec, Heard, Target, TlogWriter, read_tlog
 from ipoa_mission.link.connect import connect, meet, open_connection
-from ipoa_mission.link.connection import Connection, MessageLink
+from ipoa_mission.link.connection import CLAIM_S, MAX_PEERS, Connection, MessageLink, Routes
 from ipoa_mission.link.dialogue import SPECIFIED, NoAnswer
 from ipoa_mission.link.discovery import scan, version_of
 from ipoa_mission.link.messages import AutopilotVersion, CommandLong, Heartbeat, Message, MissionType, Text
-from ipoa_mission.link.routes import CLAIM_S, MAX_PEERS, Routes
-from ipoa_mission.link.tlog import TlogWriter, read_tlog
 from ipoa_mission.link.vehicle import ConnectionOptions
 from ipoa_mission.mission.items import Mission, land, takeoff
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as Mock
-from ipoa_mission.simulator.faults import Faults
 from ipoa_mission.simulator.situation import Conditions
-from ipoa_mission.simulator.station import Loopback, Station
+from ipoa_mission.simulator.station import Faults, Loopback, Station
 from tests.link.suited import suited
 from tests.link_pair import connection_of, far_end
 from tests.px4_waypoints import waypoint

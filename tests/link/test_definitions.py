@@ -7,8 +7,8 @@ from pymavlink.dialects.v20 import ardupilotmega, storm32
 
 from ipoa_mission.errors import BadInput
 from ipoa_mission.link import definitions
-from ipoa_mission.link.codec import Codec, frame_at
-from ipoa_mission.link.mavutil_channel import as_pymavlink, payload_of
+from ipoa_mission.link.codec import Codec, as_pymavlink, frame_at
+from ipoa_mission.link.definitions import payload_of
 from tests.refused import refuses
 
 

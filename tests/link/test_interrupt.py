@@ -24,8 +24,7 @@ from ipoa_mission.link.vehicle import ConnectionOptions
 from ipoa_mission.mission.items import FenceCircle, Item, Mission, takeoff, waypoint
 from ipoa_mission.mission.stored_mission import compare
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as Mock
-from ipoa_mission.simulator.faults import Faults
-from ipoa_mission.simulator.station import Loopback, Station
+from ipoa_mission.simulator.station import Faults, Loopback, Station
 from tests.examples import some
 from tests.link_pair import HOME, items_of
 from tests.refused import refuses

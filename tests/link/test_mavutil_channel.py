@@ -1,5 +1,6 @@
 import socket
 from types import SimpleNamespace
+from typing import Any
 
 import pytest
 from pymavlink.dialects.v20 import ardupilotmega
@@ -7,9 +8,9 @@ from pymavlink.dialects.v20 import ardupilotmega
 from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.errors import BadInput
 from ipoa_mission.link import definitions
+from ipoa_mission.link.channel import MavutilChannel
 from ipoa_mission.link.connect import connect, meet, open_connection
 from ipoa_mission.link.definitions import add_dialect
-from ipoa_mission.link.mavutil_channel import MavutilChannel, expect_connection, messages_from
 from ipoa_mission.link.messages import Heartbeat, Message
 from tests.link.suited import met
 from tests.link.test_strangers import Net, connection_on, station
@@ -45,8 +46,10 @@ def test_a_line_is_laid_on_what_is_open_and_not_opened_anew() -> None:
 def test_wrong_connections_are_bad_input() -> None:
     with refuses("bad-input", "connect"):
         MavutilChannel(object())
+    vehicle: Any = met(Autopilot.PX4)
+    vehicle.connection = object()
     with refuses("backend-cannot", kind=BadInput):
-        expect_connection(object())
+        vehicle.messages(1.0)
 
 
 def test_messages_of_pymavlinks_are_said_and_heard() -> None:
@@ -69,14 +72,18 @@ def test_only_the_requested_of_two_vehicles_on_a_link_is_heard() -> None:
     }
 
 
-def test_a_message_to_another_station_is_returned_and_not_noted() -> None:
+def test_a_message_to_another_station_is_returned_and_not_noted(monkeypatch: pytest.MonkeyPatch) -> None:
     sender = ardupilotmega.MAVLink(None, srcSystem=1, srcComponent=1)
     answer = ardupilotmega.MAVLink_param_value_message(b"RTL_ALT", 1500.0, 9, 1, 0).pack(sender)
     clock = iter((0.0, 0.5, 2.0))
     frame = SimpleNamespace(system=1, raw=answer, message=object())
-    connection = SimpleNamespace(now=lambda: next(clock), overhear=lambda until: [frame], is_for_us=lambda heard: False)
+    vehicle = met(Autopilot.PX4)
+    monkeypatch.setattr(vehicle.connection, "now", lambda: next(clock))
+    monkeypatch.setattr(vehicle.connection, "overhear", lambda until: [frame])
+    monkeypatch.setattr(vehicle.connection, "is_for_us", lambda heard: False)
     noted: list[Message] = []
-    (message,) = messages_from(connection, 1, 1.0, (), noted.append)  # type: ignore[arg-type]
+    vehicle.overhearing = noted.append
+    (message,) = vehicle.messages(1.0)
     assert (message.get_type(), noted) == ("PARAM_VALUE", [])
 
 

@@ -36,8 +36,7 @@ from ipoa_mission.mission.items import Item
 from ipoa_mission.mission.stored_mission import compare
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as Mock
 from ipoa_mission.simulator.built_in_autopilot import FileService
-from ipoa_mission.simulator.faults import Faults
-from ipoa_mission.simulator.station import Loopback, Station
+from ipoa_mission.simulator.station import Faults, Loopback, Station
 from tests.examples import examples
 from tests.link_pair import HOME, connection_of, items_of
 from tests.refused import refuses

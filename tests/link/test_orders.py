@@ -27,8 +27,7 @@ from ipoa_mission.link.messages import (
     Text,
 )
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as Mock
-from ipoa_mission.simulator.faults import Faults
-from ipoa_mission.simulator.station import Loopback, Station
+from ipoa_mission.simulator.station import Faults, Loopback, Station
 from tests.link.scripted_answers import lead_by
 from tests.refused import refuses
 

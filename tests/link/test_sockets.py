@@ -8,8 +8,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from ipoa_mission.link.channel import SELECTABLE_FILES, LinkDown, TcpChannel, UdpChannel, parse_address
-from ipoa_mission.link.mavutil_channel import MavutilChannel
+from ipoa_mission.link.channel import SELECTABLE_FILES, LinkDown, MavutilChannel, TcpChannel, UdpChannel, parse_address
 from tests.refused import refuses
 
 

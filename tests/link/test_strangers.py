@@ -9,12 +9,11 @@ from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.link import reconnect
 from ipoa_mission.link.channel import Peer
-from ipoa_mission.link.codec import EVERYONE, Codec, Target
+from ipoa_mission.link.codec import EVERYONE, Codec, Target, read_tlog
 from ipoa_mission.link.connect import connect, meet
 from ipoa_mission.link.connection import CAUSE_S, Connection
 from ipoa_mission.link.dialogue import NoAnswer
 from ipoa_mission.link.messages import NO_AUTOPILOT, Ack, Count, Heartbeat, Message, MissionType, Ping, Result
-from ipoa_mission.link.tlog import read_tlog
 from ipoa_mission.link.vehicle import ConnectionOptions
 from ipoa_mission.mission.items import Mission, takeoff, waypoint
 from ipoa_mission.mission.stored_mission import compare, to_wire

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from ipoa_mission.link.tlog import TlogWriter
+from ipoa_mission.link.codec import TlogWriter
 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="no device that is always full")

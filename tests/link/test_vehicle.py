@@ -17,9 +17,8 @@ from ipoa_mission.link.messages import AutopilotVersion, Message, MissionType, R
 from ipoa_mission.link.upload import Unflyable
 from ipoa_mission.link.vehicle_state import NotReady
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as Mock
-from ipoa_mission.simulator.faults import Faults
 from ipoa_mission.simulator.situation import Conditions
-from ipoa_mission.simulator.station import Loopback, Station
+from ipoa_mission.simulator.station import Faults, Loopback, Station
 from tests.link.suited import HOME, MISSION, RALLY, met, suited
 from tests.link_pair import connection_of
 from tests.refused import refuses

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from pyproj import Proj
 
 from ipoa_mission.autopilot.autopilot import Autopilot
-from ipoa_mission.link.codec import EVERYONE, Codec
+from ipoa_mission.link.codec import EVERYONE, Codec, TlogWriter
 from ipoa_mission.link.messages import (
     ARMED_FLAG,
     NO_AUTOPILOT,
@@ -24,7 +24,6 @@ from ipoa_mission.link.messages import (
     Reached,
     Text,
 )
-from ipoa_mission.link.tlog import TlogWriter
 
 ZERO = 100.0  # the autopilot's clock when the flight begins [s]
 RATE = 10.0  # positions a second

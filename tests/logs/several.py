@@ -6,7 +6,7 @@ from pathlib import Path
 
 from pymavlink.dialects.v20 import ardupilotmega
 
-from ipoa_mission.link.tlog import Record, TlogWriter, read_tlog
+from ipoa_mission.link.codec import Record, TlogWriter, read_tlog
 
 PLANE = 1  # MAV_TYPE
 

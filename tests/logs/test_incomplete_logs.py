@@ -10,7 +10,7 @@ from pymavlink.dialects.v20 import ardupilotmega as dialect
 
 from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.errors import BadInput
-from ipoa_mission.link.codec import EVERYONE, Codec, Target
+from ipoa_mission.link.codec import EVERYONE, Codec, Target, TlogWriter
 from ipoa_mission.link.messages import (
     ARMED_FLAG,
     CommandAck,
@@ -26,7 +26,6 @@ from ipoa_mission.link.messages import (
     SystemTime,
     Text,
 )
-from ipoa_mission.link.tlog import TlogWriter
 from ipoa_mission.logs.flight_log import read_flights
 from ipoa_mission.logs.logged import Fixes, Log, messages_of
 from ipoa_mission.logs.telemetry_log import read_telemetry_log, unwrapped, vehicle_times

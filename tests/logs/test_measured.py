@@ -12,9 +12,8 @@ from pymavlink import mavutil
 from pyulog import ULog  # type: ignore[import-untyped]
 from scipy.spatial.transform import Rotation
 
-from ipoa_mission.link.codec import EVERYONE, Codec
+from ipoa_mission.link.codec import EVERYONE, Codec, TlogWriter, read_tlog
 from ipoa_mission.link.messages import BatteryStatus, Message, SystemStatus
-from ipoa_mission.link.tlog import TlogWriter, read_tlog
 from ipoa_mission.logs.flight_log import LoggedFlight, read_flights
 from ipoa_mission.logs.logged import Measured
 from tests.refused import refuses

@@ -5,13 +5,13 @@ import pytest
 
 from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.geodesy import Geodetic
+from ipoa_mission.link.codec import read_tlog
 from ipoa_mission.link.dialogue import NoAnswer
 from ipoa_mission.link.messages import MissionType
-from ipoa_mission.link.tlog import read_tlog
 from ipoa_mission.mission.items import FenceCircle, Mission, change_speed, land, return_to_launch, takeoff
 from ipoa_mission.mission.stored_mission import compare, to_wire
-from ipoa_mission.simulator.faults import Faults
 from ipoa_mission.simulator.fly import board, conditions_for, fly_built_in
+from ipoa_mission.simulator.station import Faults
 from tests.examples import vehicles
 from tests.link_pair import connection_of, far_end
 from tests.px4_waypoints import waypoint

@@ -16,7 +16,7 @@ import pytest
 from ipoa_mission.autopilot.autopilot import Autopilot, autopilot_named, registered
 from ipoa_mission.autopilot.commands import VehicleCommand
 from ipoa_mission.link.channel import Peer
-from ipoa_mission.link.codec import Codec, Target
+from ipoa_mission.link.codec import Codec, Target, read_tlog
 from ipoa_mission.link.connect import meet
 from ipoa_mission.link.connection import Connection
 from ipoa_mission.link.mavftp import Opcode, unpack
@@ -36,7 +36,6 @@ from ipoa_mission.link.messages import (
     SetCurrent,
     Text,
 )
-from ipoa_mission.link.tlog import read_tlog
 from ipoa_mission.mission.mission_io import read_mission_file
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as BuiltIn
 from ipoa_mission.simulator.situation import Conditions

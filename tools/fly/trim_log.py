@@ -11,10 +11,9 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from ipoa_mission.autopilot.autopilot import registered
-from ipoa_mission.link.codec import Codec
+from ipoa_mission.link.codec import Codec, read_tlog
 from ipoa_mission.link.definitions import message_name
 from ipoa_mission.link.messages import Attitude, Current, LocalPosition, ParamValue, Position, SystemTime
-from ipoa_mission.link.tlog import read_tlog
 from ipoa_mission.vehicles.arducopter.log import BATTERIES, FMT, HEAD, KINDS
 from ipoa_mission.vehicles.px4_multicopter.log import ATTITUDE, BATTERY, POSITIONS, TOPICS
 from tools import command_line

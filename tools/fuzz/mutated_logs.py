@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ipoa_mission.link.tlog import read_tlog
+from ipoa_mission.link.codec import read_tlog
 from ipoa_mission.logs.flight_log import LoggedFlight, read_flights
 from tools import REPOSITORY
 from tools.fuzz.outcome import Reading
