@@ -11,7 +11,7 @@ from ipoa_mission.autopilot.commands import Command
 from ipoa_mission.errors import BadInput
 from ipoa_mission.mission.complex_items import entries
 from ipoa_mission.mission.items import Item, Mission, MissionFile
-from ipoa_mission.mission.mission_io import mission_text, parse_mission
+from ipoa_mission.mission.mission_io import mission_text, parse_mission, still_holds
 
 
 def with_item(mission: Mission, seq: int, item: Item) -> Mission:
@@ -97,7 +97,7 @@ Table: TypeAlias = dict[str, Any]
 
 
 def text_with(mission: Mission, file: MissionFile, path: Path) -> str:
-    if file.still_holds(mission) and mission.complex_items == file.mission.complex_items:
+    if still_holds(file, mission):
         return file.source
     new = mission_text(mission, file.suffix)
     if file.suffix == ".plan":
@@ -108,7 +108,7 @@ def text_with(mission: Mission, file: MissionFile, path: Path) -> str:
         comments = [line for line in file.source.splitlines() if line.lstrip().startswith("#")]
         text = "\n".join([first, *comments, rest])
     kept_mission, new_mission = (parse_mission(path, each, mission.autopilot) for each in (text, new))
-    if not kept_mission.still_holds(new_mission.mission):
+    if not still_holds(kept_mission, new_mission.mission):
         words = "expected a change that keeps the rest of the file, not this one"
         raise BadInput(words, hint="save it as another file", code="complex-item", place=path.name)
     return text

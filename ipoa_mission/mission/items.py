@@ -264,11 +264,6 @@ class MissionFile:
     planned: tuple[str, float] | None = None
     taken_for: str | None = None
 
-    def still_holds(self, mission: Mission) -> bool:
-        """Return whether all but the parameters is equal."""
-        ours, other = (replace(each, parameters={}) for each in (self.mission, mission))
-        return repr(ours) == repr(other)  # repr: NaN equals NaN
-
 
 class Numbered(NamedTuple):
     seq: int

@@ -15,7 +15,7 @@ from ipoa_mission.errors import BadInput, WrongFormat, WrongSuffix
 from ipoa_mission.files import MISSIONS, read_text, write_together
 from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.mission.items import Item, Mission, MissionFile
-from ipoa_mission.mission.landing_ground import landing_height, landing_on
+from ipoa_mission.mission.landing_ground import landing_ground_entry, landing_height, landing_on
 from ipoa_mission.mission.parameter_file import ParameterFile, parameter_contents, parameter_path, read_parameter_file
 from ipoa_mission.mission.plan_file import parse_plan, plan_text
 from ipoa_mission.mission.waypoints_file import FIRST_LINE, lost_in_waypoints, parse_waypoints, waypoints_text
@@ -149,9 +149,19 @@ def write_mission(mission: Mission, path: str | Path, read_from: MissionFile | N
 
 
 def mission_text(mission: Mission, suffix: str, read_from: MissionFile | None = None) -> str:
-    if read_from is not None and read_from.suffix == suffix and read_from.still_holds(mission):
+    if read_from is not None and read_from.suffix == suffix and still_holds(read_from, mission):
         return read_from.source
     return plan_text(mission) if suffix == ".plan" else waypoints_text(mission)
+
+
+def still_holds(file: MissionFile, mission: Mission) -> bool:
+    """Return whether a file's text has all of a mission but its parameters."""
+    ours, theirs = (replace(each, parameters={}) for each in (file.mission, mission))
+    if file.suffix == ".plan":
+        grounds = [landing_ground_entry(each) for each in (file.mission, mission)]
+        if grounds[0] != grounds[1] or repr(ours.complex_items) != repr(theirs.complex_items):
+            return False
+    return repr(ours) == repr(theirs)  # repr: NaN equals NaN
 
 
 def only_taker(items: Sequence[Item]) -> tuple[Autopilot, str] | None:

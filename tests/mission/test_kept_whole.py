@@ -6,9 +6,11 @@ import pytest
 
 from ipoa_mission import BadInput
 from ipoa_mission.autopilot.commands import Command
+from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.mission.item_edits import text_with, with_inserted, with_item, with_plain_items, without_item
-from ipoa_mission.mission.items import Item, MissionFile
-from ipoa_mission.mission.mission_io import read_mission_file
+from ipoa_mission.mission.items import Item, Mission, MissionFile, land, takeoff, waypoint
+from ipoa_mission.mission.landing_ground import landing_height, landing_on
+from ipoa_mission.mission.mission_io import read_mission, read_mission_file, write_mission
 from tests.refused import refuses
 
 MISSIONS = Path(__file__).parents[2] / "missions"
@@ -75,3 +77,19 @@ def test_an_item_of_a_survey_is_left_to_it_until_it_is_plain() -> None:
     plain = with_plain_items(file.mission, 5)
     assert "ComplexItem" not in text_with(plain, file, Path("a.plan"))
     assert with_item(plain, 5, plain.items[4]).items == file.mission.items
+
+
+def test_a_changed_landing_ground_or_survey_is_written_whole(tmp_path: Path) -> None:
+    home = Geodetic(47.4, 8.5, 400.0)
+    there = Geodetic(47.401, 8.5)
+    mission = landing_on(Mission(home, (takeoff(home, 20.0), waypoint(there, 20.0), land(there))), 3.0)
+    path = tmp_path / "a.plan"
+    write_mission(mission, path)
+    file = opened(path)
+    for height in (3.0, 7.0):
+        write_mission(landing_on(file.mission, height), path, file)
+        assert landing_height(read_mission(path)) == height
+        assert (path.read_text() == file.source) == (height == 3.0)
+    survey = opened(SURVEY)
+    write_mission(with_plain_items(survey.mission, 5), path, survey)
+    assert "ComplexItem" not in path.read_text()
