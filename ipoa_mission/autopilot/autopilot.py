@@ -117,27 +117,19 @@ class Autopilot(metaclass=_ByName):
     def braking_delay_s(self, contingency: returning.Contingency) -> float:
         return 0.0 if contingency in returning.IN_PLACE else self.guidance.brakes_after
 
-    def stopping_offset(
+    def stopping_displacement(
         self, parameters: Parameters, velocity: "Points", accel: "Points", contingency: returning.Contingency
     ) -> "Points":
-        """Return the horizontal displacement (n, 2) [m]."""
-        import numpy as np
+        """Return the displacement to the stop of velocities and accelerations, (n, 3) each [m].
 
-        speed = np.hypot(*velocity.T)
-        along = (velocity * accel).sum(axis=1) / np.maximum(speed, STATIONARY_SPEED)
-        distance = self.braking_distance(parameters, speed, along)
-        return np.asarray(velocity * (distance / np.maximum(speed, STATIONARY_SPEED))[:, None])
-
-    def stopping_climb(
-        self, parameters: Parameters, velocity: "Points", accel: "Points", contingency: returning.Contingency
-    ) -> "Vector":
-        """Return vertical displacements (n,) [m] of velocities and accelerations (n, 3)."""
+        By default the vehicle stops along a line, after the braking distance of its horizontal speed.
+        """
         import numpy as np
 
         speed = np.hypot(*velocity[:, :2].T)
         along = (velocity * accel)[:, :2].sum(axis=1) / np.maximum(speed, STATIONARY_SPEED)
         distance = self.braking_distance(parameters, speed, along)
-        return np.asarray(velocity[:, 2] * distance / np.maximum(speed, STATIONARY_SPEED))
+        return np.asarray(velocity * (distance / np.maximum(speed, STATIONARY_SPEED))[:, None])
 
     @abstractmethod
     def sinking_brake(self, parameters: Parameters) -> returning.SinkingBrake: ...
@@ -147,11 +139,12 @@ class Autopilot(metaclass=_ByName):
         import numpy as np
 
         brake = self.sinking_brake(parameters)
-        level = velocity[:, :2]
+        level = velocity * (1.0, 1.0, 0.0)
         late_s = brake.begins_late_s * (1.0 + np.minimum(velocity[:, 2], 0.0) / brake.descent)
-        sinks_s = np.hypot(*level.T) / brake.accel + brake.settles_s - late_s
-        offset = self.stopping_offset(parameters, level, 0.0 * level, returning.Contingency.LAND)
-        return np.column_stack([offset + brake.overshoots_s * level, -brake.descent * np.maximum(sinks_s, 0.0)])
+        sinks_s = np.hypot(*level[:, :2].T) / brake.accel + brake.settles_s - late_s
+        stopped = self.stopping_displacement(parameters, level, 0.0 * level, returning.Contingency.LAND)
+        farthest = stopped + brake.overshoots_s * level
+        return np.column_stack([farthest[:, :2], -brake.descent * np.maximum(sinks_s, 0.0)])
 
     def circle(
         self, parameters: Parameters, radius: float, turn: float, speed: float | None, version: Version | None

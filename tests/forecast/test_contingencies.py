@@ -30,7 +30,7 @@ from ipoa_mission.forecast.contingency.contingency_paths import ContingencyPaths
 from ipoa_mission.forecast.contingency.contingency_samples import SAMPLING
 from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.mission.items import FenceCircle, Item, Mission, change_speed, land, takeoff, waypoint
-from ipoa_mission.vehicles.arducopter.flight_model import braking_displacement
+from ipoa_mission.vehicles.arducopter.braking import braking_displacement
 from ipoa_mission.vehicles.px4_multicopter.simulation import MissionSimulation
 from tests.examples import examples
 from tests.forecast.test_flown_contingencies import row_at
@@ -116,9 +116,9 @@ def test_an_unclear_stretch_is_widened_by_how_late_the_flight_may_be(campus: Con
 
 def test_brake_flies_on_farther_than_a_return_does(campus: Contingencies) -> None:
     """ArduCopter's source, and flown: at 6 m/s 10.7 m against 8.2."""
-    autopilot, level = campus.forecast.mission.autopilot, np.array([[5.9, 0.0]])
+    autopilot, level = campus.forecast.mission.autopilot, np.array([[5.9, 0.0, 0.0]])
     paths = [
-        autopilot.stopping_offset({}, level, 0.0 * level, contingency)[0, 0]
+        autopilot.stopping_displacement({}, level, 0.0 * level, contingency)[0, 0]
         for contingency in (Contingency.HOLD, Contingency.RTL, Contingency.LAND)
     ]
     assert paths == pytest.approx([10.7, 8.2, 8.9], abs=0.25)
@@ -147,7 +147,7 @@ PX4_RUNS_ON = [
 @pytest.mark.parametrize(("contingency", "climb", "flown"), ARDUCOPTER_RUNS_ON)
 def test_climbs_and_descents_run_on_as_flown(contingency: Contingency, climb: float, flown: float) -> None:
     velocity = np.array([[0.0, 0.0, climb]])
-    (counted,) = Autopilot.ARDUPILOT.stopping_climb({}, velocity, 0.0 * velocity, contingency)
+    ((_, _, counted),) = Autopilot.ARDUPILOT.stopping_displacement({}, velocity, 0.0 * velocity, contingency)
     assert abs(flown) - 0.03 <= counted * math.copysign(1.0, climb) <= abs(flown) + 0.55
 
 
@@ -155,7 +155,7 @@ def test_climbs_and_descents_run_on_as_flown(contingency: Contingency, climb: fl
 @pytest.mark.parametrize(("contingency", "climb", "flown"), PX4_RUNS_ON)
 def test_px4_runs_on_as_flown(contingency: Contingency, climb: float, flown: float, level: float) -> None:
     velocity = np.array([[level, 0.0, climb]])
-    (runs_on,) = Autopilot.PX4.stopping_climb({}, velocity, 0.0 * velocity, contingency)
+    ((_, _, runs_on),) = Autopilot.PX4.stopping_displacement({}, velocity, 0.0 * velocity, contingency)
     counted = abs(runs_on + climb * Autopilot.PX4.braking_delay_s(contingency))
     assert runs_on * climb > 0.0
     assert abs(flown) - 0.03 <= counted <= abs(flown) + (0.45 if contingency in IN_PLACE else 1.15)
@@ -165,7 +165,9 @@ def test_px4_runs_on_as_flown(contingency: Contingency, climb: float, flown: flo
 def test_px4_runs_on_farther_before_a_fast_return(cruise: float, farthest: float) -> None:
     # by `MissionSimulation` without noise
     velocity = np.array([[0.0, 0.0, -1.5]])
-    (runs_on,) = Autopilot.PX4.stopping_climb({"MPC_XY_CRUISE": cruise}, velocity, 0.0 * velocity, Contingency.RTL)
+    ((_, _, runs_on),) = Autopilot.PX4.stopping_displacement(
+        {"MPC_XY_CRUISE": cruise}, velocity, 0.0 * velocity, Contingency.RTL
+    )
     assert farthest - 1.05 <= runs_on - 0.6 * 1.5 <= farthest
 
 
@@ -176,7 +178,9 @@ def test_px4_runs_on_farther_before_a_fast_return(cruise: float, farthest: float
 def test_px4_runs_on_as_flown_on_a_slope_away_from_home(level: float, climb: float, flown: float) -> None:
     # four on PX4 1.18, one on PX4 1.17
     velocity = np.array([[level, 0.0, climb]])
-    (runs_on,) = Autopilot.PX4.stopping_climb({"MPC_XY_CRUISE": 13.0}, velocity, 0.0 * velocity, Contingency.RTL)
+    ((_, _, runs_on),) = Autopilot.PX4.stopping_displacement(
+        {"MPC_XY_CRUISE": 13.0}, velocity, 0.0 * velocity, Contingency.RTL
+    )
     counted = abs(runs_on + climb * Autopilot.PX4.braking_delay_s(Contingency.RTL))
     assert abs(flown) <= counted <= abs(flown) + 1.4
 
@@ -210,9 +214,9 @@ def test_land_sinks_while_it_brakes(
 ) -> None:
     place = np.array([[0.0, 0.0, 100.0]])
     moving = np.array([[velocity[0], 0.0, velocity[1]]])
-    level = autopilot.stopping_offset({}, moving[:, :2], 0.0 * moving[:, :2], Contingency.LAND)
+    level = autopilot.stopping_displacement({}, moving * (1.0, 1.0, 0.0), 0.0 * moving, Contingency.LAND)
     farthest = place + autopilot.farthest_landing({}, moving)
-    stops, sinks = campus.paths.landings(place, place + np.column_stack([level, [0.0]]), farthest)[0]
+    stops, sinks = campus.paths.landings(place, place + level, farthest)[0]
     for run, height in flown:
         from_columns = np.abs(np.array([stops[2, 0], sinks[2, 0]]) - run).min()
         assert np.interp(run, *sinks[:3, ::2].T) <= 100.25 + height or from_columns < 1.5
@@ -222,8 +226,8 @@ def test_land_sinks_while_it_brakes(
 @pytest.mark.parametrize(("speed", "flown"), [(7.89, 16.96), (9.4, 22.22), (7.6, 16.72), (8.52, 21.69)])
 def test_px4_hold_flies_beyond_its_stopping_point(speed: float, flown: float) -> None:
     # two on PX4 1.18, two on PX4 1.17
-    velocity = np.array([[speed, 0.0]])
-    ((counted, _),) = Autopilot.PX4.stopping_offset({}, velocity, 0.0 * velocity, Contingency.HOLD)
+    velocity = np.array([[speed, 0.0, 0.0]])
+    ((counted, _, _),) = Autopilot.PX4.stopping_displacement({}, velocity, 0.0 * velocity, Contingency.HOLD)
     assert flown - 0.3 <= counted <= flown + 0.35 * speed
 
 

@@ -26,11 +26,10 @@ def test_built_in_px4_stops_where_the_forecast_says(contingency: Contingency, pa
     while flight.place[0] < 100.0:
         flight.advance(flight.time_s + 0.1)
     ordered = np.array(flight.place[:2])
-    velocity = np.array(flight.motion[:2])
+    velocity = np.array([*flight.motion[:2], 0.0])
     until = flight.time_s + 30.0
-    offsets = {
-        each: Autopilot.PX4.stopping_offset(parameters, velocity[None], np.zeros((1, 2)), each)[0] for each in MODES
-    }
+    displace = Autopilot.PX4.stopping_displacement
+    offsets = {each: displace(parameters, velocity[None], np.zeros((1, 3)), each)[0, :2] for each in MODES}
     flight.enter(MODES[contingency])
     track = [ordered]
     while flight.armed and flight.time_s < until:

@@ -10,7 +10,6 @@ from ipoa_mission.compiled import compiled, records
 from ipoa_mission.planning.obstacle_grid import Bench, Moves, Nodes, ObstacleGrid, Raster, Rules, Soft, Spans
 from ipoa_mission.survey.times import LegTimeTable, Ways
 from ipoa_mission.vehicles.arducopter.dynamics.motion import ARDUPILOT_SIMULATOR, NO_LEG, CopterLeg, State, tuning
-from ipoa_mission.vehicles.arducopter.dynamics.shaping import add_braking
 from ipoa_mission.vehicles.arducopter.dynamics.steps import fly_leg
 from ipoa_mission.vehicles.arducopter.limits import copter_limits
 from ipoa_mission.vehicles.px4_multicopter.dynamics.flight import at_start, fly
@@ -94,7 +93,6 @@ def kernels() -> Iterator[Kernel]:
     leg, still = records([NO_LEG], CopterLeg), tuning(copter_limits({}), ARDUPILOT_SIMULATOR, CALM)
     flown = {
         fly_leg: (records([State()], State), leg, leg, leg, still, _numbers(2)),
-        add_braking: (*(_numbers(2),) * 2, 1.0, 1.0, _numbers(2)),
         fly: (records([], Order), records([], SimulationConstants), at_start(0.0, 1), 1.0, 0),
     }
     for function, given in flown.items():

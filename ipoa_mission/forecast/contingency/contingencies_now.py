@@ -56,10 +56,8 @@ class ContingenciesNow:
         paths = self._contingencies.paths
         mission = self._contingencies.forecast.mission
         autopilot = mission.autopilot
-        steady = np.zeros((1, 3))
         stop = place + autopilot.braking_delay_s(contingency) * velocity
-        stop[:2] += autopilot.stopping_offset(mission.parameters, velocity[None, :2], steady[:, :2], contingency)[0]
-        stop[2] += autopilot.stopping_climb(mission.parameters, velocity[None, :], steady, contingency)[0]
+        stop += autopilot.stopping_displacement(mission.parameters, velocity[None, :], np.zeros((1, 3)), contingency)[0]
         end = np.array([stop[0], stop[1], place[2] if autopilot.guidance.holds_at_order else stop[2]])
         path = np.array([place, stop, end])
         if contingency is not Contingency.HOLD:

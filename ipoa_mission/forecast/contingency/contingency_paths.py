@@ -104,9 +104,7 @@ class ContingencyPaths:
         accel = (after + before - 2 * begins) / step_s**2
         del before, after  # large
         accel[:, :2] += along * (gains - (accel[:, :2] * along).sum(axis=1))[:, None]
-        climb = autopilot.stopping_climb(parameters, velocity, accel, contingency)
-        offset = autopilot.stopping_offset(parameters, velocity[:, :2], accel[:, :2], contingency)
-        stops = begins + np.column_stack([offset, climb])
+        stops = begins + autopilot.stopping_displacement(parameters, velocity, accel, contingency)
         seqs = np.array([visit.seq for visit in self.flight.itinerary.visits])
         ahead = np.minimum(np.searchsorted(self.flight.prediction.done, times), len(seqs) - 1)
         farthest = stops

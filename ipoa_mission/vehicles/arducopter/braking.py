@@ -5,19 +5,32 @@ with the path's speed and acceleration, BRAKE with the vehicle's speed.
 """
 
 import math
-from collections.abc import Callable
-from typing import NamedTuple
+
+import numpy as np
 
 from ipoa_mission.autopilot.guidance_profile import FlownCircle
 from ipoa_mission.errors import BadInput
 from ipoa_mission.geometry import Plane
+from ipoa_mission.vehicles.arducopter.dynamics.motion import STEP
 from ipoa_mission.vehicles.arducopter.limits import CENTIMETER, CopterLimits
 
 
-class Braking(NamedTuple):
-    """Displacement `to_rest`, (n, 2) [m], from velocities and accelerations, within one [m/s^2] and a jerk [m/s^3]."""
-
-    to_rest: Callable[[Plane, Plane, float, float], Plane]
+def braking_displacement(velocity: Plane, accel: Plane, most_accel: float, jerk: float) -> Plane:
+    """Return the displacement to rest of velocities and accelerations, (n, 2) each [m]."""
+    at_rest_s = 12.0
+    gain = jerk / most_accel
+    linear = jerk / gain**2  # [m/s]
+    displacement = np.zeros((len(velocity), 2))
+    for _ in range(round(at_rest_s / STEP)):
+        speed = np.sqrt((velocity**2).sum(axis=1))
+        brakes = np.where(speed <= linear, gain * speed, np.sqrt(2 * jerk * np.maximum(speed - linear / 2, 0.0)))
+        share = np.minimum(brakes, most_accel) / np.maximum(speed, 1e-9)
+        change = -velocity * share[:, None] - accel
+        size = np.sqrt((change**2).sum(axis=1))[:, None]
+        accel = accel + np.where(size > jerk * STEP, change * (jerk * STEP) / np.maximum(size, 1e-12), change)
+        displacement += velocity * STEP
+        velocity = velocity + accel * STEP
+    return displacement
 
 
 def circle_spin(limits: CopterLimits, radius: float, speed: float) -> float:

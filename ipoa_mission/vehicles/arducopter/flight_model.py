@@ -9,21 +9,18 @@ import numpy as np
 from ipoa_mission.autopilot.commands import LAST_NAV, TAKEOFFS, Command
 from ipoa_mission.autopilot.parameters import Parameters
 from ipoa_mission.autopilot.returning import Contingency
-from ipoa_mission.compiled import jit_if_faster
 from ipoa_mission.errors import BadInput, EndlessFlight, MissionError
 from ipoa_mission.forecast.deviation.law import DeviationLaw, Quantiles
 from ipoa_mission.forecast.itinerary.itinerary import UNTIMED, Itinerary
 from ipoa_mission.forecast.timing.bound import Kinematics
 from ipoa_mission.forecast.timing.flight_model import FlightModel, LegSpeeds, Prediction, SharedStretches, corner_deg
 from ipoa_mission.forecast.timing.track import Track
-from ipoa_mission.geometry import Place, Plane, Samples
+from ipoa_mission.geometry import Place, Samples
 from ipoa_mission.mission.items import Item
-from ipoa_mission.vehicles.arducopter.braking import Braking
 from ipoa_mission.vehicles.arducopter.dynamics import procedures
 from ipoa_mission.vehicles.arducopter.dynamics.copter import Copter, airframe_of
 from ipoa_mission.vehicles.arducopter.dynamics.legs import limits_along
 from ipoa_mission.vehicles.arducopter.dynamics.motion import ARDUPILOT_SIMULATOR, Airframe, Kind
-from ipoa_mission.vehicles.arducopter.dynamics.shaping import BRAKING_STEPS, add_braking
 from ipoa_mission.vehicles.arducopter.limits import LANDED_S, copter_limits
 from ipoa_mission.vehicles.arducopter.vehicle import ARDUCOPTER
 from ipoa_mission.wind import Wind
@@ -283,15 +280,7 @@ class _MissionRun:
         self.samples.append(np.array([[state.time, *self.copter.place, *velocity]]))
 
 
-def braking_displacement(velocity: Plane, accel: Plane, most_accel: float, jerk: float) -> Plane:
-    displacement = np.zeros((len(velocity), 2))
-    add = jit_if_faster(add_braking, None, len(velocity) * BRAKING_STEPS)
-    add(np.ascontiguousarray(velocity), np.ascontiguousarray(accel), most_accel, jerk, displacement)
-    return displacement
-
-
 MODEL = ArduCopterModel()
-BRAKING = Braking(braking_displacement)
 
 #: The measured distance of ArduCopter's flights from their predicted paths (docs/safety.md).
 LAW = DeviationLaw(

@@ -6,6 +6,8 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import ClassVar
 
+import numpy as np
+
 from ipoa_mission.autopilot import guidance_profile as profile
 from ipoa_mission.autopilot import returning
 from ipoa_mission.autopilot.autopilot import MULTICOPTERS, Autopilot
@@ -16,7 +18,7 @@ from ipoa_mission.autopilot.parameters import Parameters
 from ipoa_mission.autopilot.returning import HOME, Contingency, ReturnBy, ReturnOrder, ReturnRoute, horizontal_distance
 from ipoa_mission.autopilot.version import Version
 from ipoa_mission.geometry import Place, Points, Vector
-from ipoa_mission.vehicles.arducopter.braking import Braking, flown_circle
+from ipoa_mission.vehicles.arducopter.braking import braking_displacement, flown_circle
 from ipoa_mission.vehicles.arducopter.failsafes import FAILSAFES
 from ipoa_mission.vehicles.arducopter.limits import (
     FENCE_SWITCHES,
@@ -234,7 +236,6 @@ class ArduCopter(Autopilot):
         spared_by="RNGFND1_TYPE",
     )
     parts: ClassVar[Mapping[str, str]] = {
-        "Braking": "ipoa_mission.vehicles.arducopter.flight_model:BRAKING",
         "FlightModel": "ipoa_mission.vehicles.arducopter.flight_model:MODEL",
         "LogFormat": "ipoa_mission.vehicles.arducopter.log:FORMAT",
         "DeviationLaw": "ipoa_mission.vehicles.arducopter.flight_model:LAW",
@@ -253,39 +254,37 @@ class ArduCopter(Autopilot):
         """
         return copter_limits(parameters).stopping_distance(speed)
 
-    def stopping_offset(
+    def stopping_displacement(
         self, parameters: Parameters, velocity: Points, accel: Points, contingency: Contingency
     ) -> Points:
-        """Return the displacement: shaped to land or hold, else to the stopping point.
+        """Return the displacement: shaped to land or hold, else horizontally to the stopping point.
 
         >>> import numpy as np
-        >>> ArduCopter().stopping_offset({}, np.array([[6.0, 0.0]]), np.zeros((1, 2)), Contingency.HOLD).round(1)
-        array([[11.,  0.]])
+        >>> still = np.zeros((1, 3))
+        >>> ArduCopter().stopping_displacement({}, np.array([[6.0, 0.0, 0.0]]), still, Contingency.HOLD).round(1)
+        array([[11.,  0.,  0.]])
         """
-        if contingency not in returning.IN_PLACE:
-            return super().stopping_offset(parameters, velocity, accel, contingency)
-        p = PARAMETER_TABLE.complete(parameters)
-        if contingency is Contingency.HOLD:
-            brake_mode_decel = 7.5  # BRAKE_MODE_DECEL_RATE [m/s^2]
-            return self.part(Braking).to_rest(velocity, 0.0 * accel, brake_mode_decel, p["PSC_JERK_XY"])
-        lead_s = 0.25  # of the target's speed, as flown
-        return self.part(Braking).to_rest(velocity + lead_s * accel, accel, p["WPNAV_ACCEL"] / 100, p["PSC_JERK_XY"])
-
-    def stopping_climb(
-        self, parameters: Parameters, velocity: Points, accel: Points, contingency: Contingency
-    ) -> Vector:
-        import numpy as np
-
-        lead_s = 0.1  # of the target's speed, as flown
+        lead_s = 0.1  # of the target's vertical speed, as flown
         climb = velocity[:, 2] + lead_s * accel[:, 2]
         if contingency not in returning.IN_PLACE:
+            displacement = super().stopping_displacement(parameters, velocity, accel, contingency)
             run_on_s = 0.95  # as flown; it then comes back
-            return run_on_s * climb
+            displacement[:, 2] = run_on_s * climb
+            return displacement
         p = PARAMETER_TABLE.complete(parameters)
-        braking = 7.5 if contingency is Contingency.HOLD else p["WPNAV_ACCEL_Z"] / 100  # BRAKE_MODE_DECEL_RATE
+        level = velocity[:, :2]
+        level_accel = accel[:, :2]
+        braking = p["WPNAV_ACCEL"] / 100
+        braking_z = p["WPNAV_ACCEL_Z"] / 100
+        if contingency is Contingency.HOLD:
+            level_accel = 0.0 * level_accel
+            braking = braking_z = 7.5  # BRAKE_MODE_DECEL_RATE [m/s^2]
+        level_lead_s = 0.25  # of the target's horizontal speed, as flown
+        offset = braking_displacement(level + level_lead_s * level_accel, level_accel, braking, p["PSC_JERK_XY"])
         upright = np.column_stack([climb, 0.0 * climb])
         lag_s = 0.08  # as flown
-        return self.part(Braking).to_rest(upright, 0.0 * upright, braking, p["PSC_JERK_Z"])[:, 0] + lag_s * climb
+        rise = braking_displacement(upright, 0.0 * upright, braking_z, p["PSC_JERK_Z"])[:, 0] + lag_s * climb
+        return np.column_stack([offset, rise])
 
     def sinking_brake(self, parameters: Parameters) -> returning.SinkingBrake:
         limits = copter_limits(parameters)

@@ -241,31 +241,28 @@ class Px4Multicopter(Autopilot):
         limits = px4_limits(parameters)
         return _braking_distance(speed, accel, limits.accel, limits.jerk)
 
-    def stopping_offset(
+    def stopping_displacement(
         self, parameters: Parameters, velocity: Points, accel: Points, contingency: Contingency
     ) -> Points:
-        """Return the displacement of LAND (preproject_stop_point) and hold, which comes back.
+        """Return the displacement; LAND and hold stop at preproject_stop_point, and hold comes back to it.
 
         >>> import numpy as np
-        >>> Px4Multicopter().stopping_offset({}, np.array([[6.0, 0.0]]), np.zeros((1, 2)), Contingency.HOLD).round(1)
-        array([[12.6,  0. ]])
+        >>> still = np.zeros((1, 3))
+        >>> Px4Multicopter().stopping_displacement({}, np.array([[6.0, 0.0, 0.0]]), still, Contingency.HOLD).round(1)
+        array([[12.6,  0. ,  0. ]])
         """
-        if contingency not in returning.IN_PLACE:
-            return super().stopping_offset(parameters, velocity, accel, contingency)
-        overshoots_s = self.overshoots_s if contingency is Contingency.HOLD else 0.0
-        stops_s = px4_limits(parameters).stopping_time(np.hypot(*velocity.T)) + overshoots_s
-        return np.asarray(velocity * stops_s[:, None])
-
-    def stopping_climb(
-        self, parameters: Parameters, velocity: Points, accel: Points, contingency: Contingency
-    ) -> Vector:
         limits = px4_limits(parameters)
+        displacement = super().stopping_displacement(parameters, velocity, accel, contingency)
+        horizontal_speed = np.hypot(*velocity[:, :2].T)
         climb = velocity[:, 2]
         speed = np.abs(climb)
         brakes = np.where(climb > 0.0, limits.accel_down, limits.accel_up)
         distance = _braking_distance(speed, accel[:, 2] * np.sign(climb), brakes, limits.jerk)
         noticed_s = 0.15 - self.braking_delay_s(contingency)  # by the navigator, the setpoint and the rotors
         if contingency in returning.IN_PLACE:
+            overshoots_s = self.overshoots_s if contingency is Contingency.HOLD else 0.0
+            stops_s = limits.stopping_time(horizontal_speed) + overshoots_s
+            displacement[:, :2] = velocity[:, :2] * stops_s[:, None]
             distance += noticed_s * speed
         else:  # all axes change their speed in the same time
             half = 2.0 * brakes**2 / limits.jerk
@@ -273,11 +270,11 @@ class Px4Multicopter(Autopilot):
             back = np.minimum(np.sqrt(half**2 + 2.0 * brakes * distance) - half, fastest)
             leaves_s = limits.cruise / limits.accel + limits.accel / limits.jerk
             run_on_way_home = speed**2 * leaves_s / np.maximum(2.0 * speed + back, 1e-9)
-            turns_s = leaves_s + np.hypot(*velocity[:, :2].T) / limits.accel
+            turns_s = leaves_s + horizontal_speed / limits.accel
             evenly = speed**2 * turns_s / np.maximum(2.0 * (speed + back), 1e-9)
             distance = np.maximum(distance, np.maximum(run_on_way_home, evenly) + noticed_s * speed)
-        while_braking = super().stopping_climb(parameters, velocity, accel, contingency)
-        return np.asarray(np.copysign(np.maximum(distance, np.abs(while_braking)), climb))
+        displacement[:, 2] = np.copysign(np.maximum(distance, np.abs(displacement[:, 2])), climb)
+        return displacement
 
     def sinking_brake(self, parameters: Parameters) -> returning.SinkingBrake:
         limits = px4_limits(parameters)

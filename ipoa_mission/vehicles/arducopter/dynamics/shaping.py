@@ -5,7 +5,7 @@ Read in 4.8.0-dev (AC_PosControl, control.cpp: shape_pos_vel_accel_xy, shape_vel
 
 import math
 
-from ipoa_mission.geometry import Enu, Plane
+from ipoa_mission.geometry import Enu
 from ipoa_mission.vehicles.arducopter.dynamics.motion import STEP, CopterLeg, State, Tuning
 
 Triple = tuple[float, float, float]
@@ -181,21 +181,3 @@ def shape(state: State, target_accel: complex, tuning: Tuning) -> None:
 def within(v: complex, most: float) -> complex:
     length = size(v)
     return v if length <= most else v * most / length
-
-
-BRAKING_STEPS = 600  # at rest by then
-
-
-def add_braking(velocity: Plane, accel: Plane, most_accel: float, jerk: float, displacement: Plane) -> None:
-    """Add the displacement of braking to rest, (n, 2) each."""
-    for n in range(len(velocity)):
-        v, a = complex(velocity[n, 0], velocity[n, 1]), complex(accel[n, 0], accel[n, 1])
-        way = 0j
-        for _ in range(BRAKING_STEPS):
-            speed = size(v)
-            slowed = min(square_root_law(speed, jerk, jerk / most_accel), most_accel) / max(speed, 1e-9)
-            a += within(-v * slowed - a, jerk * STEP)
-            way += v * STEP
-            v += a * STEP
-        displacement[n, 0] += way.real
-        displacement[n, 1] += way.imag
