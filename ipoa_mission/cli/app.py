@@ -15,14 +15,14 @@ import typer
 from ipoa_mission.cli.checking import check, estimate
 from ipoa_mission.cli.comparing import compare
 from ipoa_mission.cli.flying import demo, fly
-from ipoa_mission.cli.interrupting import interruptible
+from ipoa_mission.cli.interrupting import ChangesMade, interruptible
 from ipoa_mission.cli.linking import clear, download, pause, resume, rtl, scan, upload
 from ipoa_mission.cli.mocking import mock
 from ipoa_mission.cli.planners import grouped
 from ipoa_mission.cli.planning import new, plan, schema
 from ipoa_mission.cli.quick_start import spare_imports
 from ipoa_mission.cli.showing import export, show
-from ipoa_mission.errors import MissionError
+from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.files import plug_ins
 from ipoa_mission.interrupts import noted_terminations
 from ipoa_mission.terminal import discard_output, print_error, print_lines, replace_unencodable, shown
@@ -125,11 +125,25 @@ def command(name: str = "") -> Any:
     return line
 
 
+UsageError: Any = typer.BadParameter.__base__  # of Click, or of Typer's copy of it
+
+
+def run_line(_: ChangesMade) -> None:
+    """Exit as Typer does, but raise BadInput for options that it does not take."""
+    try:
+        sys.exit(command(*sys.argv[1:2])(prog_name="ipoa-mission", standalone_mode=False))
+    except UsageError as error:
+        words = error.format_message()
+        if not words:  # the help, which is printed
+            sys.exit(error.exit_code)
+        raise BadInput(words, hint=f"{error.ctx.command_path} --help", code="usage") from None
+
+
 def main() -> None:
     replace_unencodable()
     try:
         with noted_terminations():
-            interruptible(lambda changes: command(*sys.argv[1:2])(prog_name="ipoa-mission"))()
+            interruptible(run_line)()
     except MissionError as error:
         with suppress(KeyboardInterrupt):
             print_error(error, as_json="--json" in sys.argv[1:])

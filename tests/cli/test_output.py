@@ -56,6 +56,17 @@ def test_every_verb_has_an_answer_for_machines(run: Run, verb: str) -> None:
     assert "--json" in run(f"{verb} --help").out
 
 
+@pytest.mark.parametrize("line", ["plan campus --nope", "check", "nope", "plan campus --seed -1", "show a.plan b.plan"])
+def test_a_usage_error_is_json_for_machines_and_words_for_people(run: Run, line: str) -> None:
+    words = run(line)
+    ended = run(f"{line} --json")
+    result = json.loads(ended.out)
+    assert ended.code == words.code == result["exit_code"] == 2
+    assert (words.out, result["code"]) == ("", "usage")
+    assert result["error"] in " ".join(words.err.split())
+    assert ended.err == words.err
+
+
 def test_a_mistake_is_json_for_machines_and_words_for_people(run: Run) -> None:
     ended = run("check nothing.plan --json")
     result = json.loads(ended.out)
