@@ -41,7 +41,9 @@ class Lobby:
                     token = await asyncio.to_thread(self.opened, self._offered(request.path))
                 case Begin():
                     target = unused(self.folder / "mission.toml")
-                    begin_scenario(target, (*place_of(request.place), request.altitude))
+                    latitude, longitude = place_of(request.place)
+                    home = round(latitude, 7), round(longitude, 7), round(request.altitude, 1)
+                    write_atomically(target, new_scenario(target, home).text)
                     token = self.open_file(target, None, None)
                 case _:
                     raise BadInput("expected a file that is open", hint="open one first")
@@ -123,13 +125,6 @@ class Sessions:
     def _session(self, opened: memory.Opened) -> Session:
         world, log = (Path(name) if name and Path(name).is_file() else None for name in (opened.world, opened.log))
         return Session(Path(opened.path), self.seed, self.open_file, world, log)
-
-
-def begin_scenario(target: Path, home: tuple[float, float, float]) -> None:
-    """Put a goal north of home: latitude, longitude [deg], altitude [m AMSL]."""
-    latitude, longitude, altitude = home
-    rounded = round(latitude, 7), round(longitude, 7), round(altitude, 1)
-    write_atomically(target, new_scenario(target, rounded).text)
 
 
 def _mission_of(log: Path) -> Path:

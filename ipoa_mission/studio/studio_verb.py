@@ -14,10 +14,6 @@ LIBRARIES = ("starlette", "uvicorn", "websockets", "tomlkit")
 
 @dataclass
 class PageOptions:
-    home: Annotated[
-        tuple[float, float, float] | None,
-        flag("--new", "Begin a new scenario with this home: degrees, meters AMSL.", "LAT LON ALT"),
-    ] = None
     port: Annotated[int, flag("--port", "0: any free port.", "N", min=0, max=65535)] = 0
     browser: Annotated[bool, flag("--browser/--no-browser", "Open the page.")] = True
     tiles: Annotated[
@@ -51,6 +47,9 @@ def studio(
 
     Example: `ipoa-mission studio missions/campus.toml`
     """
+    if file is not None and not file.exists():
+        hint = "`ipoa-mission new`, or the start page, begins a scenario"
+        raise BadInput("expected a scenario, mission or log: no such file", hint=hint, place=file)
     missing = [name for name in LIBRARIES if find_spec(name) is None]
     if missing:
         words = f"the studio needs {', '.join(missing)}"
@@ -60,11 +59,6 @@ def studio(
     from ipoa_mission.studio.web_server import ServerOptions, serve
 
     built = built_page((lambda words: None) if as_json else print_lines)
-    home = page.home
-    file = Path("mission.toml") if file is None and home is not None else file
-    if file is not None and (home is not None or not file.exists()):
-        _begin(file, home)
-
     source = chosen_tiles(page.tiles, page.attribution)
 
     def tell_address(address: str) -> None:
@@ -81,18 +75,3 @@ def studio(
 
     with suppress(KeyboardInterrupt):  # the regular end
         serve(file, ServerOptions(built, page.port, page.seed, source), tell_address, page.world)
-
-
-def _begin(target: Path, home: tuple[float, float, float] | None) -> None:
-    from ipoa_mission.studio.sessions import begin_scenario
-
-    if home is None:
-        raise BadInput(
-            "expected a scenario: no such file",
-            hint="a new one begins at home: --new LAT LON ALT; or from a map: ipoa-mission new",
-            place=target,
-        )
-    if target.exists():
-        words = f"{target} exists"
-        raise BadInput(words, hint="omit --new, or name another file", code="already-there", place="--new")
-    begin_scenario(target, home)

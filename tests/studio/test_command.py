@@ -2,32 +2,21 @@ from pathlib import Path
 
 import pytest
 
-from ipoa_mission import BadInput, read_scenario
+from ipoa_mission import BadInput
 from ipoa_mission.studio import bundle, studio_verb
-from ipoa_mission.studio.studio_verb import _begin
 from tests.refused import refuses
 
 
-def test_a_new_scenario_begins_at_home(tmp_path: Path) -> None:
-    target = tmp_path / "new.toml"
-    _begin(target, (47.397742, 8.545594, 488.0))
-    scenario = read_scenario(target)
-    assert scenario.home.latitude_deg == 47.397742
-    assert scenario.goal_point[:2] == pytest.approx((0.0, 100.0), abs=1.0)
-    with refuses("already-there", "--new", kind=BadInput):
-        _begin(target, (47.0, 8.0, 0.0))
-
-
 def test_a_file_that_is_not_there_is_refused(tmp_path: Path) -> None:
-    with refuses("bad-input", "none.toml"):
-        _begin(tmp_path / "none.toml", None)
+    with refuses("bad-input", "none.toml", kind=BadInput):
+        studio_verb.studio(studio_verb.PageOptions(), tmp_path / "none.toml")
     assert not list(tmp_path.iterdir())
 
 
 def test_missing_files_are_named(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(studio_verb, "LIBRARIES", ("numpy", "no_such_library"))
     with refuses("package-missing", "", "no_such_library"):
-        studio_verb.studio(studio_verb.PageOptions(), Path("mission.toml"))
+        studio_verb.studio(studio_verb.PageOptions())
 
 
 def test_studio_without_a_page_and_npm_names_a_remedy(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
