@@ -1,24 +1,20 @@
 """Kernels as machine code: shipped, or by numba at first use.
 
-A kernel is a function decorated with `njit`, or passed to `jit_if_faster` if it also runs as plain Python. Shipped code
+A kernel is a function decorated with `njit`, or passed to `compiled` if it also runs as plain Python. Shipped code
 (`tools/machine_code`) loads in 1 ms; numba compiles if `library.SOURCES`, system or CPU differ.
 """
 
-import sys
 from collections.abc import Callable
 from functools import cache, lru_cache
 from operator import attrgetter
-from pathlib import Path
 from types import FunctionType
-from typing import Annotated, Any, TypeVar, get_args, get_origin, get_type_hints
+from typing import Annotated, Any, get_args, get_origin, get_type_hints
 
 import numpy as np
 
 from ipoa_mission.compiled.library import PACKAGE, shipped, sources_digest
 from ipoa_mission.errors import MissionError
 
-Function = TypeVar("Function", bound=Callable[..., Any])
-MANY_STEPS = 50_000  # for which plain Python takes as long as loading numba
 _PLAIN = {float: np.float64, complex: np.complex128, int: np.int64, bool: np.bool_}
 
 
@@ -52,17 +48,9 @@ def njit(**options: Any) -> Any:
 _digest = lru_cache(maxsize=1)(sources_digest)
 
 
-def jit_if_faster(function: Function, fast: bool | None, steps: float) -> Function:
-    """Return a function, compiled if `fast` or, by default, if quicker for `steps`; results are bit-equal."""
-    if fast is None:
-        at_hand = shipped() is not None or compiled.cache_info().currsize > 0
-        fast = at_hand or (steps > MANY_STEPS and _is_cached(function))
-    return compiled(function) if fast else function
-
-
 @lru_cache(maxsize=8)
 def compiled(function: Any) -> Any:
-    """Compile a function and those of its package that it calls."""
+    """Compile a function and those of its package that it calls; results are bit-equal."""
     options = {"error_model": "numpy", "no_cfunc_wrapper": True}
     kernel = njit(cache=True, **options)(function)
     if shipped() is None:
@@ -85,11 +73,6 @@ def called_by(function: Any) -> set[FunctionType]:
         found |= new
         todo += new
     return found
-
-
-def _is_cached(function: Any) -> bool:
-    source = Path(sys.modules[function.__module__].__file__ or "")
-    return any((source.parent / "__pycache__").glob(f"{source.stem}.{function.__name__}-*.nbi"))
 
 
 @cache

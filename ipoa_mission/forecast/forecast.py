@@ -167,8 +167,8 @@ class Forecast:
     def unknown(self) -> tuple[Unknown, ...]:
         return tuple(find_unknown(self.mission_as_read))
 
-    def predicted(self, noise_free: bool, fast: bool | None = None) -> Prediction:
-        """Predict times and places, `noise_free` or with the mean of sensor noise; `fast`: compiled, None: if quicker.
+    def predicted(self, noise_free: bool) -> Prediction:
+        """Predict times and places, `noise_free` or with the mean of sensor noise.
 
         Raises:
             BadInput: the mission has no end, or a parameter is invalid.
@@ -181,9 +181,9 @@ class Forecast:
             other = self.mission.other_vehicle
             raise NotModeled(f"the mission is for {other}, and only multicopters have a time model")
         model = self.mission.autopilot.part(FlightModel)
-        if noise_free and fast is None and model.is_always_noise_free:
+        if noise_free and model.is_always_noise_free:
             return self.expected  # a long flight is large
-        return model.predicted(self.itinerary, self._air, fast, noise_free)
+        return model.predicted(self.itinerary, self._air, noise_free)
 
     def predicted_with(self, contingency: Contingency, time: float) -> Prediction:
         """Predict the flight until `contingency` is ordered at `time` [s], then that until it disarms.
@@ -210,8 +210,9 @@ class Forecast:
         """Return the law in the strongest wind."""
         return law_of(self.mission.autopilot, self.wind.strongest)
 
-    def timed(self, fast: bool | None = None) -> Estimate:
-        times = times_of(self.itinerary, self.expected if fast is None else self.predicted(noise_free=False, fast=fast))
+    @cached_property
+    def estimate(self) -> Estimate:
+        times = times_of(self.itinerary, self.expected)
         unknown = (f"item {item.seq}: {item.why}: the time after it is unknown" for item in self.unknown)
         return replace(times, track=self.placed_track(times.track), remarks=(*times.remarks, *unknown))
 
@@ -221,10 +222,6 @@ class Forecast:
     @cached_property
     def expected(self) -> Prediction:
         return self.predicted(noise_free=False)
-
-    @cached_property
-    def estimate(self) -> Estimate:
-        return self.timed()
 
     @cached_property
     def energy(self) -> "Consumption | None":
@@ -297,17 +294,13 @@ def _refusal(at: Unknown, quantity: str) -> MissionError:
     return MissionError(f"{at.why}; the {quantity} is unknown", at.hint, code=at.code, place=f"item {at.seq}")
 
 
-def estimate(
-    mission: Mission, parameters: Parameters = NO_PARAMETERS, wind: Wind = CALM, *, fast: bool | None = None
-) -> Estimate:
+def estimate(mission: Mission, parameters: Parameters = NO_PARAMETERS, wind: Wind = CALM) -> Estimate:
     """Predict when each item of the mission will be done, by the model of `mission.autopilot`.
 
     Args:
         mission: the mission to fly.
         parameters: replace those of the mission, and these the autopilot's defaults.
         wind: in which it is flown.
-        fast: run the same arithmetic compiled (True: some seconds the first time on a machine), plain (False), or by
-            default compiled only where that is ready and quicker.
 
     Returns:
         The total time and that of each item.
@@ -324,4 +317,4 @@ def estimate(
         True
     """
     expect_known(parameters, mission.autopilot)
-    return Forecast(mission.with_parameters(parameters), wind=wind).timed(fast)
+    return Forecast(mission.with_parameters(parameters), wind=wind).estimate

@@ -109,7 +109,7 @@ class Attempt:
     def quick_prediction(self) -> "RoutePrediction":
         mission = self.draft.mission_as_read
         forecast = Forecast(replace(mission, items=mission.items[:-1]), self.scenario)
-        return _predict(self, forecast, forecast.predicted(noise_free=True, fast=True))
+        return _predict(self, forecast, forecast.predicted(noise_free=True))
 
 
 @dataclass(frozen=True, eq=False)

@@ -78,7 +78,7 @@ class Model(FlightModel):
     takeoff_scatter_s = 0.1
     simulated_lag = 0.05
 
-    def predicted(self, itinerary: Itinerary, wind: Wind, fast: bool | None, noise_free: bool) -> Prediction:
+    def predicted(self, itinerary: Itinerary, wind: Wind, noise_free: bool) -> Prediction:
         here, clock, speed = (0.0, 0.0, 0.0), 0.0, SPEED
         times, points, done = [0.0], [here], []
         for n, visit in enumerate(itinerary.visits):

@@ -85,7 +85,7 @@ def test_the_circle_of_the_law_is_the_one_that_the_target_is_on(
     radius: float, accel: float, speed: float, turns: float
 ) -> None:
     limits, turn = copter_limits({"WPNAV_ACCEL": accel, "WPNAV_SPEED": 100.0 * speed}), math.tau * turns
-    flown, copter = flown_circle(limits, radius, speed, turn), Copter(limits, fast=None)
+    flown, copter = flown_circle(limits, radius, speed, turn), Copter(limits)
     copter.start_at((0.0, radius, 20.0))
     copter.orbit((0.0, 0.0, 20.0), radius, turn)
     copter.run()

@@ -28,7 +28,7 @@ EAST = Geodetic(39.101, 121.821, 20.0)
 
 
 def estimate(mission: Mission, parameters: Parameters | None = None) -> Estimate:
-    return predict(mission, parameters or {}, fast=mission.autopilot is Autopilot.PX4 or None)
+    return predict(mission, parameters or {})
 
 
 def out_and_back(autopilot: Autopilot, *between: Item) -> Mission:

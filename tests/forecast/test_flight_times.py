@@ -7,9 +7,11 @@ import numpy as np
 import pytest
 
 from ipoa_mission.autopilot.autopilot import Autopilot
-from ipoa_mission.forecast.forecast import estimate
+from ipoa_mission.forecast.forecast import Forecast, estimate
 from ipoa_mission.forecast.timing.estimate import Estimate, qgroundcontrol_time
+from ipoa_mission.forecast.timing.flight_model import FlightModel
 from ipoa_mission.geodesy import LocalFrame
+from tests.plain_python import flown_as_plain_python
 from tests.recorded_flights import Recorded, read_flights
 
 COPTER = read_flights(Autopilot.ARDUPILOT)
@@ -20,7 +22,7 @@ ESTIMATES: dict[str, Estimate] = {}
 
 def estimated(flight: Recorded) -> Estimate:
     if flight.name not in ESTIMATES:
-        ESTIMATES[flight.name] = estimate(flight.mission, flight.parameters, fast=flight in PX4 or None)
+        ESTIMATES[flight.name] = estimate(flight.mission, flight.parameters)
     return ESTIMATES[flight.name]
 
 
@@ -139,9 +141,13 @@ def test_the_flown_path_keeps_near_the_predicted_one(flight: Recorded) -> None:
 
 @pytest.mark.parametrize("flight", [COPTER[0], PX4[7]], ids=lambda f: f.name)
 def test_compiled_and_plain_code_say_the_same_to_the_millisecond(flight: Recorded) -> None:
-    plain, fast = (estimate(flight.mission, flight.parameters, fast=fast) for fast in (False, True))
-    assert [item.done_s for item in plain.items] == pytest.approx([item.done_s for item in fast.items], abs=1e-3)
-    assert np.allclose(plain.track.points, fast.track.points, atol=1e-3)
+    forecast = Forecast(flight.mission.with_parameters(flight.parameters))
+    model = type(flight.mission.autopilot.part(FlightModel))
+    compiled = model().predicted(forecast.itinerary, forecast.wind, noise_free=False)
+    with flown_as_plain_python():
+        plain = model().predicted(forecast.itinerary, forecast.wind, noise_free=False)
+    assert plain.done == pytest.approx(compiled.done, abs=1e-3)
+    assert np.allclose(plain.track.points, compiled.track.points, atol=1e-3)
 
 
 def test_distance_over_speed_says_the_same_of_a_curve_however_it_is_cut() -> None:

@@ -13,10 +13,11 @@ from hypothesis import strategies as st
 
 from ipoa_mission import Forecast, read_mission, read_scenario
 from ipoa_mission.autopilot.returning import TIMED, Contingency
-from ipoa_mission.compiled import jit_if_faster
+from ipoa_mission.compiled import compiled
 from ipoa_mission.forecast.contingency.contingencies import predict_contingency
 from ipoa_mission.vehicles.px4_multicopter.simulation import FlownOrders, MissionSimulation
 from tests.examples import examples
+from tests.plain_python import flown_as_plain_python
 
 MISSIONS = Path(__file__).parents[2] / "missions"
 LASTS_S = 80.0  # longer than the mission
@@ -48,7 +49,7 @@ def expect_equal(one: FlownOrders, other: FlownOrders) -> None:
 def test_a_flight_flown_on_is_the_same_as_one_without_a_stop(
     simulation: MissionSimulation, seed: int, stops: list[float], noisy: bool
 ) -> None:
-    fly_on = simulation.flight_of(simulation.mission_orders.orders, noisy=noisy, fast=True, sampled=True)
+    fly_on = simulation.flight_of(simulation.mission_orders.orders, noisy=noisy, sampled=True)
     stopped = simulation.at_start(seed)
     for time in sorted(stops):
         stopped = fly_on(stopped, until=time)
@@ -58,9 +59,10 @@ def test_a_flight_flown_on_is_the_same_as_one_without_a_stop(
 @pytest.mark.parametrize("until", [0.3, 20.0, 45.0, LASTS_S])
 def test_a_flight_is_the_same_compiled_and_not(simulation: MissionSimulation, until: float) -> None:
     orders = simulation.mission_orders.orders
-    plain, compiled = (simulation.flight_of(orders, noisy=True, fast=fast, sampled=True) for fast in (False, True))
     start = simulation.at_start(7)
-    expect_equal(plain(start, until=until), compiled(start, until=until))
+    with flown_as_plain_python():
+        plain = simulation.flight_of(orders, noisy=True, sampled=True)
+    expect_equal(plain(start, until=until), simulation.flight_of(orders, noisy=True, sampled=True)(start, until=until))
 
 
 @pytest.fixture
@@ -68,8 +70,8 @@ def spans(monkeypatch: pytest.MonkeyPatch) -> list[tuple[float, float, float]]:
     """Record begin and end of each simulated span, and the time of its order [s]."""
     recorded = list[tuple[float, float, float]]()
 
-    def recording(function: Any, *_: Any) -> Any:
-        machine = jit_if_faster(function, True, 0.0)
+    def recording(function: Any) -> Any:
+        machine = compiled(function)
 
         def flown(orders: Any, constants: Any, flight: Any, until: float, every: int) -> Any:
             ended = machine(orders, constants, flight, until, every)
@@ -78,7 +80,7 @@ def spans(monkeypatch: pytest.MonkeyPatch) -> list[tuple[float, float, float]]:
 
         return flown
 
-    monkeypatch.setattr("ipoa_mission.vehicles.px4_multicopter.simulation.jit_if_faster", recording)
+    monkeypatch.setattr("ipoa_mission.vehicles.px4_multicopter.simulation.compiled", recording)
     return recorded
 
 

@@ -18,7 +18,7 @@ BY_NAME = {flight.name: flight for flight in (*COPTER, *PX4)}
 
 @cache
 def predicted(name: str) -> Estimate:
-    return estimate(BY_NAME[name].mission, BY_NAME[name].parameters, fast=BY_NAME[name] in PX4 or None)
+    return estimate(BY_NAME[name].mission, BY_NAME[name].parameters)
 
 
 def parts(flight: Recorded) -> tuple[float, float]:

@@ -74,7 +74,7 @@ ODD: Mapping[str, tuple[Item, ...]] = {
 
 
 def predicted(autopilot: Autopilot, *items: Item, first: tuple[Item, ...] = (takeoff(HOME, 30.0),)) -> Estimate:
-    return estimate(Mission(HOME, (*first, *items), autopilot), fast=autopilot is Autopilot.PX4 or None)
+    return estimate(Mission(HOME, (*first, *items), autopilot))
 
 
 @BOTH
@@ -154,4 +154,4 @@ def test_mission_without_a_takeoff_begins_in_flight_with_a_remark(autopilot: Aut
 def test_a_slow_leg_has_its_reason(autopilot: Autopilot, leg: tuple[Item, ...], reason: str) -> None:
     fast = {"MPC_XY_VEL_MAX": 20.0} if autopilot is Autopilot.PX4 else {}
     mission = Mission(HOME, (takeoff(HOME, 30.0), *leg), autopilot)
-    assert reason in estimate(mission, fast, fast=autopilot is Autopilot.PX4 or None).items[-1].reason
+    assert reason in estimate(mission, fast).items[-1].reason

@@ -57,5 +57,5 @@ def test_a_continued_flight_is_the_same_as_one_from_the_start(autopilot: Autopil
     for changed in [*missions(mission), mission]:
         forecast = Forecast(changed, wind=wind)
         for noise_free in (True, False):
-            given = forecast.itinerary, forecast.wind, True, noise_free
+            given = forecast.itinerary, forecast.wind, noise_free
             expect_equal(continuing.predicted(*given), model().predicted(*given))

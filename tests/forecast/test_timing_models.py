@@ -38,7 +38,7 @@ def place(east: float, north: float) -> Geodetic:
 
 def fly(autopilot: Autopilot, *items: Item, wind: Wind | None = None, **parameters: float) -> Estimate:
     mission = Mission(HOME, (takeoff(HOME, 30.0), *items), autopilot)
-    return estimate(mission, parameters, wind or Wind(), fast=autopilot is Autopilot.PX4 or None)
+    return estimate(mission, parameters, wind or Wind())
 
 
 def lasted(predicted: Estimate, seq: int) -> float:
@@ -164,7 +164,7 @@ def test_px4_waits_for_its_yaw_where_an_item_names_a_heading() -> None:
 
 def test_px4_takes_off_straight_up_and_then_flies_to_the_take_off_item() -> None:
     mission = Mission(HOME, (takeoff(place(0.0, 400.0), 30.0), land(place(0.0, 400.0))), Autopilot.PX4)
-    points = estimate(mission, fast=True).track.points
+    points = estimate(mission).track.points
     climbing, level = points[points[:, 2] < 28.0], np.hypot(*points.T[:2])
     up = climbing[: np.argmax(np.hypot(*climbing.T[:2]) > 5.0)]
     assert len(up) > 50

@@ -1,3 +1,5 @@
+from contextlib import nullcontext
+
 import numpy as np
 import pytest
 
@@ -10,6 +12,7 @@ from ipoa_mission.mission.items import Mission, change_speed, land, takeoff, way
 from ipoa_mission.simulator.simulated_flight import SimulatedFlight
 from ipoa_mission.simulator.situation import Conditions
 from ipoa_mission.wind import CALM, Wind, wind_at, wind_table
+from tests.plain_python import flown_as_plain_python
 from tests.recorded_flights import FLIGHTS, IN_WIND, Recorded, read_flight, read_flights
 from tests.refused import refuses
 
@@ -19,7 +22,7 @@ CALM_FLIGHT = read_flight(FLIGHTS / "straight-ardupilot")
 
 
 def estimated(flight: Recorded, wind: Wind) -> Estimate:
-    return estimate(flight.mission, flight.parameters, wind, fast=True)
+    return estimate(flight.mission, flight.parameters, wind)
 
 
 def error(flight: Recorded, wind: Wind) -> float:
@@ -98,7 +101,7 @@ def test_a_wind_that_grows_with_height_is_weaker_below(autopilot: Autopilot) -> 
     home, there = Geodetic(47.4, 8.5, 400.0), Geodetic(47.403, 8.5, 400.0)
     mission = Mission(home, (takeoff(home, 10.0), change_speed(8.0), waypoint(there, 10.0), land(there)), autopilot)
     weak, grown, strong = (
-        estimate(mission, wind=wind, fast=True).route.seconds
+        estimate(mission, wind=wind).route.seconds
         for wind in (Wind(1.5, 0.0), Wind(6.0, 0.0, 0.5, 160.0), Wind(6.0, 0.0))
     )
     assert grown == pytest.approx(weak, rel=0.01)
@@ -118,11 +121,12 @@ def test_a_profile_of_one_wind_or_of_a_power_law_agrees_with_it(autopilot: Autop
         Wind.of_profile([5.0, 50.0], [6.0] * 2, [200.0] * 2),
         Wind.of_profile(heights, [law.at(height) for height in heights], [200.0] * 8),
     )
-    plainly = () if autopilot is Autopilot.PX4 else ((short, False),)  # slow; elsewhere it says what compiled code says
-    for flown, fast in ((mission, True), *plainly):
-        plain, levels = (estimate(flown, wind=wind, fast=fast).total_s for wind in (Wind(6.0, 200.0), same))
+    plainly = nullcontext() if autopilot is Autopilot.PX4 else flown_as_plain_python()  # slow on PX4
+    for flown, manner in ((mission, nullcontext()), (short, plainly)):
+        with manner:
+            plain, levels = (estimate(flown, wind=wind).total_s for wind in (Wind(6.0, 200.0), same))
         assert levels == pytest.approx(plain, abs=1e-6)
-    by_law, by_levels = (estimate(mission, wind=wind, fast=True).total_s for wind in (law, profile))
+    by_law, by_levels = (estimate(mission, wind=wind).total_s for wind in (law, profile))
     assert by_levels == pytest.approx(by_law, rel=0.003)
 
 

@@ -81,7 +81,7 @@ def by_built_in(
 @pytest.mark.parametrize(("autopilot", "name"), CASES)
 def test_other_missions_and_parameters_take_as_long_by_both_models(autopilot: Autopilot, name: str) -> None:
     items, parameters = (COPTER if autopilot is Autopilot.ARDUPILOT else PX4)[name]
-    predicted = estimate(Mission(HOME, items, autopilot), parameters, fast=autopilot is Autopilot.PX4 or None)
+    predicted = estimate(Mission(HOME, items, autopilot), parameters)
     flown, over = zip(*(by_built_in(autopilot, items, parameters, seed) for seed in SEEDS[autopilot]), strict=True)
     estimated = {item.seq: item.done_s for item in predicted.items}
     last, end = len(items) - 1, len(items)

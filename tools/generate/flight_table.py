@@ -44,7 +44,7 @@ class Row:
 
 
 def compare(flight: Recorded) -> Row:
-    predicted = estimate(flight.mission, flight.parameters, flight.wind, fast=True)
+    predicted = estimate(flight.mission, flight.parameters, flight.wind)
     done = {item.seq: item.done_s for item in predicted.items}
     main = flight.runs[0]
     return Row(
@@ -136,7 +136,7 @@ def landing_table() -> str:
     for autopilot, name in NAMES.items():
         errors = []
         for flight in read_flights(autopilot, LANDINGS):
-            done = {item.seq: item.done_s for item in estimate(flight.mission, flight.parameters, fast=True).items}
+            done = {item.seq: item.done_s for item in estimate(flight.mission, flight.parameters).items}
             land = len(flight.mission.items)
             cells, off = [flight.name], []
             for begin, end in ((0, flight.first), (flight.last, land)):

@@ -132,8 +132,8 @@ class FlightModel(ABC):
     """True where `noise_free` has no effect."""
 
     @abstractmethod
-    def predicted(self, itinerary: Itinerary, wind: Wind, fast: bool | None, noise_free: bool) -> Prediction:
-        """Predict the flight, `noise_free` or with the mean of sensor noise; `fast`: compiled, None: if quicker.
+    def predicted(self, itinerary: Itinerary, wind: Wind, noise_free: bool) -> Prediction:
+        """Predict the flight, `noise_free` or with the mean of sensor noise.
 
         Raises:
             BadInput: an item never ends, or a parameter is invalid.
@@ -167,4 +167,4 @@ class FlightModel(ABC):
         raise NotModeled("this flight model has no airframe: drag cannot be learned")
 
     def median_times(self, itinerary: Itinerary) -> Vector:
-        return self.predicted(itinerary, CALM, True, False).done
+        return self.predicted(itinerary, CALM, noise_free=False).done

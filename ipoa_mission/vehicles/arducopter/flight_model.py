@@ -58,8 +58,8 @@ class ArduCopterModel(FlightModel):
     def __init__(self) -> None:
         self._latest = SharedStretches[_VisitEnd](most=1600)
 
-    def predicted(self, itinerary: Itinerary, wind: Wind, fast: bool | None, noise_free: bool) -> Prediction:
-        flight = _MissionRun(itinerary, wind, fast)
+    def predicted(self, itinerary: Itinerary, wind: Wind, noise_free: bool) -> Prediction:
+        flight = _MissionRun(itinerary, wind)
         start = flight.end_of_visit("")
         ends = self._latest.fly(flight.conditions, start, flight.stretches(), flight.fly_on)
         track = Track.joined([samples for end in (start, *ends) for samples in end.samples])
@@ -76,7 +76,7 @@ class ArduCopterModel(FlightModel):
         self, itinerary: Itinerary, wind: Wind, contingency: Contingency, time: float
     ) -> Prediction:
         """The track has a sample at the order."""
-        flight = _MissionRun(itinerary, wind, None)
+        flight = _MissionRun(itinerary, wind)
         flight.until = time
         for n in range(len(itinerary.visits)):
             if flight.is_aborted:
@@ -123,14 +123,14 @@ class _VisitEnd(NamedTuple):
 class _MissionRun:
     """A mission flown visit by visit, until a time [s]."""
 
-    def __init__(self, itinerary: Itinerary, wind: Wind, fast: bool | None) -> None:
+    def __init__(self, itinerary: Itinerary, wind: Wind) -> None:
         mission = itinerary.mission
         self.itinerary = itinerary
         self.wind = wind
         self.limits = copter_limits(mission.parameters, mission.firmware_version)
         self.airframe = airframe_of(mission.vehicle).at_altitude(mission.home.altitude)
         height = itinerary.start_height
-        self.copter = Copter(self.limits, wind, self.airframe, fast, itinerary.ground)
+        self.copter = Copter(self.limits, wind, self.airframe, itinerary.ground)
         self.copter.start_at((0.0, 0.0, height or 0.0))
         self.airborne = height is not None
         self.until = math.inf

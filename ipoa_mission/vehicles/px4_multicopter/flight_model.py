@@ -46,18 +46,17 @@ class Px4Model(FlightModel):
         self._latest = SharedStretches[FlownOrders](most=2048)
         self._latest_noisy = SharedStretches[tuple[Matrix, tuple[str, ...]]](most=4)
 
-    def predicted(self, itinerary: Itinerary, wind: Wind, fast: bool | None, noise_free: bool) -> Prediction:
+    def predicted(self, itinerary: Itinerary, wind: Wind, noise_free: bool) -> Prediction:
         simulation = MissionSimulation(itinerary, wind, state.NOISE_FREE if noise_free else state.SIH_SENSORS)
         orders, visits_done, remarks = simulation.mission_orders
         ends = list(visits_done)
 
-        exact_run = fly_noise_free(simulation, fast, self._latest)
+        exact_run = fly_noise_free(simulation, self._latest)
         exact_times = exact_run.done[ends]
         samples = exact_run.samples
         times = exact_times[None, :]
         if itinerary.visits and not noise_free:
-            steps = RUNS.most * samples[-1, 0] / RUNS.step_s
-            fly_noisy = simulation.flight_of(orders, noisy=True, fast=fast, steps=steps)
+            fly_noisy = simulation.flight_of(orders, noisy=True)
             inputs = (simulation.noise_free_constants.senses, records(orders, Order).tobytes(), visits_done)
             ((times, lost),) = self._latest_noisy.fly(
                 *(simulation.conditions, (times, ()), [inputs]),
@@ -120,7 +119,7 @@ class Px4Model(FlightModel):
             return None
         orders = simulation.mission_orders.orders
         ends = [0, *simulation.mission_orders.done]
-        fly_on = simulation.flight_of(orders, noisy=True, steps=math.inf, sampled=True)
+        fly_on = simulation.flight_of(orders, noisy=True, sampled=True)
         done = [0.0, *predicted.done]
         runs = list[Matrix]()
         for seed in range(1, RUNS.of_median + 1):
@@ -147,9 +146,7 @@ class Px4Model(FlightModel):
 
     def median_times(self, itinerary: Itinerary) -> Vector:
         simulation = MissionSimulation(itinerary)
-        orders = simulation.mission_orders.orders
-        steps = RUNS.of_median * sum(order.timeout for order in orders) / RUNS.step_s
-        fly_on = simulation.flight_of(orders, noisy=True, fast=True, steps=steps)
+        fly_on = simulation.flight_of(simulation.mission_orders.orders, noisy=True)
         ends = list(simulation.mission_orders.done)
         starts = map(simulation.at_start, range(1, RUNS.of_median + 1))
         return np.asarray(np.median([fly_on(start).done[ends] for start in starts], axis=0))

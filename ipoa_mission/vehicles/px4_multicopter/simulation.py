@@ -3,13 +3,13 @@
 import math
 from bisect import bisect_right
 from functools import lru_cache
-from typing import Any, NamedTuple, Protocol
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
 from ipoa_mission.autopilot.commands import Command
 from ipoa_mission.autopilot.returning import Contingency
-from ipoa_mission.compiled import jit_if_faster, records
+from ipoa_mission.compiled import compiled, records
 from ipoa_mission.errors import MissionError
 from ipoa_mission.forecast.itinerary.itinerary import Itinerary
 from ipoa_mission.forecast.timing.flight_model import LegSpeeds, SharedStretches, corner_deg
@@ -86,34 +86,21 @@ class MissionSimulation:
     def flown_with(self, contingency: Contingency, time: float, seed: int | None) -> tuple[FlownOrders, FlownOrders]:
         """Return a flight at an order and at its end, with a seed's noise or none."""
         noisy = seed is not None
-        steps = RUNS.most * time / RUNS.step_s
-        fly_mission = self.flight_of(self.mission_orders.orders, noisy=noisy, steps=steps, sampled=True)
+        fly_mission = self.flight_of(self.mission_orders.orders, noisy=noisy, sampled=True)
         until = fly_mission(self.at_start(seed or 0), time)
         onward = navigator.contingency_orders(contingency, until.samples[-1], self.itinerary, self.limits)
         orders = tuple(navigator.with_timeouts(onward, onward[0].start, self.limits, self.airframe.landing_delay))
         begins = until._replace(done=until.done[-1:], progress=until.progress._replace(steps=state.NOT_BEGUN))
-        return until, self.flight_of(orders, noisy=noisy, steps=steps)(begins)
+        return until, self.flight_of(orders, noisy=noisy)(begins)
 
-    def flight_of(
-        self,
-        orders: tuple[Order, ...],
-        *,
-        noisy: bool,
-        fast: bool | None = None,
-        steps: float = 0.0,
-        sampled: bool = False,
-    ) -> FlyOn:
+    def flight_of(self, orders: tuple[Order, ...], *, noisy: bool, sampled: bool = False) -> FlyOn:
         """Return a function that flies `orders` on; `sampled` or noise-free it records samples.
 
-        `steps`: expected number. It raises MissionError without progress.
+        It raises MissionError without progress.
         """
-        machine = jit_if_faster(fly, fast, steps)
-        constants = [self.noise_free_constants._replace(noisy=noisy)]
-        inputs: Any = orders
-        if machine is not fly:
-            inputs = records(orders, Order)
-            constants = records(constants, state.SimulationConstants)
-
+        machine = compiled(fly)
+        inputs = records(orders, Order)
+        constants = records([self.noise_free_constants._replace(noisy=noisy)], state.SimulationConstants)
         every = RUNS.sample_steps if sampled or not noisy else 0
 
         def fly_on(flight: FlownOrders, until: float = math.inf, to: int | None = None) -> FlownOrders:
@@ -177,12 +164,10 @@ class MissionSimulation:
         return min(order.cruise, rate * length / abs(rise)) if rise else order.cruise
 
 
-def fly_noise_free(
-    simulation: MissionSimulation, fast: bool | None, latest: SharedStretches[FlownOrders]
-) -> FlownOrders:
+def fly_noise_free(simulation: MissionSimulation, latest: SharedStretches[FlownOrders]) -> FlownOrders:
     """Fly a mission without noise, order by order; `latest` flights may share the first ones."""
     orders = simulation.mission_orders.orders
-    fly_on = simulation.flight_of(orders, noisy=False, fast=fast)
+    fly_on = simulation.flight_of(orders, noisy=False)
     sees_ground = simulation.noise_free_constants.senses.sees_ground
     stretches = [(sees_ground and order.kind == state.LAND, records([order], Order).tobytes()) for order in orders]
 

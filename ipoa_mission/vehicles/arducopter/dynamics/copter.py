@@ -9,7 +9,7 @@ import numpy as np
 import ipoa_mission.vehicles.arducopter.dynamics.legs as legs
 from ipoa_mission.autopilot.commands import Command
 from ipoa_mission.autopilot.learned import LearnedVehicle
-from ipoa_mission.compiled import jit_if_faster, records
+from ipoa_mission.compiled import compiled, records
 from ipoa_mission.errors import MissionError
 from ipoa_mission.forecast.itinerary.copter_curves import bearing_from, place_after, turn_of
 from ipoa_mission.geometry import Enu, Place, Samples
@@ -86,7 +86,6 @@ class Copter:
         limits: CopterLimits,
         wind: Wind = CALM,
         airframe: Airframe = ARDUPILOT_SIMULATOR,
-        fast: bool | None = False,
         ground: Ground = FLAT_GROUND,
     ) -> None:
         self.limits = limits
@@ -95,7 +94,6 @@ class Copter:
         self._ground = ground
         self._slowest = SLOWEST if wind.speed > 0 else math.inf
         self.speeds = MotionLimits(limits.speed, limits.climb, limits.descent)
-        self._fly_leg = jit_if_faster(fly_leg, fast, 0.0)
         self._records: dict[int, tuple[CopterLeg, Any]] = {}
         self.following, self._before = NO_LEG, NO_LEG
         self.passed = True
@@ -150,17 +148,12 @@ class Copter:
         room = max(int((until - self.state.time) / (STEP * SAMPLE_STEPS)), 0) if breaks else room
         samples = np.empty((room, 7))
         all_legs = (self._before, self.this, self.following)
-        arguments: list[Any] = [[leg] for leg in all_legs]
-        states: Any = [self.state]
-        if self._fly_leg is not fly_leg:
-            made = self._records
-            self._records = {id(leg): made.get(id(leg)) or (leg, records([leg], CopterLeg)) for leg in all_legs}
-            arguments = [self._records[id(leg)][1] for leg in all_legs]
-            states = records(states, State)
-        before, this, following = arguments
-        used = self._fly_leg(states, before, this, following, self._tuning, samples)
-        if self._fly_leg is not fly_leg:
-            self.state = State(*states[0].item())
+        made = self._records
+        self._records = {id(leg): made.get(id(leg)) or (leg, records([leg], CopterLeg)) for leg in all_legs}
+        before, this, following = (self._records[id(leg)][1] for leg in all_legs)
+        states = records([self.state], State)
+        used = compiled(fly_leg)(states, before, this, following, self._tuning, samples)
+        self.state = State(*states[0].item())
         if used == NO_ROOM and breaks:
             return samples
         if used < 0:
