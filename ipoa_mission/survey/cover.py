@@ -86,7 +86,6 @@ class _Pass:
     seconds: float
     goals: list[Plane]
     unseen: float
-    once: bool = False
 
     @property
     def rank(self) -> tuple[float, float]:
@@ -144,13 +143,12 @@ class CoverProblem:
                 laid.append((each, self._laid(each, shift)))
                 count += len(laid[-1][1])
         ordered = sorted((self._ordered(*lines, begin, end) for lines in laid), key=lambda each: each.seconds)
-        tries = [self._closed(ordered[0], once, begin, end) for once in sorted({False, self._has_holes})]
-        best = min(tries, key=lambda each: each.rank)
+        best = self._closed(ordered[0], begin, end)
         least_cost = LIMITS.gap_cost_share * (best.seconds - ordered[0].seconds)
         for other in ordered[1:]:
             if best.rank <= (0.0, other.seconds + least_cost):
                 break
-            closed = self._closed(other, best.once, begin, end)
+            closed = self._closed(other, begin, end)
             least_cost = min(least_cost, LIMITS.gap_cost_share * (closed.seconds - other.seconds))
             best = min(best, closed, key=lambda each: each.rank)
         for _ in range(LIMITS.refinements):
@@ -158,7 +156,7 @@ class CoverProblem:
             if not more:
                 break
             refined = self._ordered(best.degrees, np.concatenate([best.lines, more]), begin, end)
-            closed = self._closed(refined, best.once, begin, end)
+            closed = self._closed(refined, begin, end)
             if closed.rank >= best.rank:
                 break
             best = closed
@@ -226,12 +224,12 @@ class CoverProblem:
             path.is_on.append(True)
         return _Pass(degrees, lines, path, self._seconds(path, begin, end), [], 1.0)
 
-    def _closed(self, ordered: _Pass, once: bool, begin: Vector | None, end: Vector | None) -> _Pass:
-        """Return the pass with detours to its gaps; `once` round holes instead of to each gap."""
+    def _closed(self, ordered: _Pass, begin: Vector | None, end: Vector | None) -> _Pass:
+        """Return the pass with detours to its gaps."""
         path = SensedPath([*ordered.path.places], [*ordered.path.is_on])
-        goals, unseen = GapCloser(self.area, self.spacing, self.turns, self.cost).close(path, once)
+        goals, unseen = GapCloser(self.area, self.spacing, self.turns, self.cost).close(path)
         seconds = self._seconds(path, begin, end)
-        return replace(ordered, path=path, seconds=seconds, goals=goals, unseen=round(unseen, 4), once=once)
+        return replace(ordered, path=path, seconds=seconds, goals=goals, unseen=round(unseen, 4))
 
     def _seconds(self, path: SensedPath, begin: Vector | None, end: Vector | None) -> float:
         before, after = ([] if place is None else [np.asarray(place, float)] for place in (begin, end))

@@ -127,9 +127,11 @@ class SensedPath:
     places: list[Vector]
     is_on: list[bool] = field(default_factory=list)
 
-    def legs(self, on: bool) -> Points:
-        chosen = [n for n, each in enumerate(self.is_on) if each is on]
-        return np.array([[self.places[n], self.places[n + 1]] for n in chosen]).reshape(-1, 2, 2)
+    @property
+    def lines(self) -> Points:
+        """Return the legs with the sensor on, (n, 2, 2)."""
+        lines = [self.places[n : n + 2] for n, is_on in enumerate(self.is_on) if is_on]
+        return np.array(lines).reshape(-1, 2, 2)
 
     def insert(self, detour: Detour) -> Plane:
         """Insert a detour; return its places with both ends on the path."""
@@ -149,37 +151,17 @@ class GapCloser:
     space: FreeSpace
     cost: LegTimes
 
-    def _gaps(self, route: SensedPath) -> Any:
-        gaps = self.area.difference(area_seen_from(route.legs(True), self.width))
-        too_much = gaps.area - MAX_UNSEEN * self.area.area
-        off = [n for n, on in enumerate(route.is_on) if not on]
-        if too_much <= 0.0 or not off:
-            return gaps
-        around = shapely.buffer(shapely.linestrings(route.legs(False)), self.width / 2, quad_segs=ARC)
-        shapely.prepare(gaps)
-        touched = np.flatnonzero(shapely.intersects(gaps, around))
-        seen = shapely.area(shapely.intersection(around[touched], gaps))
-        order = np.argsort(-seen, kind="stable")
-        min_seen = 1e-3 * self.width**2  # [m^2]
-        needed = (np.cumsum(seen[order]) - seen[order] < too_much) & (seen[order] > min_seen)
-        chosen = touched[order[needed]]
-        for n in chosen:
-            route.is_on[off[n]] = True
-        return gaps.difference(union_of(around[chosen])) if len(chosen) else gaps
-
-    def close(self, route: SensedPath, once: bool) -> tuple[list[Plane], float]:
+    def close(self, route: SensedPath) -> tuple[list[Plane], float]:
         """Insert detours into `route` past its largest gaps.
 
-        With `once`, one detour round a hole sees all gaps along its edge. Return the lines (k, 2) and places (1, 2) of
-        detours, and the unseen share beyond the limit.
+        Return the lines (k, 2) and places (1, 2) of detours, and the unseen share beyond the limit.
         """
         hopeless = list[Any]()
         goals = list[Plane]()
-        left = self._gaps(route)
+        left = self.area.difference(area_seen_from(route.lines, self.width))
         max_passes = 8
         for n in range(max_passes + 1):
-            gaps = self._joined_by_hole(polygons_of(left)) if once else polygons_of(left)
-            gaps.sort(key=lambda gap: gap.area)
+            gaps = sorted(polygons_of(left), key=lambda gap: gap.area)
             lost = np.array([any(gap.equals(other) for other in hopeless) for gap in gaps], bool)
             areas = np.array([gap.area for gap in gaps])
             may_stay = max(MAX_UNSEEN * self.area.area - float(areas[lost].sum()), MAX_UNSEEN / 10 * self.area.area)
@@ -197,14 +179,6 @@ class GapCloser:
                     seen.append(shapely.LineString(route.insert(detour)).buffer(self.width / 2, quad_segs=ARC))
             left = left.difference(union_of(seen))
         return goals, max(float(areas.sum()) / self.area.area - MAX_UNSEEN, 0.0)
-
-    def _joined_by_hole(self, gaps: list[Any]) -> list[Any]:
-        rings = [ring for part in shapely.get_parts(self.space.inner) for ring in part.interiors]
-        if not rings or not gaps:
-            return gaps
-        gap, ring = shapely.STRtree(rings).query_nearest(gaps, max_distance=self.width / 2, all_matches=False)
-        others = np.setdiff1d(np.arange(len(gaps)), gap)
-        return [union_of([gaps[n] for n in gap[ring == k]]) for k in np.unique(ring)] + [gaps[n] for n in others]
 
     def _detour(self, route: SensedPath, gap: Any) -> Detour | None:
         around = self._viewpoints(gap)
