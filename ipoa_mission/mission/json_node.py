@@ -4,7 +4,7 @@ import json
 import math
 import re
 import sys
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
 from typing import Any, NoReturn
@@ -18,13 +18,14 @@ from ipoa_mission.finding import Finding, Severity
 class Node:
     """One value of a document; `place` is like `mission.items[3].params`, empty for the whole.
 
-    `findings`, shared by all: faults that did not stop the reading.
+    Shared by all: `findings`, faults that did not stop the reading, and `asked`, the keys asked for by place.
     """
 
     file: str
     place: str
     value: Any
     findings: list[Finding] = field(default_factory=list, compare=False)
+    asked: dict[str, tuple[dict[str, Any], set[str]]] = field(default_factory=dict, compare=False)
 
     @property
     def where(self) -> str:
@@ -45,8 +46,9 @@ class Node:
     def get(self, key: str) -> "Node | None":
         if not isinstance(self.value, dict):
             raise self.wrong("an object")
+        self.asked.setdefault(self.place, (self.value, set()))[1].add(key)
         place = f"{self.place}.{key}" if self.place else key
-        return Node(self.file, place, self.value[key], self.findings) if key in self.value else None
+        return replace(self, place=place, value=self.value[key]) if key in self.value else None
 
     def given(self, key: str) -> "Node | None":
         """Return the value of a key; None also for null."""
@@ -58,7 +60,7 @@ class Node:
             raise self.wrong("a list" if length is None else f"{length} {of}")
         if length is not None and len(self.value) != length:
             raise BadInput(f"expected {length} {of}, not {len(self.value)}", place=self.where)
-        return [Node(self.file, f"{self.place}[{i}]", value, self.findings) for i, value in enumerate(self.value)]
+        return [replace(self, place=f"{self.place}[{i}]", value=value) for i, value in enumerate(self.value)]
 
     def number(self, expected: str = "a number", most: float = sys.float_info.max) -> float:
         if isinstance(self.value, bool) or not isinstance(self.value, int | float) or not abs(self.value) <= most:

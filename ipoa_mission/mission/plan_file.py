@@ -218,16 +218,17 @@ def _check_numbers(listed: list[ListedItem]) -> Iterator[Finding]:
 
 
 def _listed(node: Node) -> list[ListedItem]:
-    kind = node["type"]
+    whole = replace(node, asked={})  # keys of a complex item are written back
+    kind = whole["type"]
     if kind.text() == "SimpleItem":
         return [read_item(node)]
     if kind.value != "ComplexItem":
         raise kind.wrong('"SimpleItem" or "ComplexItem"')
-    items = (node.get(TRANSECTS) or node).get(ITEMS)
+    items = (whole.get(TRANSECTS) or whole).get(ITEMS)
     if items is None:
         raise BadInput(
-            f'expected the waypoints of the complex item "{node["complexItemType"].text()}", but it holds none',
-            place=node.where,
+            f'expected the waypoints of the complex item "{whole["complexItemType"].text()}", but it holds none',
+            place=whole.where,
             hint="open the plan in QGroundControl and save it; if it still holds none (StructureScan), upload it from "
             "there, and `ipoa-mission download` reads the waypoints",
         )
@@ -316,23 +317,13 @@ def _rally(node: Node | None) -> tuple[Geodetic, ...]:
 
 
 GROUND_KEYS = ("latitude", "longitude", "aboveHome")
-#: `[]`: each member; keys without effect too.
-KEYS = {
-    "": {"fileType", "version", "groundStation", "mission", "geoFence", "rallyPoints", "landingGround", "UUID"},
-    "landingGround": {*GROUND_KEYS},
-    "mission": {
-        *("version", "firmwareType", "vehicleType", "plannedHomePosition", "items"),
-        *("cruiseSpeed", "hoverSpeed", "globalPlanAltitudeMode"),
-    },
-    "mission.items[]": {
-        *("type", "command", "frame", "params", "autoContinue", "doJumpId", "MISSION_ITEM_ID"),
-        *("Altitude", "AltitudeMode", "AMSLAltAboveTerrain"),
-    },
-    "geoFence": {"version", "polygons", "circles", "breachReturn"},
-    "geoFence.polygons[]": {"polygon", "inclusion", "version"},
-    "geoFence.circles[]": {"circle", "inclusion", "version"},
-    "geoFence.circles[].circle": {"center", "radius"},
-    "rallyPoints": {"version", "points"},
+#: Keys that are not asked for, or not always; `[]`: each member.
+WITHOUT_EFFECT = {
+    "": {"groundStation", "UUID"},
+    "mission": {"cruiseSpeed", "globalPlanAltitudeMode"},
+    "mission.items[]": {"type", "MISSION_ITEM_ID", "AMSLAltAboveTerrain"},
+    "geoFence": {"version", "breachReturn"},
+    **{key: {"version"} for key in ("geoFence.polygons[]", "geoFence.circles[]", "rallyPoints")},
 }
 #: QGroundControl always writes these; the assumption without.
 EXPECTED = {
@@ -363,24 +354,15 @@ def _lacks(plan: Node, place: str) -> bool:
     return isinstance(above, dict) and key not in above
 
 
-def _unread(node: Node, missing: set[str]) -> Iterator[Unread]:
-    if isinstance(node.value, list):
-        for child in node.array():
-            yield from _unread(child, missing)
-    elif isinstance(node.value, dict):
-        kind = re.sub(r"\[\d+\]", "[]", node.place)
-        known = KEYS.get(kind)
-        if known is None or node.value.get("type") == "ComplexItem":
-            return
-        for key, value in node.value.items():
-            if key in known:
-                yield from _unread(node[key], missing)
-            elif value not in (None, "", [], {}):
-                of_a_limit = f"{kind} {key}".lower()
-                may_limit = re.search("fence|rally|zone|polygon|circle|clusion", of_a_limit) or (
-                    not kind and missing & {"geoFence", "rallyPoints"}
-                )
-                remedy = "spell it as QGroundControl does, or ignore this code where it limits no flight"
-                place = node.place or "the file"
-                example = json.dumps(value)
-                yield Unread(node.file, f'key "{key}"', place, example, may_limit=bool(may_limit), remedy=remedy)
+def _unread(plan: Node, missing: set[str]) -> Iterator[Unread]:
+    for place, (value, asked) in plan.asked.items():
+        kind = re.sub(r"\[\d+\]", "[]", place)
+        known = asked | WITHOUT_EFFECT.get(kind, set())
+        for key, example in value.items():
+            if key in known or example in (None, "", [], {}):
+                continue
+            of_a_limit = re.search("fence|rally|zone|polygon|circle|clusion", f"{kind} {key}".lower())
+            may_limit = bool(of_a_limit) or (not kind and bool(missing & {"geoFence", "rallyPoints"}))
+            remedy = "spell it as QGroundControl does, or ignore this code where it limits no flight"
+            what = f'key "{key}"'
+            yield Unread(plan.file, what, place or "the file", json.dumps(example), may_limit=may_limit, remedy=remedy)
