@@ -263,7 +263,8 @@ class MissionRecord(NamedTuple):
 def mission_record(path: Path, text: str) -> MissionRecord:
     """Return the data of the NAME.json next to `path` if its digest matches `text`."""
     same_name = path.with_suffix(".json")
-    for about in (same_name, path.with_name(f"{path.stem.rpartition('-')[0]}.json")):
+    whole, dash, _ = path.stem.rpartition("-")
+    for about in (same_name, *([path.with_name(f"{whole}.json")] if dash else [])):
         record = _read(about)
         if _table(record.get("sha256")).get(path.name) != digest(text):
             continue
@@ -292,4 +293,6 @@ def _table(value: object) -> dict[str, Any]:
 
 
 def _finite(value: object) -> float | None:
-    return value if isinstance(value, float) and math.isfinite(value) else None
+    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
+        return None
+    return float(value)

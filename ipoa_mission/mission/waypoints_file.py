@@ -141,25 +141,20 @@ def _check_numbers(rows: Sequence[tuple[Node, Item]]) -> Iterator[Finding]:
 def _item(row: Node) -> Item:
     row["current"].whole(most=3)
     frame = row["frame"].whole(most=255)
-    params = (row[name] for name in PARAMS)
-    p1, p2, p3, p4 = (node.value if node.value != node.value else node.number() for node in params)  # NaN is valid
-    latitude, longitude = (
-        row[name].number() if frame == Frame.MISSION else _degrees(row[name]) for name in ("latitude", "longitude")
-    )
-    return Item(
-        row["command"].whole(),
-        frame,
-        (p1, p2, p3, p4),
-        latitude,
-        longitude,
-        row["altitude"].number(),
-        bool(row["autocontinue"].whole(most=1)),
-    )
+    p1, p2, p3, p4 = (_number_or_nan(row[name]) for name in PARAMS)
+    latitude, longitude = (_degrees(row[name], frame) for name in ("latitude", "longitude"))
+    altitude = row["altitude"].number()
+    autocontinue = bool(row["autocontinue"].whole(most=1))
+    return Item(row["command"].whole(), frame, (p1, p2, p3, p4), latitude, longitude, altitude, autocontinue)
 
 
-def _degrees(node: Node) -> float:
+def _number_or_nan(node: Node) -> float:
+    return math.nan if isinstance(node.value, float) and math.isnan(node.value) else node.number()
+
+
+def _degrees(node: Node, frame: int) -> float:
     value = node.number()
-    if abs(value) > 180:
+    if abs(value) > 180 and frame != Frame.MISSION:
         scaled = "divide it by 1e7: MISSION_ITEM_INT has units of 1e-7 degrees" if abs(value) > 1e6 else None
         raise node.wrong("degrees from -180 to 180", scaled)
     return value

@@ -10,7 +10,7 @@ from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.mission.item_edits import text_with, with_inserted, with_item, with_plain_items, without_item
 from ipoa_mission.mission.items import Item, Mission, MissionFile, land, takeoff, waypoint
 from ipoa_mission.mission.landing_ground import landing_height, landing_on
-from ipoa_mission.mission.mission_io import read_mission, read_mission_file, write_mission
+from ipoa_mission.mission.mission_io import digest, read_mission, read_mission_file, write_mission
 from tests.refused import refuses
 
 MISSIONS = Path(__file__).parents[2] / "missions"
@@ -93,3 +93,15 @@ def test_a_changed_landing_ground_or_survey_is_written_whole(tmp_path: Path) -> 
     survey = opened(SURVEY)
     write_mission(with_plain_items(survey.mission, 5), path, survey)
     assert "ComplexItem" not in path.read_text()
+
+
+def test_a_record_of_whole_numbers_is_read_and_a_nameless_one_is_not(tmp_path: Path) -> None:
+    home, there = Geodetic(47.4, 8.5, 400.0), Geodetic(47.401, 8.5)
+    path = tmp_path / "a.waypoints"
+    write_mission(Mission(home, (takeoff(home, 20.0), waypoint(there, 20.0), land(there))), path)
+    record = {"sha256": {path.name: digest(path.read_text())}, "estimate": {"total_s": 77}, "landing_ground_m": 12}
+    (tmp_path / ".json").write_text(json.dumps(record))
+    assert read_mission_file(path).planned is None
+    (tmp_path / "a.json").write_text(json.dumps(record))
+    assert read_mission_file(path).planned == ("a.json", 77.0)
+    assert landing_height(read_mission(path)) == 12.0
