@@ -198,8 +198,8 @@ class ContingencyPaths:
             return "here"
         names = ["home", *(f"rally point {k}" for k in range(1, len(self.forecast.itinerary.rally) + 1))]
         names += [WHERE[by] for by in self.routes.kinds]
-        possible = [name for goal, name in enumerate(names) if samples.possible[n, self._paths_to(goal)].any()]
-        return " or ".join(dict.fromkeys(possible))
+        goals = self._goals[samples.possible[n]]
+        return " or ".join(dict.fromkeys(names[goal] for goal in np.unique(goals)))
 
     def _near(self, paths: Paths, possible: NDArray[np.bool_]) -> tuple[Distances, ObstacleIndices]:
         """Bound each possible leg's distance to an obstacle, exactly if slanting and too near; also its index."""
@@ -225,23 +225,21 @@ class ContingencyPaths:
 
     def _flown_so_far(self, times: Vector, ahead: bool = False) -> tuple[Vector, NDArray[np.intp]]:
         """Return least distances (n,) of the path flown until `times`, or `ahead` after them, and obstacles."""
-        order = -1 if ahead else 1
-        near, which = (legs[::order, 0, 0] for legs in self._flown)
-        is_least = near <= np.minimum.accumulate(near)
-        nearest_yet = np.maximum.accumulate(np.where(is_least, np.arange(len(near)), 0))
-        leg = np.clip(np.searchsorted(self.stops().times, times) - 1, 0, len(near) - 1)
-        nearest = nearest_yet[len(near) - 1 - leg if ahead else leg]
-        return np.asarray(near[nearest] - SAMPLING.chord_error), np.asarray(which[nearest])
+        near, which = (legs[:, 0, 0] for legs in self._flown)
+        at = np.clip(np.searchsorted(self.stops().times, times) - 1, 0, len(near) - 1)
+        if ahead:  # the same, on the path flown back
+            near, which, at = near[::-1], which[::-1], len(near) - 1 - at
+        least = np.minimum.accumulate(near)
+        nearest = np.maximum.accumulate(np.where(near <= least, np.arange(len(near)), 0))
+        return np.asarray(least[at] - SAMPLING.chord_error), np.asarray(which[nearest[at]])
 
     def _note_mission(self, times: Vector, near: Distances, which: ObstacleIndices) -> None:
         """Reduce distances of returns along the mission, in place, to the flown path's."""
-        for by in self.routes.kinds:
-            paths = self._paths_to(self.routes.goal_along(by))
+        for path, by in enumerate(self.routes.kinds, start=-len(self.routes.kinds)):  # the last paths
             flown, obstacles = self._flown_so_far(times, ahead=by is ReturnBy.MISSION_FORWARD)
-            climbs_near, climbs_which = near[:, paths, ReturnLeg.CLIMBS], which[:, paths, ReturnLeg.CLIMBS]  # views
-            is_nearer = flown[:, None] < climbs_near
-            np.copyto(climbs_near, flown[:, None], where=is_nearer)
-            np.copyto(climbs_which, obstacles[:, None], where=is_nearer)
+            is_nearer = flown < near[:, path, ReturnLeg.CLIMBS]
+            near[is_nearer, path, ReturnLeg.CLIMBS] = flown[is_nearer]
+            which[is_nearer, path, ReturnLeg.CLIMBS] = obstacles[is_nearer]
 
     @cached_property
     def _flown(self) -> tuple[Distances, ObstacleIndices]:
@@ -275,40 +273,48 @@ class ContingencyPaths:
                     slack[n] = left
         return replace(samples, near=near, which=which, slack=slack)
 
-    @property
+    @cached_property
     def _shares(self) -> tuple[float, ...]:
         """Shares of the way back at which it climbs."""
         return (0.0, 0.5, 1.0) if self.mission.autopilot.guidance.climbs_coming_back else (0.0,)
 
-    @property
-    def _variants(self) -> int:
-        """Paths to one goal: each share, then each error over terrain."""
-        return len(self._shares) + len(self.routes.off_terrain)
-
-    def _paths_to(self, goal: int) -> slice:
-        return slice(goal * self._variants, (goal + 1) * self._variants)
+    @cached_property
+    def _goals(self) -> NDArray[np.intp]:
+        """The goal of each path of a return, (k,): those to home and rally points, then those along the mission."""
+        direct = 1 + len(self.forecast.itinerary.rally)
+        each = len(self._shares) + len(self.routes.off_terrain)
+        return np.concatenate([np.repeat(np.arange(direct), each), direct + np.arange(len(self.routes.kinds))])
 
     def returns(self, places: Points, stops: Points, seqs: NDArray[np.intp]) -> tuple[Paths, NDArray[np.bool_]]:
-        """Return paths (n, k, p, 3), k as `_paths_to` goals, p: ends of `ReturnLeg`; which are possible (n, k)."""
+        """Return paths (n, k, p, 3) to `_goals` (k,), p: ends of `ReturnLeg`; which are possible (n, k).
+
+        To home and each rally point: one for each share, then one for each error over terrain.
+        """
         guidance = self.mission.autopilot.guidance
         begins = (places if guidance.climbs_coming_back else stops).copy()
         if guidance.returns_from_order:
             begins[:, 2] = places[:, 2]
-        to_goals = self.forecast.returns_from(begins)
         ups = self.forecast.placed(np.array([HOME, *self.forecast.itinerary.rally]))[:, 2].tolist()
         paths = list[NDArray[np.float64]]()
-        for path, up in zip(to_goals, ups, strict=True):
+        follows_terrain = list[bool]()
+        for path, up in zip(self.forecast.returns_from(begins), ups, strict=True):
             paths += self._at_return_height(places, stops, path)
             for off in self.routes.off_terrain:
                 paths.append(self.routes.over_terrain(places, path[:, 0], path[:, 2], up, off))
+            follows_terrain += [False] * len(self._shares) + [True] * len(self.routes.off_terrain)
         starts = np.stack([places, stops, stops, stops], axis=1)
-        for by in self.routes.kinds:
-            paths += [self.routes.paths(by, starts, seqs)] * self._variants
+        paths += [self.routes.paths(by, starts, seqs) for by in self.routes.kinds]
+        follows_terrain += [True] * len(self.routes.kinds)
         most = max(path.shape[1] for path in paths)
         for k, path in enumerate(paths):
             repeated = np.repeat(path[:, -2:-1], most - path.shape[1], axis=1)  # the last but one
             paths[k] = np.concatenate([path[:, :-1], repeated, path[:, -1:]], axis=1)
-        return np.stack(paths, axis=1), self._possible(begins, seqs, len(to_goals) + len(self.routes.kinds))
+        possible = np.zeros((len(begins), len(paths)), dtype=bool)
+        for row, begin, seq in zip(possible, begins, seqs.tolist(), strict=True):
+            row[:] = np.isin(self._goals, list(self.routes.goals(begin, seq, SAMPLING.position_error)))
+        if self.routes.always_over_terrain:
+            possible &= follows_terrain
+        return np.stack(paths, axis=1), possible
 
     def _at_return_height(
         self, places: Points, stops: Points, path: NDArray[np.float64]
@@ -319,16 +325,6 @@ class ContingencyPaths:
             begins[:, :2] = stops[:, :2] + share * (places - stops)[:, :2]
             over[:, :2] = begins[:, :2]
             yield np.stack([places, stops, begins, over, beyond, ground], axis=1)
-
-    def _possible(self, stops: Points, seqs: NDArray[np.intp], n_goals: int) -> NDArray[np.bool_]:
-        chosen = np.zeros((len(stops), n_goals), dtype=bool)
-        for row, stop, seq in zip(chosen, stops, seqs, strict=True):
-            row[list(self.routes.goals(stop, int(seq), SAMPLING.position_error))] = True
-        possible = np.repeat(chosen, self._variants, axis=1)
-        if self.routes.always_over_terrain:
-            is_over_terrain = [False] * len(self._shares) + [True] * len(self.routes.off_terrain)
-            possible &= np.tile(is_over_terrain, n_goals)
-        return possible
 
     def landings(self, places: Points, stops: Points, farthest: Points) -> Paths:
         """Return paths (n, 2, 4, 3) down at `stops`, and sinking towards `farthest`."""
