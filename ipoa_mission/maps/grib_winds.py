@@ -9,7 +9,7 @@ from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
-from ipoa_mission.errors import BadInput, NotCovered, NothingThere, WrongFormat, imported
+from ipoa_mission.errors import BadInput, NothingThere, WrongFormat, imported
 from ipoa_mission.files import reading
 from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.maps import wind_levels
@@ -37,15 +37,6 @@ class _Moment(NamedTuple):
     member: int
 
 
-class _Message(NamedTuple):
-    """`axis_deg`: of the grid's y axis, for a component along the axes."""
-
-    moment: _Moment
-    component: Component
-    value: float
-    axis_deg: float | None
-
-
 def grib_winds(path: Path, place: Geodetic) -> ForecastWinds:
     eccodes = imported("eccodes", f"{path}: a forecast of winds needs eccodes", "wind")
     winds = ForecastWinds(path, place)
@@ -53,11 +44,10 @@ def grib_winds(path: Path, place: Geodetic) -> ForecastWinds:
     axes = dict[_Moment, float]()
     parts = defaultdict[_Moment, dict[Component, list[float]]](lambda: defaultdict(list))
     for number, handle in enumerate(_messages(eccodes, path), 1):
-        message = _read(eccodes, handle, f"message {number}", winds, nearest)
-        if message is not None:
-            parts[message.moment][message.component].append(message.value)
-            if message.axis_deg is not None:
-                axes[message.moment] = message.axis_deg
+        for moment, component, value, axis_deg in _read(eccodes, handle, f"message {number}", winds, nearest):
+            parts[moment][component].append(value)
+            if axis_deg is not None:
+                axes[moment] = axis_deg
 
     members = defaultdict[tuple[float, Datum, np.datetime64], set[int]](set)
     for moment, values in parts.items():
@@ -84,8 +74,7 @@ def _samples(
     if pairs and axis_deg is not None:
         pairs = wind_levels.to_east_north(np.array(pairs), axis_deg).tolist()
     if not pairs:
-        polar = [*zip(speeds, np.radians(directions), strict=False)]
-        pairs = [(-speed * np.sin(angle), -speed * np.cos(angle)) for speed, angle in polar]
+        pairs = [wind_levels.towards(*polar) for polar in zip(speeds, directions, strict=False)]
         odd = len(speeds) + len(directions) - 2 * len(pairs)
         winds.note("speed or direction of a wind without the other", *where, odd)
     components = np.array(pairs, float).reshape(-1, 2)
@@ -112,7 +101,11 @@ def _messages(eccodes: Any, path: Path) -> Iterator[Any]:
         raise NothingThere("expected a forecast of winds in GRIB, but the file has no message", place=path)
 
 
-def _read(eccodes: Any, handle: Any, where: str, winds: ForecastWinds, nearest: dict[str, Nearest]) -> _Message | None:
+def _read(
+    eccodes: Any, handle: Any, where: str, winds: ForecastWinds, nearest: dict[str, Nearest]
+) -> Iterator[tuple[_Moment, Component, float, float | None]]:
+    """Yield a component of a wind [m/s, deg], and the direction of the grid's y axis if it is along the axes."""
+
     def get(key: str, kind: type = str) -> Any:
         return eccodes.codes_get(handle, key, kind) if eccodes.codes_is_defined(handle, key) else None
 
@@ -128,18 +121,22 @@ def _read(eccodes: Any, handle: Any, where: str, winds: ForecastWinds, nearest: 
     if component is None:
         if is_wind:
             winds.note(f"{get('name')} at {level_type}", where, get("level"))
-        return None
+        return
     above_ground = short is not None and short[1] and level_type == "surface"  # ECMWF's 10 m wind in GRIB 1
     data = {"heightAboveGround": Datum.GROUND, "heightAboveSea": Datum.SEA}
     datum = Datum.GROUND if above_ground else data.get(level_type)
     if datum is None:
         winds.note(f"wind at {level_type}, which is no height", where, get("level"))
-        return None
+        return
     aggregation = _aggregation(get)
     if aggregation:
         winds.note(f"{get('name')}, {aggregation}", where, get("level"))
-        return None
-    index, *place = _nearest(eccodes, handle, winds, nearest)
+        return
+    grid = get("md5GridSection")
+    if grid not in nearest:
+        latitudes, longitudes = (eccodes.codes_get_array(handle, key) for key in ("latitudes", "longitudes"))
+        nearest[grid] = wind_levels.nearest_point(latitudes, longitudes, winds)
+    index, *place = nearest[grid]
     axis_deg = _axis_deg(eccodes, get, winds.path, *place) if component in (Component.EAST, Component.NORTH) else None
     target = "deg" if component is Component.FROM else "m/s"
     unit = get("units")
@@ -149,7 +146,7 @@ def _read(eccodes: Any, handle: Any, where: str, winds: ForecastWinds, nearest: 
     missing = bool(get("bitmapPresent", int)) and value == get("missingValue", float)
     height = float(short[1]) if above_ground and short is not None else get("level", float)
     moment = _Moment(height, datum, _valid_time(get), get("number", int) or 0)
-    return _Message(moment, component, np.nan if missing else value * factor, axis_deg)
+    yield moment, component, np.nan if missing else value * factor, axis_deg
 
 
 def _axis_deg(eccodes: Any, get: Any, path: Path, latitude_deg: float, longitude_deg: float) -> float | None:
@@ -183,21 +180,3 @@ def _valid_time(get: Any) -> np.datetime64:
     clock = get("validityTime", int)
     day = np.datetime64(f"{date[:4]}-{date[4:6]}-{date[6:]}", "s")
     return day + np.timedelta64(clock // 100 * 60 + clock % 100, "m")
-
-
-def _nearest(eccodes: Any, handle: Any, winds: ForecastWinds, known: dict[str, Nearest]) -> Nearest:
-    place = winds.place
-    grid = eccodes.codes_get(handle, "md5GridSection")
-    if grid not in known:
-        latitudes, longitudes = (eccodes.codes_get_array(handle, key) for key in ("latitudes", "longitudes"))
-        north = np.abs(latitudes - place.latitude_deg)
-        east = np.abs((longitudes - place.longitude_deg + 180.0) % 360.0 - 180.0)
-        index = int(np.hypot(north, east * np.cos(np.radians(place.latitude_deg))).argmin())
-        if max(north[index], east[index]) > wind_levels.FARTHEST_DEG:
-            raise NotCovered(
-                f"expected a forecast of home's place, {place.latitude_deg:g}, {place.longitude_deg:g}; "
-                f"the nearest point is {latitudes[index]:g}, {(longitudes[index] + 180.0) % 360.0 - 180.0:g}",
-                place=winds.path,
-            )
-        known[grid] = index, float(latitudes[index]), float(longitudes[index])
-    return known[grid]

@@ -14,7 +14,7 @@ import numpy as np
 from pyproj import CRS
 from pyproj.exceptions import CRSError
 
-from ipoa_mission.errors import BadInput, MissionError, NotCovered, WrongFormat, imported
+from ipoa_mission.errors import BadInput, MissionError, WrongFormat, imported
 from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.maps import wind_levels
 from ipoa_mission.maps.wind_levels import Component, Datum, ForecastWinds
@@ -244,9 +244,7 @@ def _samples(
         times, at_home = _valid_times(at_home, winds.path)
         values.append(np.asarray(at_home, float).ravel() * factor)
     if second is not Component.NORTH:
-        speed = values[0] if second is Component.TO else -values[0]
-        angle = np.radians(values[1])
-        values = [speed * np.sin(angle), speed * np.cos(angle)]
+        values = [*wind_levels.towards(-values[0] if second is Component.TO else values[0], values[1])]
     components = np.stack(values, axis=-1)
     if axis_deg is not None:
         components = wind_levels.to_east_north(components, axis_deg)
@@ -268,7 +266,6 @@ def _grid(data: Any, variable: Any) -> CRS | tuple[float, float] | None:
 
 def _at_place(variable: Any, winds: ForecastWinds) -> tuple[Any, float | None]:
     """Return the value at the nearest point, and the direction of the y axis for a component along the axes."""
-    place = winds.place
     latitude, longitude = (_degrees(variable, kind, winds.path) for kind in ("latitude", "longitude"))
     relative = variable.attrs.get("GRIB_uvRelativeToGrid")
     is_named = variable.attrs.get("standard_name") in GEOGRAPHIC
@@ -284,19 +281,10 @@ def _at_place(variable: Any, winds: ForecastWinds) -> tuple[Any, float | None]:
             f"{' or '.join(ALONG_AXES)}, with a grid_mapping; or take the GRIB file",
             place=f"{winds.path}: {variable.name}",
         )
-    north = latitude - place.latitude_deg
-    east = (longitude - place.longitude_deg + 180.0) % 360.0 - 180.0
-    away = np.hypot(north, east * np.cos(np.radians(place.latitude_deg))).fillna(np.inf)
-    nearest = {name: int(index) for name, index in away.argmin(away.dims).items()}
-    north_off, east_off, *point = (
-        float(each.isel(nearest, missing_dims="ignore")) for each in (abs(north), abs(east), latitude, longitude)
-    )
-    if not max(north_off, east_off) <= wind_levels.FARTHEST_DEG:
-        raise NotCovered(
-            f"expected a forecast of home's place, {place.latitude_deg:g}, {place.longitude_deg:g}; "
-            f"the nearest {latitude.name} and {longitude.name} are {north_off:g} and {east_off:g} degrees away",
-            place=winds.path,
-        )
+    latitude, longitude = latitude.broadcast_like(longitude), longitude.broadcast_like(latitude)
+    longitude = longitude.transpose(*latitude.dims)
+    n, *point = wind_levels.nearest_point(latitude.values.ravel(), longitude.values.ravel(), winds)
+    nearest = dict(zip(latitude.dims, np.unravel_index(n, latitude.shape), strict=True))
     return variable.isel(nearest), None if grid is None or not is_along else wind_levels.grid_north(grid, *point)
 
 

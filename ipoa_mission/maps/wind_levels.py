@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pyproj import CRS, Geod, Proj
 
-from ipoa_mission.errors import BadInput, imported
+from ipoa_mission.errors import BadInput, NotCovered, imported
 from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.geometry import Plane
 from ipoa_mission.unread import Unread
@@ -64,6 +64,26 @@ class ForecastWind:
     wind: Wind
     remarks: tuple[str, ...]
     unread: tuple[Unread, ...] = ()
+
+
+def nearest_point(latitudes: Any, longitudes: Any, winds: ForecastWinds) -> tuple[int, float, float]:
+    """Return the number of the grid point nearest to home, its latitude and longitude [deg]; raise NotCovered."""
+    home = winds.place
+    north = np.abs(latitudes - home.latitude_deg)
+    east = np.abs((longitudes - home.longitude_deg + 180.0) % 360.0 - 180.0)
+    away = np.hypot(north, east * np.cos(np.radians(home.latitude_deg)))
+    n = int(np.where(np.isnan(away), np.inf, away).argmin())
+    latitude, longitude = (float(values[n]) for values in (latitudes, longitudes))
+    if not max(north[n], east[n]) <= FARTHEST_DEG:
+        words = f"expected a forecast of home's place, {home.latitude_deg:g}, {home.longitude_deg:g}"
+        nearest = f"the nearest point is {latitude:g}, {(longitude + 180.0) % 360.0 - 180.0:g}"
+        raise NotCovered(f"{words}; {nearest}", place=winds.path)
+    return n, latitude, longitude
+
+
+def towards(speed: Any, from_deg: Any) -> tuple[Any, Any]:
+    """Return east and north of winds by the direction that they blow from."""
+    return -speed * np.sin(np.radians(from_deg)), -speed * np.cos(np.radians(from_deg))
 
 
 def grid_north(grid: str | CRS | tuple[float, float], latitude_deg: float, longitude_deg: float) -> float:
