@@ -121,9 +121,6 @@ RULES: Mapping[str, Rule] = {
         "Plan it, or move the waypoints; for a way home see the hint.", True),
     "flights-too-near": Rule("Fewer flights than required keep the clearance.",
         "Plan it, give it more room, or require less.", True),
-    "noise-decides": Rule(
-        "PX4 1.18 may climb or sink first when it leaves a waypoint: too few flights keep the clearance with that.",
-        "Give it more room above and below, or fly level there.", True),
     "return-too-near": Rule("An RTL on the way would come too near to an obstacle or the ground.",
         "Set the return altitude in the hint.", True),
     "land-too-near": Rule("A failsafe of the vehicle lands in place: on an obstacle, or too near to it.",

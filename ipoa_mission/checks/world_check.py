@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Iterable, Iterator, Sequence
-from contextlib import suppress
 from typing import Any
 
 import numpy as np
@@ -36,7 +35,6 @@ def check_world(forecast: Forecast, is_flown: bool, before: Iterable[Finding]) -
         for finding in check_clearance(forecast.mission, forecast.world, guarantee):
             if judged.get(finding.seq) not in (Severity.ERROR, finding.severity):  # else the leg's finding says it
                 findings.append(finding)
-        findings += _check_noise(forecast, guarantee)
     if uneven := forecast.over_uneven_terrain:
         words = f"{name_items(uneven)}: height over uneven terrain is not modeled; the clearance of flights is unknown"
         findings.append(Finding("terrain-clearance", Severity.WARNING, uneven[0], words))
@@ -108,18 +106,6 @@ def check_clearance(mission: Mission, scenario: Scenario, guarantee: ClearanceGu
         touches = limit.limit == "obstacles" and limit.guaranteed < scenario.vehicle.radius
         report = item.error if limit.forbids or touches else item.warning
         yield report("flights-too-near", f"{_where(limit)}: {limit.words(guarantee.confidence)}")
-
-
-def _check_noise(forecast: Forecast, guarantee: ClearanceGuarantee) -> Iterator[Finding]:
-    known = {(limit.limit, limit.part) for limit in guarantee.broken}
-    with_noise = guarantee
-    with suppress(MissionError):  # the estimate says it
-        with_noise = forecast.guarantee_in_noise
-    for limit in with_noise.broken:
-        if (limit.limit, limit.part) not in known:
-            words = f"{_where(limit)}: noise decides how this version leaves a waypoint; with that, "
-            words += limit.words(guarantee.confidence)
-            yield item_of(forecast.mission, limit.item).warning("noise-decides", words)
 
 
 def _where(limit: KeptLimit) -> str:

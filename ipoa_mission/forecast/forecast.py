@@ -238,15 +238,6 @@ class Forecast:
     @cached_property
     def guarantee(self) -> "ClearanceGuarantee":
         """Return the kept limits; raises as `predicted`, and if the path is unknown."""
-        return self._guarantee(self.mission.autopilot.part(FlightModel).counts_spread(self.itinerary))
-
-    @cached_property
-    def guarantee_in_noise(self) -> "ClearanceGuarantee":
-        """Return `guarantee` with any spread."""
-        is_counted = self.mission.autopilot.part(FlightModel).counts_spread(self.itinerary)
-        return self.guarantee if is_counted else self._guarantee(with_spread=True)
-
-    def _guarantee(self, with_spread: bool) -> "ClearanceGuarantee":
         from ipoa_mission.forecast.deviation.clearance_guarantee import PredictedFlight, clearance_guarantee_of
         from ipoa_mission.forecast.deviation.kept_limits import clearance_task
 
@@ -254,8 +245,7 @@ class Forecast:
         task = clearance_task(self.world, self.mission.autopilot)
         predicted = self.predicted(noise_free=True)
         model = self.mission.autopilot.part(FlightModel)
-        is_spread = with_spread and task.chance is not None
-        spread = model.spread(self.itinerary, self._air, predicted) if is_spread else None
+        spread = None if task.chance is None else model.spread(self.itinerary, self._air, predicted)
         track = self.placed_track(predicted.track.local())
         return clearance_guarantee_of(PredictedFlight(self.itinerary, predicted, track, task, spread))
 

@@ -26,7 +26,7 @@ from ipoa_mission.forecast.contingency.return_routes import WHERE, ReturnRoutes
 from ipoa_mission.forecast.deviation.clearance_guarantee import PredictedFlight
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.timing.track import interpolate
-from ipoa_mission.geometry import Points, Vector, as_place
+from ipoa_mission.geometry import Matrix, Points, Vector, as_place
 from ipoa_mission.planning.proof import Check, prove_ground
 from ipoa_mission.world.airspace import NOTHING_NEAR, ROUNDING, Clearance
 
@@ -151,45 +151,52 @@ class ContingencyPaths:
             home = np.broadcast_to(self.flight.pieces.points[0], (len(times), 1, 1, 3))
             paths = np.concatenate([paths, home], axis=2)
 
-        near, which = self._near(paths, possible)
+        spread = self._spread(times)
+        near = np.empty((*possible.shape, paths.shape[2] - 1))
+        which = np.empty(near.shape, dtype=np.intp)
+        for height in np.unique(spread[:, 1]).tolist():
+            rows = spread[:, 1] == height
+            near[rows], which[rows] = self._near(paths[rows], possible[rows], self.enlarged.taller(height))
         if contingency is Contingency.SMART_RTL:
             near[:, 0, 1], which[:, 0, 1] = self._flown_so_far(times)
         if contingency is Contingency.RTL:
             self._note_mission(times, near, which)
-        spread = self._spread(times)
-        near -= spread[:, None, None]
+        near -= spread[:, :1, None]
         slack = np.where(possible, near.min(axis=2) - self.required, np.inf).min(axis=1).clip(max=SAMPLING.max_slack)
         return self._with_ground(contingency, ContingencySamples(times, paths, possible, near, which, slack, spread))
 
     def exact_clearance(self, contingency: Contingency, samples: ContingencySamples, n: int) -> Clearance:
         if contingency is Contingency.SMART_RTL:
-            braking = self.enlarged.obstacle_clearance(samples.paths[n, 0, :2]).minus(float(samples.spread[n]))
+            braking = self.enlarged.obstacle_clearance(samples.paths[n, 0, :2])
             number = int(samples.which[n, 0, 1])
             name = self.enlarged.whole.obstacles[number].name if number >= 0 else "nothing"
             flown = Clearance(float(samples.near[n, 0, 1]), as_place(samples.paths[n, 0, 1]), name, 1)
             return min(braking, flown, key=lambda clearance: clearance.distance)
         least = NOTHING_NEAR
+        enlarged = self.enlarged.taller(float(samples.spread[n, 1]))
         for path in samples.paths[n][samples.possible[n]]:
-            nearer = self.enlarged.obstacle_clearance(path, within=least.distance)
+            nearer = enlarged.obstacle_clearance(path, within=least.distance)
             least = min(least, nearer, key=lambda clearance: clearance.distance)
-        return least.minus(float(samples.spread[n]))
+        return least.minus(float(samples.spread[n, 0]))
 
     def lowest_height(self, contingency: Contingency, samples: ContingencySamples, n: int) -> Check:
         paths = samples.paths[n, samples.possible[n], : _end_of_flight(contingency)]
         paths = paths[:1] if contingency is Contingency.LAND else paths
         checks = (check for path in paths for check in prove_ground(path, self.forecast.world))
         lowest = min(checks, key=lambda check: check.slack)
-        return replace(lowest, nearest=lowest.nearest.minus(float(samples.spread[n])))
+        return replace(lowest, nearest=lowest.nearest.minus(float(samples.spread[n].max())))
 
-    def _spread(self, times: Vector) -> Vector:
-        """Return how far flights spread within a second of `times` (n,) [m], beyond the enlarged obstacles."""
+    def _spread(self, times: Vector) -> Matrix:
+        """Return the spread within a second of `times` (n,), (n, 2) [m]; heights rounded up."""
         if self.flight.spread is None or self.enlarged.whole is self.forecast.world.airspace:
-            return np.zeros(len(times))
+            return np.zeros((len(times), 2))
         pieces = self.flight.pieces
-        spread = np.append(pieces.spread.max(axis=1), 0.0)
+        step = 0.5  # [m]
+        height = np.ceil(pieces.spread[:, 1:].max(axis=1) / step) * step
+        spread = np.vstack([np.column_stack([pieces.spread[:, 0], height]), np.zeros(2)])
         first = np.clip(np.searchsorted(pieces.times, times - 1.0) - 1, 0, len(spread) - 2)
         last = np.clip(np.searchsorted(pieces.times, times + 1.0), first + 1, len(spread) - 1)
-        alternating = np.maximum.reduceat(spread, np.column_stack([first, last]).ravel())
+        alternating = np.maximum.reduceat(spread, np.column_stack([first, last]).ravel(), axis=0)
         return np.asarray(alternating[::2])  # maximum over each [first, last)
 
     def goal_names(self, contingency: Contingency, samples: ContingencySamples, n: int) -> str:
@@ -201,9 +208,11 @@ class ContingencyPaths:
         goals = self._goals[samples.possible[n]]
         return " or ".join(dict.fromkeys(names[goal] for goal in np.unique(goals)))
 
-    def _near(self, paths: Paths, possible: NDArray[np.bool_]) -> tuple[Distances, ObstacleIndices]:
+    def _near(
+        self, paths: Paths, possible: NDArray[np.bool_], enlarged: EnlargedAirspace
+    ) -> tuple[Distances, ObstacleIndices]:
         """Bound each possible leg's distance to an obstacle, exactly if slanting and too near; also its index."""
-        airspace = self.enlarged.whole
+        airspace = enlarged.whole
         within = self.required + SAMPLING.max_slack
         parts = paths.shape[2] - 1
         flown = paths[possible]
@@ -216,8 +225,8 @@ class ContingencyPaths:
         slanting &= is_braking | (np.abs(ends[:, 2] - starts[:, 2]) > 0.5)  # [m]
         for leg in np.flatnonzero(slanting & (near < self.required)):
             near[leg], _ = airspace.obstacles[which[leg]].leg_clearance(starts[leg], ends[leg])
-        for leg in np.flatnonzero((near < self.required) & self.enlarged.at_tight_place(starts, ends)):
-            near[leg], which[leg] = self.enlarged.leg_clearance(starts[leg], ends[leg], within)
+        for leg in np.flatnonzero((near < self.required) & enlarged.at_tight_place(starts, ends)):
+            near[leg], which[leg] = enlarged.leg_clearance(starts[leg], ends[leg], within)
         found = np.full((*possible.shape, parts), np.inf), np.full((*possible.shape, parts), -1)
         for values, of in zip(found, (near, which), strict=True):
             values[possible] = of.reshape(-1, parts)
@@ -245,7 +254,8 @@ class ContingencyPaths:
     def _flown(self) -> tuple[Distances, ObstacleIndices]:
         places = self.stops().places
         places = places if len(places) > 1 else np.repeat(places, 2, axis=0)
-        return self._near(np.stack([places[:-1], places[1:]], axis=1)[:, None], np.full((len(places) - 1, 1), True))
+        legs = np.stack([places[:-1], places[1:]], axis=1)[:, None]
+        return self._near(legs, np.full((len(places) - 1, 1), True), self.enlarged)
 
     def _with_ground(self, contingency: Contingency, samples: ContingencySamples) -> ContingencySamples:
         world = self.forecast.world
@@ -257,15 +267,16 @@ class ContingencyPaths:
         rows, numbers = np.nonzero(possible)
         rows = in_cruise[rows]
         paths = samples.paths[rows, numbers, :end]
-        enough = world.limits.height_above_ground + ROUNDING + float(samples.spread.max(initial=0.0))
+        spread = samples.spread.max(axis=1)
+        enough = world.limits.height_above_ground + ROUNDING + float(spread.max(initial=0.0))
         legs = paths[:, :-1].reshape(-1, 3), paths[:, 1:].reshape(-1, 3)
         heights = world.airspace.terrain.legs_height(*legs, enough).reshape(-1, paths.shape[1] - 1)
-        is_low = heights.min(axis=1) - samples.spread[rows] < world.limits.height_above_ground + ROUNDING
+        is_low = heights.min(axis=1) - spread[rows] < world.limits.height_above_ground + ROUNDING
 
         near, which, slack = samples.near.copy(), samples.which.copy(), samples.slack.copy()
         for n, k in zip(rows[is_low].tolist(), numbers[is_low].tolist(), strict=True):
             for check in prove_ground(samples.paths[n, k, :end], world):
-                left = check.slack - samples.spread[n]
+                left = check.slack - spread[n]
                 if left < min(slack[n], 0.0):
                     leg = min(check.nearest.leg, near.shape[2] - 1)
                     near[n, k, leg] = self.required + left

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ipoa_mission.forecast.timing.track import interpolate
-from ipoa_mission.geometry import Points, Vector
+from ipoa_mission.geometry import Matrix, Points, Vector
 
 Paths: TypeAlias = NDArray[np.float64]  # (n, k, p, 3) [m]
 Distances: TypeAlias = NDArray[np.float64]  # of legs (n, k, p - 1) [m]
@@ -61,7 +61,7 @@ class ContingencySamples:
     """One contingency, ordered at each of `times` (n,) [s after arming].
 
     `possible` (n, k): whether a path may be flown. `near`, `which`: the thing nearest to a leg; infinite, -1 for none.
-    `slack` (n,): to the required distance [m]. `spread` (n,): subtracted from distances, for noise [m].
+    `slack` (n,): to the required distance [m]. `spread` (n, 2): to a side, in height [m].
     """
 
     times: Vector
@@ -70,7 +70,7 @@ class ContingencySamples:
     near: Distances
     which: ObstacleIndices
     slack: Vector
-    spread: Vector
+    spread: Matrix
 
     @property
     def clear(self) -> NDArray[np.bool_]:

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
@@ -41,6 +42,20 @@ class EnlargedAirspace:
             return cls(whole, whole)
         tight = tight_places(scenario, task.law.lateral.distance(task.chance / SHARING) + MIN_GROWTH)
         return cls(whole, with_margins(task, SHARING).airspace if tight else whole, tight)
+
+    @cached_property
+    def _by_height(self) -> dict[float, "EnlargedAirspace"]:
+        return {0.0: self}
+
+    def taller(self, by: float) -> "EnlargedAirspace":
+        """Extend obstacles down and up [m]."""
+        if by not in self._by_height:
+            airspaces = (
+                replace(airspace, obstacles=tuple(body.grown(0.0, by, by) for body in airspace.obstacles))
+                for airspace in (self.whole, self.left)
+            )
+            self._by_height[by] = EnlargedAirspace(*airspaces, self.tight)
+        return self._by_height[by]
 
     def at_tight_place(self, starts: Points, ends: Points) -> NDArray[np.bool_]:
         """Return which legs (n,) come within reach of a tight place."""

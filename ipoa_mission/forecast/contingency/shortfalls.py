@@ -169,13 +169,14 @@ def find_shortfalls(
 
 def nearest_of_legs(paths: ContingencyPaths, samples: ContingencySamples, n: int, legs: range) -> Check:
     parts = [path[legs.start : legs.stop + 1] for path in samples.paths[n][samples.possible[n]]]
-    spread = float(samples.spread[n])
+    aside, height = samples.spread[n].tolist()
     if GROUND in samples.which[n, :, legs.start : legs.stop]:
         checks = (check for part in parts for check in prove_ground(part[:2], paths.forecast.world))
         lowest = min(checks, key=lambda check: check.slack)
-        return replace(lowest, nearest=lowest.nearest.minus(spread))
-    clearances = (paths.enlarged.obstacle_clearance(part) for part in parts)
-    return Check("obstacles", min(clearances, key=lambda near: near.distance).minus(spread), paths.required)
+        return replace(lowest, nearest=lowest.nearest.minus(max(aside, height)))
+    enlarged = paths.enlarged.taller(height)
+    nearest = min(map(enlarged.obstacle_clearance, parts), key=lambda near: near.distance)
+    return Check("obstacles", nearest.minus(aside), paths.required)
 
 
 def nearest_of(paths: ContingencyPaths, contingency: Contingency, samples: ContingencySamples, n: int) -> Check:

@@ -144,16 +144,20 @@ def _bound(law: DeviationLaw, chance: float | None) -> kept_limits.DeviationBoun
 
 
 def _worst_checks(part: Pieces, task: kept_limits.ClearanceTask, bound: kept_limits.DeviationBound) -> Iterable[Check]:
-    side, down, up = np.vstack([part.spread, part.spread[-1:]]).T
-    wider = replace(bound, lateral=bound.lateral + float(side.max()))
+    stretch = 16 if part.spread.any() else len(part.spread)  # pieces in 2 s
     worst = dict[tuple[str, float], Check]()
-    for heights in (-down, up) if part.spread.any() else (up,):
-        path = part.points.copy()
-        path[:, 2] += heights
-        for check in kept_limits.limits_kept(thinned(path), task.path, wider):
-            known = worst.setdefault((check.limit, check.required), check)
-            if (known.nearest.distance > check.nearest.distance) != check.at_most:
-                worst[check.limit, check.required] = check
+    for first in range(0, len(part.spread), stretch):
+        points = part.points[first : first + stretch + 1]
+        spread = part.spread[first : first + stretch]
+        side, down, up = np.vstack([spread, spread[-1:]]).T
+        wider = replace(bound, lateral=bound.lateral + float(side.max()))
+        for heights in (-down, up) if spread.any() else (up,):
+            path = points.copy()
+            path[:, 2] += heights
+            for check in kept_limits.limits_kept(thinned(path), task.path, wider):
+                known = worst.setdefault((check.limit, check.required), check)
+                if (known.nearest.distance > check.nearest.distance) != check.at_most:
+                    worst[check.limit, check.required] = check
     return worst.values()
 
 

@@ -144,10 +144,6 @@ class FlightModel(ABC):
         """Return the deviation due to this route, beyond the deviation law, (n, 3) as in `Pieces`; None: nowhere."""
         return None
 
-    def counts_spread(self, itinerary: Itinerary) -> bool:
-        """Return whether the guarantee counts `spread`; else `check` warns."""
-        return True
-
     @abstractmethod
     def kinematics(self, parameters: Parameters, speed: float | None = None) -> Kinematics:
         """Return the limits that parameters set; `speed` is that of DO_CHANGE_SPEED [m/s]."""
