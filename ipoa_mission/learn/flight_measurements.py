@@ -20,6 +20,7 @@ from ipoa_mission.errors import LogUseless, MissionError
 from ipoa_mission.forecast.timing.flight_model import Z_90, FlightModel
 from ipoa_mission.geometry import GRAVITY, Matrix, Points, Vector
 from ipoa_mission.logs.flight_log import LoggedFlight
+from ipoa_mission.logs.logged import in_order
 
 LEAST_MEASURED_HEIGHT = 2.0  # beyond the ground effect [m]
 MIN_TIME_S = 20.0  # aloft
@@ -46,7 +47,7 @@ def logged_track(flight: LoggedFlight) -> LoggedTrack:
     rows = rows[np.isfinite(rows).all(axis=1)] if len(rows) else np.empty((0, 6))
     if not len(rows) or np.ptp(rows[:, 0]) > 86_400.0:  # [s]
         raise LogUseless("it has no positions" if not len(rows) else "its clock is wrong")
-    rows = rows[np.unique(rows[:, 0], return_index=True)[1]]
+    rows = in_order(rows)
     return LoggedTrack(rows[:, 0], rows[:, 1], rows[:, 2:5], float(rows[0, 5]))
 
 

@@ -161,8 +161,8 @@ def read_flights(path: str | Path, system: int | None = None) -> FlightLog:
 
 
 def _gaps(log: Log, is_on_board: bool) -> Iterator[str]:
-    fixes = log.fixes
-    times = fixes.times
+    times, latitude, longitude, _, height = log.fixes.T[:5]
+    most = 20.0 + 100.0 * np.diff(times)  # [m]
     beats = sorted((time, event.armed) for time, event in log.events if isinstance(event, m.Heartbeat))
     if times.size and beats:
         times = np.concatenate([[min(beats[0][0], times[0])], times])  # an arming may open the log
@@ -177,9 +177,8 @@ def _gaps(log: Log, is_on_board: bool) -> Iterator[str]:
         yield f"positions are missing {gaps.size} times in flight, for {gaps.max():.1f} s at most"
     degree = np.radians(1.0) * 6.371e6  # [m]
     with np.errstate(invalid="ignore", over="ignore"):
-        places = np.column_stack([fixes.latitude_deg * degree, fixes.longitude_deg * degree, fixes.height])
-        places[:, 1] *= np.cos(np.radians(fixes.latitude_deg))
-        most = 20.0 + 100.0 * np.diff(fixes.times)  # [m]
+        east = longitude * degree * np.cos(np.radians(latitude))
+        places = np.column_stack([latitude * degree, east, height])
         jumps = ~(np.abs(np.diff(places, axis=0)).max(axis=1) <= most)
     if jumps.any():
         yield f"positions jump {np.count_nonzero(jumps)} times, as no multicopter flies: some are wrong"

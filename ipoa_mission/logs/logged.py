@@ -10,7 +10,7 @@ import numpy as np
 from ipoa_mission.autopilot.autopilot import QUADROTOR, Autopilot, registered
 from ipoa_mission.autopilot.version import Version
 from ipoa_mission.errors import LogUseless
-from ipoa_mission.geometry import Matrix, Points, Vector
+from ipoa_mission.geometry import Matrix, Vector
 from ipoa_mission.link.messages import ARMED_FLAG, CUSTOM_MODE_FLAG, Current, Heartbeat, Message, Position, SystemTime
 from ipoa_mission.mission.items import Item
 
@@ -58,38 +58,20 @@ class Measured:
         return np.column_stack([times, sum(np.interp(times, at, watts) for at, watts in measured)])
 
 
+def in_order(rows: Matrix) -> Matrix:
+    """Return rows by their times in the first column; of equal times the first."""
+    return np.asarray(rows[np.unique(rows[:, 0], return_index=True)[1]])
+
+
 def _sorted(rows: Iterable[tuple[float, ...]] | Matrix, columns: int) -> Matrix:
     table = np.asarray(list(rows), float).reshape(-1, columns)
-    table = table[np.isfinite(table[:, :2]).all(axis=1)]
-    return np.asarray(table[np.unique(table[:, 0], return_index=True)[1]])
+    return in_order(table[np.isfinite(table[:, :2]).all(axis=1)])
 
 
 def _cut(rows: Matrix, begin: float, end: float) -> Matrix:
     cut = rows[(rows[:, 0] >= begin) & (rows[:, 0] <= end)].copy()
     cut[:, 0] -= begin
     return cut
-
-
-@dataclass(frozen=True)
-class Fixes:
-    """Positions by the autopilot's clock [s], in order.
-
-    Degrees, altitude AMSL and height above home [m], each (n,); velocity north, east, down (n, 3) [m/s].
-    """
-
-    times: Vector
-    latitude_deg: Vector
-    longitude_deg: Vector
-    altitude: Vector
-    height: Vector
-    velocity: Points
-
-    @classmethod
-    def of(cls, rows: Matrix) -> "Fixes":
-        """Make fixes of rows (n, 8) in any order; of equal times the first counts."""
-        rows = rows[np.unique(rows[:, 0], return_index=True)[1]]
-        times, latitude, longitude, altitude, height = rows.T[:5]
-        return cls(times, latitude, longitude, altitude, height, rows[:, 5:])
 
 
 class Held(Message):
@@ -108,10 +90,14 @@ class Begun(Message):
 
 @dataclass(frozen=True)
 class Log:
-    """A log; `events` by the autopilot's clock [s], in any order. A heartbeat marks a change of arming or mode."""
+    """A log, by the autopilot's clock [s].
+
+    `fixes` (n, 8) in order: time; latitude, longitude [deg]; altitude AMSL, height above home [m]; velocity north, east
+    and down [m/s]. `events` in any order; a heartbeat marks a change of arming or mode.
+    """
 
     autopilot: Autopilot
-    fixes: Fixes
+    fixes: Matrix
     events: tuple[tuple[float, Message], ...]
     version: str = ""
     remarks: tuple[str, ...] = ()
@@ -120,24 +106,22 @@ class Log:
 
 def messages_of(log: Log) -> Iterator[Message]:
     """Return positions and events in order, each after the clock at its time."""
-    fixes = log.fixes
     events = sorted(log.events, key=lambda event: event[0])
-    at = np.concatenate([fixes.times, np.array([time for time, _ in events])])
+    at = np.concatenate([log.fixes[:, 0], np.array([time for time, _ in events])])
     order = np.argsort(at, kind="stable")
     last = None
-    for n, now in zip(order, _clock(fixes, at[order]), strict=True):
+    for n, now in zip(order, _clock(log.fixes, at[order]), strict=True):
         if at[n] != last:
             yield now
             last = at[n]
-        if n >= len(fixes.times):
-            yield events[n - len(fixes.times)][1]
+        if n >= len(log.fixes):
+            yield events[n - len(log.fixes)][1]
 
 
-def _clock(fixes: Fixes, times: Vector) -> Iterator[Message]:
-    if not len(fixes.times):
+def _clock(fixes: Matrix, times: Vector) -> Iterator[Message]:
+    if not len(fixes):
         return (SystemTime(0.0, float(time)) for time in times)
-    columns = (fixes.latitude_deg, fixes.longitude_deg, fixes.altitude, fixes.height, *fixes.velocity.T)
-    rows = np.column_stack([times, *(np.interp(times, fixes.times, column) for column in columns)]).tolist()
+    rows = np.column_stack([times, *(np.interp(times, fixes[:, 0], column) for column in fixes.T[1:])]).tolist()
     return (Position(t, lat, lon, alt, up, (north, east, down)) for t, lat, lon, alt, up, north, east, down in rows)
 
 

@@ -18,7 +18,7 @@ from ipoa_mission.link import messages as m
 from ipoa_mission.link.codec import Codec, Heard, LongTexts, LostFrames, read_tlog
 from ipoa_mission.link.mavftp import MISSION_FILE, Opcode, unpack, unpack_mission
 from ipoa_mission.link.orders import parameter_value
-from ipoa_mission.logs.logged import Battery, Fixes, Held, Log, Measured, item_begun, presence, version_name
+from ipoa_mission.logs.logged import Battery, Held, Log, Measured, in_order, item_begun, presence, version_name
 from ipoa_mission.mission.items import Item
 
 Items = tuple[Item, ...]
@@ -298,7 +298,7 @@ class _Reader:
         events = tuple((time, message) for time, message in dated if not isinstance(message, m.Position))
         measured = _measured([(times[n], message) for n, message in self.measured])
         remarks = () if len(clock) else (NO_CLOCK,)
-        return Log(self.autopilot, Fixes.of(np.array(rows).reshape(-1, 8)), events, self.version, remarks, measured)
+        return Log(self.autopilot, in_order(np.array(rows).reshape(-1, 8)), events, self.version, remarks, measured)
 
 
 def _measured(dated: list[tuple[float, m.Attitude | m.BatteryStatus | m.SystemStatus]]) -> Measured:

@@ -18,7 +18,7 @@ from ipoa_mission.errors import BadInput, Unreadable, WrongFormat
 from ipoa_mission.geodesy import Geodetic, LocalFrame
 from ipoa_mission.geometry import Matrix, Points, Vector
 from ipoa_mission.link.messages import INFO, Current, HomePosition, Message, ParamValue, Text
-from ipoa_mission.logs.logged import Battery, Begun, Fixes, Held, Log, LogFormat, Measured, item_begun, presence
+from ipoa_mission.logs.logged import Battery, Begun, Held, Log, LogFormat, Measured, in_order, item_begun, presence
 from ipoa_mission.mission.items import Item
 from ipoa_mission.vehicles.arducopter.vehicle import ARDUCOPTER
 
@@ -268,14 +268,14 @@ def _states(gathered: _Gathered) -> list[tuple[float, Message]]:
     return states
 
 
-def _fixes(rows: Matrix, velocities: Points) -> Fixes:
-    rows = rows[np.unique(rows[:, 0], return_index=True)[1]]
+def _fixes(rows: Matrix, velocities: Points) -> Matrix:
+    rows = in_order(rows)
     times, latitude, longitude, altitude, _ = rows.T
     if len(velocities) > 1:
         velocity = np.column_stack([np.interp(times, velocities[:, 0], axis) for axis in velocities[:, 1:].T])
     else:
         velocity = _differences(times, latitude, longitude, altitude)
-    return Fixes.of(np.column_stack([rows, velocity]))
+    return np.column_stack([rows, velocity])
 
 
 def _differences(times: Vector, latitude: Vector, longitude: Vector, altitude: Vector) -> Points:

@@ -15,7 +15,7 @@ from ipoa_mission.files import read_bytes
 from ipoa_mission.geodesy import from_spherical_plane
 from ipoa_mission.geometry import Matrix, Vector
 from ipoa_mission.link.messages import INFO, Current, HomePosition, Message, MissionState, ParamValue, Reached, Text
-from ipoa_mission.logs.logged import Battery, Fixes, Log, LogFormat, Measured, presence, version_name
+from ipoa_mission.logs.logged import Battery, Log, LogFormat, Measured, presence, version_name
 from ipoa_mission.vehicles.px4_multicopter.vehicle import PX4_MULTICOPTER, Px4Mode
 
 ARMED = 2  # vehicle_status.arming_state
@@ -61,7 +61,7 @@ def _log(path: Path, log: Any) -> Log:
         words = "expected the log of a multicopter, not of another kind of vehicle"
         raise BadInput(words, code="other-vehicle", place=path)
     fixes = _fixes(topics)
-    if not len(fixes.times):
+    if not len(fixes):
         words = "expected positions on the Earth, but PX4's local positions have no reference"
         raise BadInput(words, code="log-incomplete", place=path)
     begins = log.start_timestamp / 1e6
@@ -194,7 +194,7 @@ def _items(result: Any | None) -> Iterator[Event]:
         turned = (seq_current, finished)
 
 
-def _fixes(topics: dict[str, Any]) -> Fixes:
+def _fixes(topics: dict[str, Any]) -> Matrix:
     if place := topics.get(POSITIONS[0]):
         times = _column(place, "timestamp") / 1e6
         latitude = _column(place, "lat")
@@ -205,7 +205,8 @@ def _fixes(topics: dict[str, Any]) -> Fixes:
     times, first_rows = np.unique(times, return_index=True)
     latitude, longitude, altitude = latitude[first_rows], longitude[first_rows], altitude[first_rows]
     velocity = np.column_stack([_velocity(topics, axis, times) for axis in ("vx", "vy", "vz")])
-    return Fixes(times, latitude, longitude, altitude, altitude - _ground(topics, times, altitude), velocity)
+    height = altitude - _ground(topics, times, altitude)
+    return np.column_stack([times, latitude, longitude, altitude, height, velocity])
 
 
 def _column(topic: Any, name: str) -> Vector:
