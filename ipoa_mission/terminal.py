@@ -5,12 +5,15 @@ import json
 import math
 import os
 import re
+import shutil
 import sys
+import textwrap
+import unicodedata
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
-from itertools import repeat, zip_longest
+from itertools import zip_longest
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
 from ipoa_mission.errors import BadInput, MissionError, Unwritable
 
@@ -63,61 +66,39 @@ def print_table(title: str, columns: Sequence[str], rows: Sequence[tuple[str, ..
     A line break in a column's name puts its unit below. Long words are folded, names last; numbers are never cut.
     """
     kept = [i for i in range(len(columns)) if any(row[i] for row in rows)]
+    heads = [columns[i].split("\n") for i in kept]
     cells = [[shown(row[i]) for i in kept] for row in rows]
-    numbers = {place for place, i in enumerate(kept) if all(row[i][-1:].isdigit() or not row[i] for row in rows)}
-    heads = [columns[i] for i in kept]
-    drawn = _simple_table(heads, cells, numbers) or _folded_table(heads, cells, numbers)
+    numbers = [all(row[i][-1:].isdigit() or not row[i] for row in cells) for i in range(len(kept))]
+    widths = [max(map(_width, (*head, *column))) for head, *column in zip(heads, *cells, strict=True)]
+    words = [i for i in range(len(kept)) if not numbers[i] and any(" " in row[i] for row in cells)]
+    names = [i for i in range(len(kept)) if not numbers[i] and i not in words]
+    least = [max(7, *map(_width, head)) for head in heads]
+    excess = sum(widths) + 2 * len(kept) - 2 - shutil.get_terminal_size().columns
+    for folded in (words, names):
+        while excess > 0 and any(widths[i] > least[i] for i in folded):
+            widths[max(folded, key=lambda i: widths[i] - least[i])] -= 1
+            excess -= 1
+    tallest = max(map(len, heads), default=0)
+    lines = [*_lined_up([[""] * (tallest - len(head)) + head for head in heads], widths, numbers)]
+    lines.append("─" * (sum(widths) + 2 * len(kept) - 2))
+    for row in cells:
+        fitted = zip(row, widths, strict=True)
+        wrapped = [[cell] if _width(cell) <= width else textwrap.wrap(cell, width) for cell, width in fitted]
+        lines += _lined_up(wrapped, widths, numbers)
     print_lines(title, "")
-    _say("\n".join(line.rstrip() for line in drawn) + "\n")
+    _say("\n".join(lines) + "\n")
 
 
-def _simple_table(heads: list[str], rows: list[list[str]], numbers: set[int]) -> list[str]:
-    """Draw a narrow ASCII table without Rich, not on a terminal; else none."""
-    above = [*zip_longest(*(head.split("\n")[::-1] for head in heads), fillvalue="")][::-1]
-    columns = [*zip(*above, *rows, strict=True)]
-    widths = [max(map(len, column)) for column in columns]
-    width = sum(widths) + 2 * len(widths)
-    is_ascii = all(text.isascii() and text.isprintable() for row in rows for text in row)
-    if sys.stdout.isatty() or width > _columns() or not is_ascii:
-        return []
-    sides = [str.rjust if i in numbers else str.ljust for i in range(len(heads))]
-    cells = [map(side, column, repeat(size)) for side, column, size in zip(sides, columns, widths, strict=True)]
-    lines = ["  ".join(line) for line in zip(*cells, strict=True)]
-    lines.insert(len(above), "─" * (width - 2))
-    return lines
+def _width(text: str) -> int:
+    return len(text) if text.isascii() else sum(1 + (unicodedata.east_asian_width(a) in "WF") for a in text)
 
 
-def _folded_table(heads: list[str], rows: list[list[str]], numbers: set[int]) -> list[str]:
-    from rich.align import Align
-    from rich.box import SIMPLE_HEAD
-    from rich.cells import cell_len
-    from rich.console import Console
-    from rich.table import Table
-    from rich.text import Text
-
-    widths = [max(map(cell_len, (*head.split("\n"), *column))) for head, *column in zip(heads, *rows, strict=True)]
-    names = {i for i in range(len(heads)) if i not in numbers and not any(" " in row[i] for row in rows)}
-    console = Console(highlight=False, width=None if sys.stdout.isatty() else _columns())
-
-    def needed(whole: set[int], gap: int = 2, least: int = 7) -> int:  # characters
-        return sum(gap + (width if i in whole else min(width, least)) for i, width in enumerate(widths))
-
-    whole = numbers | names if needed(numbers | names) <= console.width else numbers
-    console.width = max(console.width, needed(whole))
-    table = Table(box=SIMPLE_HEAD, pad_edge=False, show_edge=False, padding=(0, 1, 0, 0))
-    for i, head in enumerate(heads):
-        side: Literal["left", "right"] = "right" if i in numbers else "left"
-        table.add_column(Align(head, side, vertical="bottom"), justify=side, no_wrap=i in whole, overflow="fold")
-    for row in rows:
-        table.add_row(*map(Text, row))
-    with console.capture() as drawn:
-        console.print(table)
-    return drawn.get().splitlines()
-
-
-def _columns() -> int:
-    width = os.environ.get("COLUMNS", "")
-    return int(width) if width.isdecimal() and 20 <= int(width) <= 1000 else 80
+def _lined_up(cells: Sequence[Sequence[str]], widths: Sequence[int], numbers: Sequence[bool]) -> Iterator[str]:
+    """Yield the lines of a row, whose cells may have several."""
+    for parts in zip_longest(*cells, fillvalue=""):
+        gaps = [" " * (width - _width(part)) for width, part in zip(widths, parts, strict=True)]
+        aligned = zip(parts, gaps, numbers, strict=True)
+        yield "  ".join(gap + part if number else part + gap for part, gap, number in aligned).rstrip()
 
 
 def print_error(error: MissionError, as_json: bool = False) -> None:

@@ -8,12 +8,19 @@ import signal
 import subprocess
 import sys
 import tomllib
+from contextlib import redirect_stdout
 from importlib.metadata import version
 from pathlib import Path
+from typing import Literal
 
 import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
+from rich.align import Align
+from rich.box import SIMPLE_HEAD
+from rich.console import Console
+from rich.table import Table
+from rich.text import Text
 
 from ipoa_mission import terminal
 from ipoa_mission.autopilot.version import Version
@@ -369,12 +376,28 @@ def test_no_figure_of_a_table_is_cut_however_narrow_the_terminal(
         )
     )
 )  # fmt: skip
-def test_a_table_without_rich_is_that_of_rich(table: tuple[list[str], list[list[str]]]) -> None:
+def test_a_table_is_that_of_rich(table: tuple[list[str], list[list[str]]]) -> None:
     heads, rows = table
     assume(all(map(any, zip(*rows, strict=True))))  # empty columns are left out
+    drawn = rich_table(heads, rows)
+    assume(max(map(len, drawn)) < 80)  # folded in other places
+    with redirect_stdout(io.StringIO()) as printed:
+        terminal.print_table("title", heads, [tuple(row) for row in rows])
+    assert printed.getvalue().rstrip("\n").split("\n")[2:] == drawn
+
+
+def rich_table(heads: list[str], rows: list[list[str]]) -> list[str]:
     numbers = {i for i in range(len(heads)) if all(row[i][-1:].isdigit() or not row[i] for row in rows)}
-    simple = [line.rstrip() for line in terminal._simple_table(heads, rows, numbers)]
-    assert simple in ([], [line.rstrip() for line in terminal._folded_table(heads, rows, numbers)])
+    table = Table(box=SIMPLE_HEAD, pad_edge=False, show_edge=False, padding=(0, 1, 0, 0))
+    for i, head in enumerate(heads):
+        side: Literal["left", "right"] = "right" if i in numbers else "left"
+        table.add_column(Align(head, side, vertical="bottom"), justify=side, no_wrap=True)
+    for row in rows:
+        table.add_row(*map(Text, row))
+    console = Console(highlight=False, width=200)
+    with console.capture() as drawn:
+        console.print(table)
+    return [line.rstrip() for line in drawn.get().rstrip("\n").split("\n")]
 
 
 def test_flown_line_has_the_clearance_on_the_version_aboard(
