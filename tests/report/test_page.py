@@ -19,9 +19,9 @@ from ipoa_mission.mission.items import return_to_launch
 from ipoa_mission.mission.mission_io import read_mission
 from ipoa_mission.report.chart import GraphAxis, axis_over
 from ipoa_mission.report.drawn_flight import find_dangers, item_legs, sample_track
-from ipoa_mission.report.number_format import number, seconds, signed
 from ipoa_mission.report.panels.headline import verdict, warnings
 from ipoa_mission.report.panels.profile import near_track
+from ipoa_mission.report.panels.tables import number, seconds, signed
 from ipoa_mission.scenario import Scenario, read_scenario
 from ipoa_mission.world.obstacles import Prism
 from tests.report.conftest import Bowed, Foreseen, Planned

@@ -21,7 +21,7 @@ GRADE_LOOKS: dict[Grade, GradeLook] = {
 }
 
 
-def return_paths(forecast: Forecast, most: int = 150) -> list[dict[str, Any]]:
+def return_paths(forecast: Forecast) -> list[dict[str, Any]]:
     """Return `from` [s], `clear` and `points` (n, 3) [m] of RTL, in time order; the first of several returns."""
     if forecast.guarantee_if_known is None or Contingency.RTL not in contingencies_of(forecast):
         return []
@@ -36,7 +36,7 @@ def return_paths(forecast: Forecast, most: int = 150) -> list[dict[str, Any]]:
             "clear": bool(samples.clear[n]),
             "points": samples.paths[n][samples.possible[n]][0].round(2).tolist(),
         }
-        for n in np.unique(np.linspace(0, count - 1, min(most, count)).round().astype(int))
+        for n in np.unique(np.linspace(0, count - 1, min(150, count)).round().astype(int))
         if samples.possible[n].any()
     ]
 

@@ -13,7 +13,7 @@ from ipoa_mission.forecast.timing.estimate import COUNTED_TERMS
 from ipoa_mission.planning.proof import Proof
 from ipoa_mission.report.compare import Comparison
 from ipoa_mission.report.drawn_flight import Danger
-from ipoa_mission.report.number_format import number, seconds, signed
+from ipoa_mission.report.panels.tables import number, seconds, signed
 
 
 def verdict(

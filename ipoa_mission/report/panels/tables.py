@@ -1,4 +1,7 @@
-"""Tables of the report: legs to the items, estimate against flight, limits, flights of one battery."""
+"""Tables of the report: legs to the items, estimate against flight, limits, flights of one battery.
+
+Numbers have significant digits only, and a real minus sign.
+"""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -8,7 +11,30 @@ from ipoa_mission.forecast.contingency.energy_budget import budget_of
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.planning.proof import Proof
 from ipoa_mission.report.drawn_flight import ItemLeg
-from ipoa_mission.report.number_format import number, seconds, signed
+
+
+def seconds(value: float) -> str:
+    """`43.1 s`, `103 s`, `3 min 13 s`."""
+    if value < 119.5:
+        digits = 1 if value < 99.95 else 0
+        return f"{value:.{digits}f}\N{NO-BREAK SPACE}s"
+    minutes, rest = divmod(round(value), 60)
+    return f"{minutes}\N{NO-BREAK SPACE}min {rest:02d}\N{NO-BREAK SPACE}s"
+
+
+def number(value: float | None, digits: int) -> str:
+    """Empty if unknown or not finite."""
+    if value is None or not math.isfinite(value):
+        return ""
+    return f"{round(value, digits) + 0.0:.{digits}f}".replace("-", "−")
+
+
+def signed(value: float, digits: int, unit: str = "") -> str:
+    """As `+1.2 m`; empty if not finite."""
+    if not math.isfinite(value):
+        return ""
+    words = f"{round(value, digits) + 0.0:+.{digits}f}".replace("-", "−")
+    return f"{words}\N{NO-BREAK SPACE}{unit}" if unit else words
 
 
 def legs_table(legs: Sequence[ItemLeg], flown_s: Mapping[int, float] | None) -> str:
