@@ -15,10 +15,10 @@ import typer
 from ipoa_mission.cli.checking import check, estimate
 from ipoa_mission.cli.comparing import compare
 from ipoa_mission.cli.flying import demo, fly
-from ipoa_mission.cli.groups import grouped
 from ipoa_mission.cli.interrupting import ChangesMade, interruptible
 from ipoa_mission.cli.linking import clear, download, pause, resume, rtl, scan, upload
 from ipoa_mission.cli.mocking import mock
+from ipoa_mission.cli.planners import grouped
 from ipoa_mission.cli.planning import new, plan, schema
 from ipoa_mission.cli.quick_start import spare_imports
 from ipoa_mission.cli.showing import export, show

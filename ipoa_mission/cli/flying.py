@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from ipoa_mission.cli.groups import FileOutput, FlownByOptions, FlyJob, FlyOptions, SearchOptions, planner_of, planners
+from ipoa_mission.cli.groups import FileOutput, FlownByOptions, SearchOptions
 from ipoa_mission.cli.interrupting import ChangesMade, interruptible
 from ipoa_mission.cli.linking import connect_to, states_firmware
+from ipoa_mission.cli.planners import FlyJob, FlyOptions, planner_of, planners
 from ipoa_mission.errors import MissionError, OptionConflict
 from ipoa_mission.files import in_folder
 from ipoa_mission.options import NAMES, ForceOption, JsonOption, OutOption, SeedOption, argument, or_packed

@@ -3,8 +3,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-from ipoa_mission.cli.groups import Planners, PlanOptions, planner_of, planners
 from ipoa_mission.cli.interrupting import ChangesMade, interruptible
+from ipoa_mission.cli.planners import Planners, PlanOptions, planner_of, planners
 from ipoa_mission.errors import BadInput, OptionConflict, WrongSuffix
 from ipoa_mission.files import write_atomically
 from ipoa_mission.options import ForceOption, HomeOption, JsonOption, argument, expect_scenario, flag

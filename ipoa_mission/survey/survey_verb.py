@@ -5,8 +5,9 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 import typer
 
-from ipoa_mission.cli.groups import FileOutput, FlyJob, FlyOptions, PlanOptions
+from ipoa_mission.cli.groups import FileOutput
 from ipoa_mission.cli.interrupting import ChangesMade
+from ipoa_mission.cli.planners import FlyJob, FlyOptions, PlanOptions
 from ipoa_mission.errors import OptionConflict
 from ipoa_mission.options import LogSystemOption, flag
 from ipoa_mission.terminal import confirm, print_json, print_lines, print_table

@@ -12,7 +12,7 @@ from typing import Any, get_args
 from typer.models import OptionInfo
 
 from ipoa_mission.cli.app import VERBS
-from ipoa_mission.cli.groups import grouped
+from ipoa_mission.cli.planners import grouped
 from tools import REPOSITORY, command_line
 
 PAGE = REPOSITORY / "docs" / "verbs.md"
