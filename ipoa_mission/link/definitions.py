@@ -3,16 +3,21 @@
 import struct
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache, cached_property
 from importlib import import_module
+from itertools import chain
+from pathlib import Path
 from pkgutil import iter_modules
 from types import ModuleType, SimpleNamespace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from pymavlink.dialects import v20 as dialects
 from pymavlink.dialects.v20 import ardupilotmega
 
 from ipoa_mission.errors import BadInput
+
+if TYPE_CHECKING:
+    from xml.etree.ElementTree import Element
 
 
 @dataclass(frozen=True)
@@ -147,9 +152,18 @@ def unit_and_type(message: str, field: str) -> tuple[str, str]:
     return kind.fieldunits_by_name.get(field, ""), kind.fieldtypes[kind.fieldnames.index(field)]
 
 
-def params_in_words(command: int) -> dict[int, str]:
-    """Return MAVLink's descriptions of the used params, by number from 1."""
-    known = ardupilotmega.enums["MAV_CMD"].get(command)
-    described = {} if known is None else known.param
-    unused = ("Empty", "Reserved", "empty", "reserved", "Unused")
-    return {number: words for number, words in sorted(described.items()) if words and not words.startswith(unused)}
+@cache
+def labelled_params(command: int) -> dict[int, tuple[str, str, str]]:
+    """Return label, unit and description of the labelled params, by number from 1."""
+    entry = _commands().get(command)
+    params = () if entry is None else entry.iterfind("param[@label]")
+    return {int(one.attrib["index"]): (one.attrib["label"], one.get("units", ""), one.text or "") for one in params}
+
+
+@cache
+def _commands() -> "dict[int, Element]":
+    from xml.etree import ElementTree  # slow import
+
+    files = [Path(str(dialects.__file__)).with_name(f"{name}.xml") for name in ("common", "ardupilotmega")]
+    entries = (ElementTree.parse(file).iterfind("enums/enum[@name='MAV_CMD']/entry") for file in files)
+    return {int(entry.attrib["value"]): entry for entry in chain.from_iterable(entries)}

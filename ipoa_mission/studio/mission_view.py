@@ -1,7 +1,6 @@
 """An open mission on the page, and its findings."""
 
-import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -12,7 +11,7 @@ from ipoa_mission.autopilot.commands import Command, short_name
 from ipoa_mission.checks.firmware_check import is_too_long
 from ipoa_mission.forecast.itinerary.flown_legs import item_places
 from ipoa_mission.geodesy import LocalFrame
-from ipoa_mission.link.definitions import params_in_words
+from ipoa_mission.link.definitions import labelled_params
 from ipoa_mission.mission import stored_mission
 from ipoa_mission.mission.item_edits import complex_at
 from ipoa_mission.mission.item_words import item_words
@@ -25,40 +24,6 @@ from ipoa_mission.studio.plan_answers import UNKNOWN_EXTENT
 from ipoa_mission.studio.view import corners_of, degree_of, fence_of, without_folders, world_of
 from ipoa_mission.terminal import round_finite
 
-#: Label and unit by command and param; others are shown if not zero.
-FIELDS: Mapping[int, Mapping[int, tuple[str, str]]] = {
-    Command.NAV_WAYPOINT: {
-        1: ("Stay for", "s"), 2: ("Acceptance radius", "m"), 4: ("Heading there", "°, empty: its own")
-    },
-    Command.NAV_SPLINE_WAYPOINT: {1: ("Stay for", "s")},
-    Command.NAV_ARC_WAYPOINT: {1: ("Turn by", "°")},
-    Command.NAV_LOITER_UNLIM: {3: ("Radius", "m"), 4: ("Heading there", "°, empty: its own")},
-    Command.NAV_LOITER_TURNS: {1: ("Turns", ""), 3: ("Radius", "m")},
-    Command.NAV_LOITER_TIME: {1: ("Stay for", "s"), 3: ("Radius", "m")},
-    Command.NAV_RETURN_TO_LAUNCH: {},
-    Command.NAV_LAND: {4: ("Heading there", "°, empty: its own")},
-    Command.NAV_TAKEOFF: {4: ("Heading there", "°, empty: its own")},
-    Command.NAV_DELAY: {1: ("Wait for", "s")},
-    Command.CONDITION_DELAY: {1: ("Wait for", "s")},
-    Command.CONDITION_DISTANCE: {1: ("Until within", "m")},
-    Command.CONDITION_YAW: {
-        1: ("Heading", "°"), 2: ("Turn at", "°/s"), 3: ("Direction, 1 or -1", ""), 4: ("Relative", "0 or 1")
-    },
-    Command.DO_JUMP: {1: ("To item", ""), 2: ("Repeats", "-1: for ever")},
-    Command.JUMP_TAG: {1: ("Tag", "")},
-    Command.DO_JUMP_TAG: {1: ("To tag", ""), 2: ("Repeats", "-1: for ever")},
-    Command.DO_CHANGE_SPEED: {1: ("Kind, 1: over ground", ""), 2: ("Speed", "m/s"), 3: ("Throttle", "%, -1: as it is")},
-    Command.DO_SET_SERVO: {1: ("Servo", ""), 2: ("Pulse", "µs")},
-    Command.DO_SET_RELAY: {1: ("Relay", ""), 2: ("On", "0 or 1")},
-    Command.DO_SET_ROI_LOCATION: {},
-    Command.DO_MOUNT_CONTROL: {1: ("Pitch", "°"), 2: ("Roll", "°"), 3: ("Yaw", "°")},
-    Command.DO_SET_CAM_TRIGG_DIST: {1: ("A photo every", "m, 0: no more"), 3: ("First at once", "0 or 1")},
-    Command.DO_SET_CAM_TRIGG_INTERVAL: {1: ("A photo every", "ms")},
-    Command.IMAGE_START_CAPTURE: {2: ("A photo every", "s"), 3: ("Photos", "0: no end")},
-    Command.IMAGE_STOP_CAPTURE: {},
-    Command.DO_GRIPPER: {1: ("Gripper", ""), 2: ("Hold", "0: let go, 1")},
-}  # fmt: skip
-
 
 def kind_of(command: int, placed: bool) -> ItemKind:
     name = "take off" if command == Command.NAV_TAKEOFF else short_name(command)
@@ -66,19 +31,11 @@ def kind_of(command: int, placed: bool) -> ItemKind:
 
 
 def _fields(command: int, placed: bool) -> Iterator[ItemField]:
-    """Yield the fields of a command; a placed item's position has none."""
-    described = params_in_words(command)
-    usual = dict.fromkeys(described, ("", ""))
-    for number, (label, unit) in sorted(FIELDS.get(command, usual).items()):
+    """Yield the params that MAVLink labels; a placed item's position has none."""
+    for number, (label, unit, about) in labelled_params(command).items():
         if number < (5 if placed else 8):
-            about = described.get(number, "")
-            field = {"what": f"param{number}", "label": label or _shortened(about), "unit": unit, "about": about}
+            field = {"what": f"param{number}", "label": label, "unit": unit.replace("deg", "°"), "about": about}
             yield ItemField.model_validate(field)
-
-
-def _shortened(words: str) -> str:
-    first = re.split(r"[.,;:(]", words, maxsplit=1)[0].strip() or words
-    return first if len(first) <= 32 else first[:32].rsplit(" ", 1)[0] + " …"
 
 
 def mission_answer(file: MissionFile, forecast: Forecast, worlds: Sequence[str], world: str | None) -> OpenMission:
