@@ -56,19 +56,15 @@ def before_the_verb(verbose: VerboseOption = 0, version: VersionOption = False) 
 def listen_to_log(level: int) -> None:
     handler = logging.StreamHandler()
     detailed = "%(relativeCreated)6d ms  %(levelname)-7s %(name)s: %(message)s"
-    handler.setFormatter(_Plain() if level == logging.WARNING else _Detailed(detailed))
+    handler.setFormatter(_Printable("%(levelname)s: %(message)s" if level == logging.WARNING else detailed))
     ours = logging.getLogger("ipoa_mission")
     ours.handlers[:] = [handler]
     ours.setLevel(level)
 
 
-class _Plain(logging.Formatter):
+class _Printable(logging.Formatter):
     def format(self, record: logging.LogRecord) -> str:
-        return shown(f"{record.levelname.lower()}: {record.getMessage()}")
-
-
-class _Detailed(logging.Formatter):
-    def format(self, record: logging.LogRecord) -> str:
+        record.levelname = record.levelname.lower()
         return shown(super().format(record))
 
 

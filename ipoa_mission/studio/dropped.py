@@ -8,7 +8,7 @@ from typing import Any
 from ipoa_mission import FencePolygon, Item, Mission, read_mission
 from ipoa_mission.autopilot.commands import WAYPOINTS, Command
 from ipoa_mission.errors import BadInput, TooFar, WrongSuffix
-from ipoa_mission.files import MISSIONS, write_atomically
+from ipoa_mission.files import MISSIONS, unused, write_atomically
 from ipoa_mission.geodesy import REACH, Geodetic, apart
 from ipoa_mission.scenario.map_sections import MapFile
 from ipoa_mission.studio.edits import parse_table
@@ -28,12 +28,9 @@ def keep(
     suffix = bare.suffix.lower()
     if not stem or stem.startswith(".") or suffix not in suffixes:
         raise WrongSuffix(f"expected a file that ends in {', '.join(suffixes)}", place=stem + bare.suffix or "the file")
-    number = 1
     target = folder / f"{stem}{bare.suffix}"
-    while target.exists() and target.read_bytes() != content:
-        number += 1
-        target = folder / f"{stem}-{number}{suffix}"
-    if not target.exists():
+    if not target.exists() or target.read_bytes() != content:
+        target = unused(target)
         write_atomically(target, content)
     return target
 

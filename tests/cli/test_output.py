@@ -134,7 +134,7 @@ def test_v_logs_to_standard_error_and_leaves_the_result_alone(run: Run, hop: Pat
     quiet, loud = (run(f"{option} fly {hop} --json") for option in ("", "-v"))
     assert quiet.out == loud.out
     assert quiet.err == ""
-    assert "INFO" in loud.err
+    assert "info " in loud.err
     assert "ipoa_mission.cli" in loud.err
     assert logging.getLogger("ipoa_mission").handlers != logging.getLogger().handlers
 
