@@ -1,6 +1,6 @@
 """Build the mission for a plan."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import replace
 
 from ipoa_mission.autopilot.autopilot import Autopilot, registered
@@ -55,13 +55,17 @@ def choose_route(plan: Plan, scenario: Scenario, mode: str) -> Attempt:
 
 def best_route(plan: Plan, scenario: Scenario, promising: float) -> Attempt:
     """Return the best route of the scenario's mode, or a quick try if that lacks more than `promising` [m]."""
-    quick = _first_guaranteed(_near_routes(plan, scenario))
+    if scenario.route.mode != "fastest":
+        return narrowed_route(plan, scenario, scenario.route.mode)
+    quick = _quick_route(plan, scenario)
     if not quick.is_guaranteed and quick.slack < promising:
         return quick
-    whole, *rest = _routes(plan, scenario, scenario.route.mode)
-    if rest:
-        return next((route for route in (whole, *rest) if route.is_acceptable), whole)
-    return whole if whole.is_guaranteed else max(quick, whole, key=lambda attempt: attempt.merit)
+    routes = fastest_routes(plan, scenario)
+    for route in routes:
+        if route.is_acceptable:
+            return route
+    first = routes[0]
+    return first if first.is_guaranteed else max(quick, first, key=lambda attempt: attempt.merit)
 
 
 def _routes(plan: Plan, scenario: Scenario, mode: str) -> list[Attempt]:
@@ -76,26 +80,23 @@ def narrowed_route(plan: Plan, scenario: Scenario, mode: str) -> Attempt:
     return kept or _route(plan, scenario, mode, HALVINGS)
 
 
-def _first_guaranteed(attempts: Iterable[Attempt]) -> Attempt:
-    seen = list[Attempt]()
-    for attempt in attempts:
-        seen.append(attempt)
+def _quick_route(plan: Plan, scenario: Scenario) -> Attempt:
+    """Return the first guaranteed of a few routes near the path, else the farthest from its limits."""
+    tried = list[Attempt]()
+    for attempt in _near_routes(plan, scenario):
         if attempt.is_guaranteed:
             return attempt
-    return max(seen, key=lambda attempt: attempt.slack)
+        tried.append(attempt)
+    return max(tried, key=lambda attempt: attempt.slack)
 
 
 def _near_routes(plan: Plan, scenario: Scenario) -> Iterator[Attempt]:
-    is_fastest = scenario.route.mode == "fastest"
-    mode = "corridor" if is_fastest else scenario.route.mode
-    yield _route(plan, scenario, mode, 0)
-    narrow = _route(plan, scenario, mode, NARROW)
-    yield narrow
-    if is_fastest:
-        guidance = scenario.vehicle.autopilot.guidance
-        if guidance.turns_at_acceptance_radius:
-            yield replace(narrow, route=replace(narrow.route, radius=guidance.small_acceptance_radius))
-        yield _route(plan, scenario, mode, 2 * NARROW)
+    near = _route(plan, scenario, "corridor", NARROW)
+    yield near
+    guidance = scenario.vehicle.autopilot.guidance
+    if guidance.turns_at_acceptance_radius:
+        yield replace(near, route=replace(near.route, radius=guidance.small_acceptance_radius))
+    yield _route(plan, scenario, "corridor", 2 * NARROW)
 
 
 def expect_mode(mode: str, autopilot: Autopilot) -> None:
