@@ -74,17 +74,22 @@ def draft_mission(route: Route, scenario: Scenario) -> Mission:
             items.append(change_speed(route.slow_speed if leg in route.slow else cruise))
         items.append(item)
     items.append(return_to_launch() if scenario.route.ending == "rtl" else land(onward[-1][0]))
+    return replace(scenario.cached(_without_items), items=tuple(items))
+
+
+def _without_items(scenario: Scenario) -> Mission:
+    vehicle = scenario.vehicle
     return Mission(
-        home=home,
-        items=tuple(items),
-        autopilot=scenario.vehicle.autopilot,
-        cruise_speed=cruise,
+        home=scenario.frame.home,
+        items=(),
+        autopilot=vehicle.autopilot,
+        cruise_speed=vehicle.cruise_speed,
         fence=tuple(_fences(scenario)),
         rally=_rally(scenario),
-        parameters=scenario.vehicle.autopilot_parameters(),
-        vehicle=scenario.vehicle.learned,
-        firmware_version=scenario.vehicle.version,
-        unmeasured_version=scenario.vehicle.unmeasured_version,
+        parameters=vehicle.autopilot_parameters(),
+        vehicle=vehicle.learned,
+        firmware_version=vehicle.version,
+        unmeasured_version=vehicle.unmeasured_version,
     )
 
 
