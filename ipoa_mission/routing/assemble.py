@@ -97,6 +97,7 @@ def _near_routes(plan: Plan, scenario: Scenario) -> Iterator[Attempt]:
     if guidance.turns_at_acceptance_radius:
         yield replace(near, route=replace(near.route, radius=guidance.small_acceptance_radius))
     yield _route(plan, scenario, "corridor", 2 * NARROW)
+    yield _route(plan, scenario, "corridor", 0)
 
 
 def expect_mode(mode: str, autopilot: Autopilot) -> None:
