@@ -9,12 +9,11 @@ from pydantic import ConfigDict, TypeAdapter, ValidationError
 
 from ipoa_mission.errors import BadInput, UnknownName
 from ipoa_mission.files import plug_ins
-from ipoa_mission.optimize.adaptive_pelican import AdaptivePelican
 from ipoa_mission.optimize.ipoa import IPOA
 from ipoa_mission.optimize.poa import POA
 from ipoa_mission.optimize.search import Optimizer
 
-BUILT_IN: dict[str, type[Optimizer]] = {"ipoa": IPOA, "poa": POA, "adaptive-pelican": AdaptivePelican}
+BUILT_IN: dict[str, type[Optimizer]] = {"ipoa": IPOA, "poa": POA}
 
 
 def optimizer_names() -> list[str]:
