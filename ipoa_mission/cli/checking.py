@@ -152,14 +152,7 @@ def remarks_on(requested: "RequestedMission", forecast: "Forecast") -> tuple[str
 
 
 def route_in_words(estimate: "Estimate") -> list[str]:
-    route = estimate.route
-    if not route.seconds > 0:
-        return []
-    return [
-        f"first place to last waypoint {route.seconds:.1f} s: "
-        f"{route.ratio:.2f} times the lower bound, {route.least:.1f} s",
-        "lower bound: the same path at the vehicle's limits of speed and acceleration",
-    ]
+    return [f"first place to last waypoint {estimate.route_s:.1f} s"] if estimate.route_s > 0 else []
 
 
 def estimate_as_json(estimate: "Estimate") -> dict[str, Any]:

@@ -78,10 +78,7 @@ def _shares(left: "Interval | None") -> list[float] | None:
 
 
 def route_summary(estimate: "Estimate") -> dict[str, float] | None:
-    route = estimate.route
-    if not route.seconds > 0:
-        return None
-    return {"seconds": round(route.seconds, 3), "least": round(route.least, 3), "ratio": round(route.ratio, 4)}
+    return {"seconds": round(estimate.route_s, 3)} if estimate.route_s > 0 else None
 
 
 def limits_as_json(proof: "Proof") -> list[dict[str, Any]]:

@@ -14,7 +14,6 @@ from ipoa_mission.forecast.contingency.contingencies import Contingencies, Conti
 from ipoa_mission.forecast.contingency.contingencies_now import DURATIONS
 from ipoa_mission.forecast.contingency.energy_budget import Budget, budget_of
 from ipoa_mission.forecast.deviation.clearance_guarantee import ClearanceGuarantee
-from ipoa_mission.forecast.timing.bound import least_time
 from ipoa_mission.forecast.timing.estimate import Estimate, kinematics
 from ipoa_mission.geometry import Points
 from ipoa_mission.mission.item_words import item_words
@@ -35,6 +34,8 @@ def sketched(sketch: Sketch, scenario: Scenario, number: int | None) -> answers.
     vehicle = scenario.vehicle
     points, *others = (_sampled(curve) for curve in (sketch.curve, *sketch.others))
     limits = kinematics(vehicle.autopilot, vehicle.autopilot_parameters(), vehicle.cruise_speed)
+    east, north, up = np.diff(points, axis=0).T
+    rises = np.where(up > 0.0, up / limits.climb, -up / limits.descent)
     return answers.Sketch(
         number=number,
         line=line_of(scenario.frame, points),
@@ -44,7 +45,7 @@ def sketched(sketch: Sketch, scenario: Scenario, number: int | None) -> answers.
         length=round(float(sketch.curve.length), 1),
         clearance=round(float(sketch.proof.clearance.distance), 2),
         nearest=without_folders(sketch.proof.clearance.what, scenario),
-        seconds=round(least_time(points, limits).seconds, 1),
+        seconds=round(float(np.maximum(np.hypot(east, north) / limits.speed, rises).sum()), 1),
     )
 
 

@@ -23,8 +23,7 @@ from ipoa_mission.autopilot.returning import ReturnBy, ReturnOrder, ReturnRoute,
 from ipoa_mission.autopilot.version import Version
 from ipoa_mission.forecast.deviation.law import DeviationLaw, Quantiles
 from ipoa_mission.forecast.itinerary.itinerary import Itinerary
-from ipoa_mission.forecast.timing.bound import Kinematics
-from ipoa_mission.forecast.timing.flight_model import FlightModel, Prediction
+from ipoa_mission.forecast.timing.flight_model import FlightModel, Kinematics, Prediction
 from ipoa_mission.forecast.timing.track import Track
 from ipoa_mission.geometry import Place, Vector
 from ipoa_mission.mission.items import Item

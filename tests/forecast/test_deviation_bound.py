@@ -238,7 +238,7 @@ def test_wind_widens_the_deviation_bound_and_chooses_the_route(
     assert (windy.down.distance(0.01), windy.up.distance(0.01)) > (calm.down.distance(0.01), calm.up.distance(0.01))
     scenario = scenario_of().model_copy(update={"obstacles": ()})
     flights = [plan_flight(scenario, wind=wind) for wind in (None, Wind(5.0, 270.0), Wind(5.0, 90.0))]
-    times = [flight.estimate.route.seconds for flight in flights]
+    times = [flight.estimate.route_s for flight in flights]
     assert times[1] < times[0] < times[2]  # eastwards with a west wind, and against one
     for autopilot, strongest in ((Autopilot.ARDUPILOT, 8), (Autopilot.PX4, 6)):
         assert not_measured(autopilot, strongest) is None

@@ -6,11 +6,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ipoa_mission.forecast.itinerary.itinerary import itinerary
-from ipoa_mission.forecast.timing.bound import Kinematics, least_time
+from tests.least_time import PathLimits, least_time
 from tests.recorded_flights import FLIGHTS, read_flight
 from tests.refused import refuses
 
-PLAIN = Kinematics(speed=12.0, climb=3.0, descent=2.0, accel=2.5)
+PLAIN = PathLimits(speed=12.0, climb=3.0, descent=2.0, accel=2.5)
 
 
 def straight(length: float) -> np.ndarray:
@@ -28,7 +28,7 @@ def test_a_short_line_is_half_acceleration_half_braking() -> None:
 
 def test_jerk_costs_half_its_ramp_at_either_end() -> None:
     """From rest under jerk j the speed a^2/2j comes at a^3/6j^2; after that v^2 grows as if nothing had been."""
-    jerky = Kinematics(12.0, 3.0, 2.0, 2.5, jerk=1.0)
+    jerky = PathLimits(12.0, 3.0, 2.0, 2.5, jerk=1.0)
     more = least_time(straight(1000.0), jerky).seconds - least_time(straight(1000.0), PLAIN).seconds
     ramp, v0 = 2.5, 3.125
     reach = 2.5**3 / 6
@@ -57,7 +57,7 @@ def test_more_of_anything_is_never_slower(corners: list[tuple[float, float, floa
     if np.linalg.norm(np.diff(points, axis=0), axis=1).min() < 1.0:
         return
     slow, fast = sorted((1.0, factor))
-    times = [least_time(points, Kinematics(8.0 * f, 3.0 * f, 2.0 * f, 2.0 * f, 1.0 * f)).seconds for f in (slow, fast)]
+    times = [least_time(points, PathLimits(8.0 * f, 3.0 * f, 2.0 * f, 2.0 * f, 1.0 * f)).seconds for f in (slow, fast)]
     assert times[1] <= times[0] * (1 + 1e-9)
 
 
@@ -66,7 +66,7 @@ def test_no_flight_of_the_curve_beats_the_bound(name: str) -> None:
     flight = read_flight(FLIGHTS / name)
     route = itinerary(flight.mission)
     places = route.program.places[[v.item.has_position for v in route.visits]]
-    bound = least_time(places[1:], Kinematics(12.0, 3.0, 3.0, 3.0)).seconds
+    bound = least_time(places[1:], PathLimits(12.0, 3.0, 3.0, 3.0)).seconds
     assert 33.0 < bound < flight.spans.min()
 
 
@@ -75,11 +75,11 @@ def test_no_flight_of_the_curve_beats_the_bound(name: str) -> None:
     [
         ([[0.0, 0.0, 0.0]], PLAIN, ("bad-input", "curve")),
         ([[0.0, 0.0, 0.0], [0.0, 0.0, 0.0]], PLAIN, ("bad-input", "curve")),
-        ([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]], Kinematics(0.0, 1.0, 1.0, 1.0), ("bad-input", "speed")),
+        ([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]], PathLimits(0.0, 1.0, 1.0, 1.0), ("bad-input", "speed")),
     ],
 )
 def test_senseless_input_is_refused(
-    points: list[list[float]], kinematics: Kinematics, message: tuple[str, ...]
+    points: list[list[float]], kinematics: PathLimits, message: tuple[str, ...]
 ) -> None:
     with refuses(*message):
         least_time(np.array(points), kinematics)

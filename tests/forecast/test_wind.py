@@ -101,8 +101,7 @@ def test_a_wind_that_grows_with_height_is_weaker_below(autopilot: Autopilot) -> 
     home, there = Geodetic(47.4, 8.5, 400.0), Geodetic(47.403, 8.5, 400.0)
     mission = Mission(home, (takeoff(home, 10.0), change_speed(8.0), waypoint(there, 10.0), land(there)), autopilot)
     weak, grown, strong = (
-        estimate(mission, wind=wind).route.seconds
-        for wind in (Wind(1.5, 0.0), Wind(6.0, 0.0, 0.5, 160.0), Wind(6.0, 0.0))
+        estimate(mission, wind=wind).route_s for wind in (Wind(1.5, 0.0), Wind(6.0, 0.0, 0.5, 160.0), Wind(6.0, 0.0))
     )
     assert grown == pytest.approx(weak, rel=0.01)
     assert strong > 1.05 * grown

@@ -284,21 +284,14 @@ def test_the_energy_stands_beside_the_reserve_and_too_little_is_marked(
         assert f"{left:.0%} of {capacity:.4g} Wh left, 25% required" in page
 
 
-def test_the_route_stands_beside_the_least_time_that_its_path_takes(
-    bowed: Bowed, forecast: Foreseen, bowed_page: Callable[[str], str]
-) -> None:
+def test_page_has_the_time_of_the_route(bowed: Bowed, bowed_page: Callable[[str], str]) -> None:
     scenario, mission, timed = bowed("sitl.toml")
     page = bowed_page("sitl.toml").replace("\N{NO-BREAK SPACE}", " ")
     done = {item.seq: item.done_s for item in timed.items}
     last = max(n for n, item in enumerate(mission.items, 1) if item.command == Command.NAV_WAYPOINT)
-    card = r"first place to last waypoint</dt><dd>([\d.]+) s<small>([\d.]+) times the lower bound, ([\d.]+) s"
-    shown = re.search(card, page)
+    shown = re.search(r"first place to last waypoint</dt><dd>([\d.]+) s<small>", page)
     assert shown is not None
-    route, ratio, least = map(float, shown.groups())
-    assert route == pytest.approx(done[last] - done[1], abs=0.06)
-    assert route == pytest.approx(ratio * least, rel=0.01)
-    length = np.linalg.norm(np.diff(join(forecast("sitl.toml").cruise)[0], axis=0), axis=1).sum()
-    assert least > 0.95 * length / scenario.vehicle.cruise_speed  # corners are cut
+    assert float(shown[1]) == pytest.approx(done[last] - done[1], abs=0.06)
     grounded = replace(mission, items=(mission.items[0], mission.items[-1]))
     assert "first place" not in page_of(Forecast(grounded, scenario))
 

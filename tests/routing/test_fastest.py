@@ -10,7 +10,6 @@ from scipy.spatial import cKDTree
 from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.autopilot.commands import WAYPOINTS, Command
 from ipoa_mission.flight.flight import plan_flight
-from ipoa_mission.forecast.timing.bound import least_time
 from ipoa_mission.forecast.timing.estimate import kinematics
 from ipoa_mission.forecast.timing.track import thinned
 from ipoa_mission.geodesy import LocalFrame
@@ -25,6 +24,7 @@ from ipoa_mission.routing.resample import Route, strays
 from ipoa_mission.scenario import Scenario, parse_scenario
 from ipoa_mission.simulator.fly import fly_built_in as fly_here
 from tests.examples import some, vehicles
+from tests.least_time import PathLimits, least_time
 from tests.quick_search import QUICK
 
 FLIGHTS = Path(__file__).parent.parent / "data" / "flights"
@@ -32,6 +32,8 @@ FLIGHTS = Path(__file__).parent.parent / "data" / "flights"
 BEST_FLOWN = {Autopilot.ARDUPILOT: 46.8, Autopilot.PX4: 55.7}
 WITHIN = 4.0
 #: Greatest ratio to the least time on the curve.
+#: Greatest acceleration across the path over that along it.
+ACROSS = {Autopilot.ARDUPILOT: 2.0, Autopilot.PX4: 1.0}
 RATIO = {Autopilot.ARDUPILOT: 1.25, Autopilot.PX4: 1.35}
 
 
@@ -78,7 +80,8 @@ def test_fastest_mode_is_listed_first_and_no_slower_than_flown(autopilot: Autopi
     chosen = {mode: choose_route(plan, scenario, mode) for mode in modes}
     flown = chosen["fastest"].prediction
     assert flown.seconds == min(attempt.prediction.seconds for attempt in chosen.values())
-    limits = kinematics(autopilot, scenario.vehicle.autopilot_parameters(), scenario.vehicle.cruise_speed)
+    motion = kinematics(autopilot, scenario.vehicle.autopilot_parameters(), scenario.vehicle.cruise_speed)
+    limits = PathLimits(*motion, across=ACROSS[autopilot] * motion.accel)
     assert 1.0 <= flown.seconds / least_time(curve.sample(500), limits).seconds <= RATIO[autopilot]
     assert chosen["even"].prediction.seconds > 1.5 * flown.seconds  # dense straight waypoints make the vehicle crawl
     assert flown.seconds <= BEST_FLOWN[autopilot]

@@ -2,8 +2,7 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field
-from functools import cached_property
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -11,10 +10,9 @@ from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.autopilot.commands import WAYPOINTS, Command
 from ipoa_mission.autopilot.parameters import Parameters
 from ipoa_mission.forecast.itinerary.itinerary import CONDITIONS, Itinerary
-from ipoa_mission.forecast.timing.bound import Kinematics, least_time
-from ipoa_mission.forecast.timing.flight_model import NEVER_MISSED, FlightModel, Missed, Prediction
-from ipoa_mission.forecast.timing.track import Track, interpolate
-from ipoa_mission.geometry import Points, Vector, arc_lengths, leg_lengths
+from ipoa_mission.forecast.timing.flight_model import NEVER_MISSED, FlightModel, Kinematics, Missed, Prediction
+from ipoa_mission.forecast.timing.track import Track
+from ipoa_mission.geometry import Vector, leg_lengths
 from ipoa_mission.mission.item_words import name_items
 from ipoa_mission.mission.items import LEFT_OUT, Mission
 from ipoa_mission.mission.program import behind_landing, stays_at
@@ -24,76 +22,20 @@ COUNTED_TERMS = (
 )
 
 
-@dataclass(frozen=True)
-class RouteTime:
-    """`seconds` of the route, and the `least` within the same limits [s]; NaN without a route.
-
-    An autopilot may exceed its own limits; then its time is the least.
-    """
-
-    seconds: float
-    path: Points = field(repr=False, compare=False)
-    limits: Kinematics | None = field(repr=False, compare=False)
-
-    @cached_property
-    def least(self) -> float:
-        return math.nan if self.limits is None else min(least_time(self.path, self.limits).seconds, self.seconds)
-
-    @property
-    def ratio(self) -> float:
-        return self.seconds / self.least
-
-
-NO_ROUTE = RouteTime(math.nan, np.zeros((0, 3)), None)
-
-
 def kinematics(autopilot: Autopilot, parameters: Parameters, speed: float | None = None) -> Kinematics:
     return autopilot.part(FlightModel).kinematics(parameters, speed)
 
 
-def route_time(itinerary: Itinerary, prediction: Prediction) -> RouteTime:
-    autopilot = itinerary.mission.autopilot
-    parameters = itinerary.mission.parameters
+def route_time(itinerary: Itinerary, prediction: Prediction) -> float:
     visits = itinerary.visits
     ends = [n for n, visit in enumerate(visits) if visit.item.is_waypoint]
     starts = [n for n, visit in enumerate(visits) if visit.item.command in WAYPOINTS | {Command.NAV_TAKEOFF}]
     if not ends or starts[0] == ends[-1]:
-        return NO_ROUTE
+        return math.nan
     begin = float(prediction.done[starts[0]])
     end = float(prediction.done[ends[-1]])
-    standard = kinematics(autopilot, parameters).speed
-    limits = kinematics(autopilot, parameters, _most_asked(itinerary, ends[0], ends[-1], standard))
-    path = _smoothed(prediction.track.between(begin, end).points)
-    return NO_ROUTE if len(path) < 2 else RouteTime(end - begin, path, limits)
-
-
-def _most_asked(itinerary: Itinerary, first: int, last: int, standard: float) -> float:
-    """Return the highest horizontal speed in force between two visits [m/s]."""
-    asked = [
-        (n, visit.item.params[1])
-        for n, visit in enumerate(itinerary.visits[:last])
-        if visit.item.command == Command.DO_CHANGE_SPEED and visit.item.params[0] < 2 and visit.item.params[1] > 0
-    ]
-    begun = standard if not asked or asked[0][0] > first else 0.0
-    return max([begun, *(speed for _, speed in asked)])
-
-
-def _smoothed(path: Points) -> Points:
-    """Return places 1 m apart, each the mean of five."""
-    steps = 5
-    most = 10_000
-    path = path[np.concatenate([[True], leg_lengths(path) > 1e-6])] if len(path) > 1 else path
-    if len(path) < 2:
-        return path
-    traveled = arc_lengths(path)
-    stops = np.linspace(0.0, traveled[-1], min(max(2, math.ceil(traveled[-1] / 1.0) + 1), most))
-    even = interpolate(stops, traveled, path)
-    if len(even) <= steps:
-        return even[[0, -1]]
-    wide = np.pad(even, ((steps // 2, steps // 2), (0, 0)), mode="edge")
-    middle = np.column_stack([np.convolve(axis, np.full(steps, 1 / steps), "valid") for axis in wide.T])
-    middle[[0, -1]] = even[[0, -1]]
-    return middle
+    path = prediction.track.between(begin, end).points
+    return end - begin if len(path) > 1 and leg_lengths(path).max() > 1e-6 else math.nan
 
 
 @dataclass(frozen=True)
@@ -142,7 +84,7 @@ class Estimate:
         low_s: the shortest of nine flights in ten [s].
         high_s: the longest of nine flights in ten [s].
         qgroundcontrol_s: the time that QGroundControl shows [s].
-        route: the time from the first place to the last waypoint.
+        route_s: from the first place to the last waypoint; NaN without a route [s].
         items: in the order flown, once for each pass.
         track: the path as flown, in home's local frame.
         remarks: what the model leaves out.
@@ -153,7 +95,7 @@ class Estimate:
     low_s: float
     high_s: float
     qgroundcontrol_s: float
-    route: RouteTime
+    route_s: float
     items: tuple[ItemTime, ...]
     track: Track
     remarks: tuple[str, ...]
@@ -192,7 +134,7 @@ def times_of(itinerary: Itinerary, prediction: Prediction) -> Estimate:
         low_s=items[-1].low_s if items else 0.0,
         high_s=items[-1].high_s if items else 0.0,
         qgroundcontrol_s=qgroundcontrol_time(itinerary.mission),
-        route=route_time(itinerary, prediction),
+        route_s=route_time(itinerary, prediction),
         items=items,
         track=prediction.track.local(),
         remarks=tuple(dict.fromkeys(remarks)),

@@ -1,5 +1,6 @@
 """The interface of an autopilot's flight model, and what it predicts."""
 
+import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass
@@ -13,7 +14,6 @@ from ipoa_mission.autopilot.parameters import Parameters
 from ipoa_mission.autopilot.returning import Contingency, horizontal_distance
 from ipoa_mission.errors import NotModeled
 from ipoa_mission.forecast.itinerary.itinerary import Itinerary, turn_deg
-from ipoa_mission.forecast.timing.bound import Kinematics
 from ipoa_mission.forecast.timing.track import Track
 from ipoa_mission.geometry import Place, Points, Vector
 from ipoa_mission.wind import CALM, Wind
@@ -113,6 +113,16 @@ class SharedStretches(Generic[End]):
         while len(self._ends) > self._most:
             del self._ends[next(iter(self._ends))]  # the oldest
         return ends
+
+
+class Kinematics(NamedTuple):
+    """Speeds horizontal, up and down [m/s], horizontal acceleration and jerk."""
+
+    speed: float
+    climb: float
+    descent: float
+    accel: float
+    jerk: float = math.inf
 
 
 class SlowedByAir(Protocol):

@@ -67,9 +67,8 @@ def figures(forecast: Forecast, length: float, waypoints: int, comparison: Compa
     if guarantee is not None and guarantee.clearance is not None:
         cards.append(_clearance_card(guarantee.clearance, guarantee.confidence))
     cards.append(_card("path", f"{number(length, 0)}\N{NO-BREAK SPACE}m", f"{waypoints} waypoints"))
-    if estimate.route.seconds > 0:
-        against = f"{number(estimate.route.ratio, 2)} times the lower bound, {seconds(estimate.route.least)}"
-        cards.append(_card("first place to last waypoint", seconds(estimate.route.seconds), against))
+    if estimate.route_s > 0:
+        cards.append(_card("first place to last waypoint", seconds(estimate.route_s), "without take-off and landing"))
     if budget is not None:
         cards.append(_energy_card(budget))
     return f'<dl class="figures">{"".join(cards)}</dl>'

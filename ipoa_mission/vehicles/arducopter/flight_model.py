@@ -12,8 +12,14 @@ from ipoa_mission.autopilot.returning import Contingency
 from ipoa_mission.errors import BadInput, EndlessFlight, MissionError
 from ipoa_mission.forecast.deviation.law import DeviationLaw, Quantiles
 from ipoa_mission.forecast.itinerary.itinerary import UNTIMED, Itinerary
-from ipoa_mission.forecast.timing.bound import Kinematics
-from ipoa_mission.forecast.timing.flight_model import FlightModel, LegSpeeds, Prediction, SharedStretches, corner_deg
+from ipoa_mission.forecast.timing.flight_model import (
+    FlightModel,
+    Kinematics,
+    LegSpeeds,
+    Prediction,
+    SharedStretches,
+    corner_deg,
+)
 from ipoa_mission.forecast.timing.track import Track
 from ipoa_mission.geometry import Place, Samples
 from ipoa_mission.mission.items import Item
@@ -102,8 +108,7 @@ class ArduCopterModel(FlightModel):
 
     def kinematics(self, parameters: Parameters, speed: float | None = None) -> Kinematics:
         limits = copter_limits(parameters)
-        speeds = (speed or limits.speed, limits.climb, limits.descent)
-        return Kinematics(*speeds, limits.accel, limits.jerk, across=max(limits.accel, limits.corner_accel))
+        return Kinematics(speed or limits.speed, limits.climb, limits.descent, limits.accel, limits.jerk)
 
     def airframe(self, altitude: float) -> Airframe:
         return ARDUPILOT_SIMULATOR.at_altitude(altitude)

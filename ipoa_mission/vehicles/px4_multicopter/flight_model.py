@@ -16,11 +16,11 @@ from ipoa_mission.compiled import records
 from ipoa_mission.errors import MissionError, NotModeled
 from ipoa_mission.forecast.deviation.law import DeviationLaw, Quantiles
 from ipoa_mission.forecast.itinerary.itinerary import Itinerary
-from ipoa_mission.forecast.timing.bound import Kinematics
 from ipoa_mission.forecast.timing.flight_model import (
     NEVER_MISSED,
     Z_90,
     FlightModel,
+    Kinematics,
     Missed,
     Prediction,
     SharedStretches,
