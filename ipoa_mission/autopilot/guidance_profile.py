@@ -46,7 +46,6 @@ class GuidanceProfile(NamedTuple):
     first_item: int = 1  # jumps in the stored list give the first item this number
     current_after_end: int = 0  # index of the current item after a shorter list; -1: the last
     lands_below_item: bool = False  # LAND's slow stretch counts from an item below home
-    returns_from_order: bool = False  # RTL counts its height from the order, not from the stopping point
     climbs_coming_back: bool = False  # RTL decides at the point of the order, and climbs towards it
     holds_at_order: bool = False  # hold comes back to the order's height
     home_is_where_armed: bool = False  # it ignores the file's home

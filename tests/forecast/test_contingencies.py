@@ -216,7 +216,7 @@ def test_land_sinks_while_it_brakes(
     moving = np.array([[velocity[0], 0.0, velocity[1]]])
     level = autopilot.stopping_displacement({}, moving * (1.0, 1.0, 0.0), 0.0 * moving, Contingency.LAND)
     farthest = place + autopilot.farthest_landing({}, moving)
-    stops, sinks = campus.paths.landings(place, place + level, farthest)[0]
+    stops, sinks = campus.paths.in_place(Contingency.LAND, place, place + level, farthest)[0]
     for run, height in flown:
         from_columns = np.abs(np.array([stops[2, 0], sinks[2, 0]]) - run).min()
         assert np.interp(run, *sinks[:3, ::2].T) <= 100.25 + height or from_columns < 1.5

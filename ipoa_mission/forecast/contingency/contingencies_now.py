@@ -58,13 +58,10 @@ class ContingenciesNow:
         autopilot = mission.autopilot
         stop = place + autopilot.braking_delay_s(contingency) * velocity
         stop += autopilot.stopping_displacement(mission.parameters, velocity[None, :], np.zeros((1, 3)), contingency)[0]
-        end = np.array([stop[0], stop[1], place[2] if autopilot.guidance.holds_at_order else stop[2]])
-        path = np.array([place, stop, end])
-        if contingency is not Contingency.HOLD:
-            farthest = place + autopilot.farthest_landing(mission.parameters, velocity[None, :])
-            ((level, sinking),) = paths.landings(place[None, :], stop[None, :], farthest)
-            path = np.array([*level[::-1], *sinking[1:]])
-        near = paths.enlarged.obstacle_clearance(path, within=paths.required + 8.0)  # [m]
+        farthest = place + autopilot.farthest_landing(mission.parameters, velocity[None, :])
+        (ways,) = paths.in_place(contingency, place[None, :], stop[None, :], farthest)
+        clearances = (paths.enlarged.obstacle_clearance(way, within=paths.required + 8.0) for way in ways)  # [m]
+        near = min(clearances, key=lambda clearance: clearance.distance)
         grade = Grade.CLEAR if near.distance >= paths.required else Grade.UNCLEAR
         return ContingencyRow(contingency, 0.0, 0.0, grade, near.distance, paths.required, near.what, "here")
 

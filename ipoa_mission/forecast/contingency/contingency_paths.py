@@ -136,20 +136,16 @@ class ContingencyPaths:
 
     def _at(self, contingency: Contingency, times: Vector) -> ContingencySamples:
         places, stops = self.stops(contingency).at(times)
-        paths = np.stack([places, stops], axis=1)[:, None]
-        possible = np.ones((len(times), 1), dtype=bool)
-        if contingency is Contingency.LAND:
-            farthest = interpolate(times, self.stops(contingency).times, self.stops(contingency).farthest)
-            paths = self.landings(places, stops, farthest)
-            possible = np.ones(paths.shape[:2], dtype=bool)
-        elif contingency is Contingency.HOLD and self.mission.autopilot.guidance.holds_at_order:
-            back = np.column_stack([stops[:, :2], places[:, 2]])
-            paths = np.concatenate([paths, back[:, None, None]], axis=2)
-        elif contingency is Contingency.RTL:
+        if contingency is Contingency.RTL:
             paths, possible = self.returns(places, stops, self.stops(contingency).seqs_at(times))
         elif contingency is Contingency.SMART_RTL:
-            home = np.broadcast_to(self.flight.pieces.points[0], (len(times), 1, 1, 3))
-            paths = np.concatenate([paths, home], axis=2)
+            home = np.broadcast_to(self.flight.pieces.points[0], (len(times), 3))
+            paths = np.stack([places, stops, home], axis=1)[:, None]
+            possible = np.ones((len(times), 1), dtype=bool)
+        else:
+            farthest = interpolate(times, self.stops(contingency).times, self.stops(contingency).farthest)
+            paths = self.in_place(contingency, places, stops, farthest)
+            possible = np.ones(paths.shape[:2], dtype=bool)
 
         spread = self._spread(times)
         near = np.empty((*possible.shape, paths.shape[2] - 1))
@@ -301,10 +297,8 @@ class ContingencyPaths:
 
         To home and each rally point: one for each share, then one for each error over terrain.
         """
-        guidance = self.mission.autopilot.guidance
-        begins = (places if guidance.climbs_coming_back else stops).copy()
-        if guidance.returns_from_order:
-            begins[:, 2] = places[:, 2]
+        begins = (places if self.mission.autopilot.guidance.climbs_coming_back else stops).copy()
+        begins[:, 2] = places[:, 2]  # heights of a return count from that of the order
         ups = self.forecast.placed(np.array([HOME, *self.forecast.itinerary.rally]))[:, 2].tolist()
         paths = list[NDArray[np.float64]]()
         follows_terrain = list[bool]()
@@ -337,8 +331,13 @@ class ContingencyPaths:
             over[:, :2] = begins[:, :2]
             yield np.stack([places, stops, begins, over, beyond, ground], axis=1)
 
-    def landings(self, places: Points, stops: Points, farthest: Points) -> Paths:
-        """Return paths (n, 2, 4, 3) down at `stops`, and sinking towards `farthest`."""
+    def in_place(self, contingency: Contingency, places: Points, stops: Points, farthest: Points) -> Paths:
+        """Return paths of a hold (n, 1, p, 3), or of LAND (n, 2, 4, 3): down at `stops`, and sinking to `farthest`."""
+        if contingency is Contingency.HOLD:
+            corners = [places, stops]
+            if self.mission.autopilot.guidance.holds_at_order:
+                corners.append(np.column_stack([stops[:, :2], places[:, 2]]))
+            return np.stack(corners, axis=1)[:, None]
         ground = self._ground_below(farthest)
         sunk = np.column_stack([farthest[:, :2], np.maximum(farthest[:, 2], ground[:, 2])])
         middle = places + (sunk - places) * [0.75, 0.75, 0.5]  # lower than flown

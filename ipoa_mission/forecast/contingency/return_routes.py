@@ -35,11 +35,8 @@ class ReturnRoutes:
 
     def _goal_of(self, route: ReturnRoute) -> int:
         if route.by in self.kinds:
-            return self.goal_along(route.by)
+            return 1 + len(self.forecast.itinerary.rally) + self.kinds.index(route.by)
         return 0 if route.rally is None else 1 + route.rally
-
-    def goal_along(self, by: ReturnBy) -> int:
-        return 1 + len(self.forecast.itinerary.rally) + self.kinds.index(by)
 
     @cached_property
     def kinds(self) -> tuple[ReturnBy, ...]:

@@ -172,7 +172,6 @@ class ArduCopter(Autopilot):
         waits_until_clock=True,
         terrain_by="RNGFND1_TYPE",
         lands_below_item=True,
-        returns_from_order=True,
         home_is_where_armed=True,
         brakes_after=0.1,
     )

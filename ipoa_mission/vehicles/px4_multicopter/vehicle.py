@@ -180,7 +180,6 @@ class Px4Multicopter(Autopilot):
         small_acceptance_radius=2.5,
         first_item=0,
         current_after_end=-1,
-        returns_from_order=True,
         climbs_coming_back=True,
         holds_at_order=True,
         brakes_after=BRAKES_LATE,
