@@ -7,6 +7,7 @@ import pytest
 
 from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.autopilot.commands import Command, Frame
+from ipoa_mission.errors import BadInput
 from ipoa_mission.forecast.forecast import estimate
 from ipoa_mission.forecast.timing.estimate import Estimate
 from ipoa_mission.mission.items import (
@@ -20,6 +21,7 @@ from ipoa_mission.mission.items import (
     waypoint,
 )
 from tests.forecast.test_timing_models import BOTH, HOME, lasted, place
+from tests.refused import refuses
 
 
 def at(command: Command, east: float, north: float, height: float = 30.0, *params: float) -> Item:
@@ -155,3 +157,10 @@ def test_a_slow_leg_has_its_reason(autopilot: Autopilot, leg: tuple[Item, ...], 
     fast = {"MPC_XY_VEL_MAX": 20.0} if autopilot is Autopilot.PX4 else {}
     mission = Mission(HOME, (takeoff(HOME, 30.0), *leg), autopilot)
     assert reason in estimate(mission, fast).items[-1].reason
+
+
+@BOTH
+def test_vehicle_that_must_not_lean_is_refused_by_its_parameter(autopilot: Autopilot) -> None:
+    name = autopilot.parameter_table.by_meaning["lean"].name
+    with refuses("bad-input", name, "0", kind=BadInput):
+        estimate(Mission(HOME, (takeoff(HOME, 30.0), to(0, 60)), autopilot), {name: 0.0})
