@@ -26,20 +26,20 @@ class Cause(StrEnum):
 
 @dataclass(frozen=True)
 class FailsafeAction:
-    """A contingency, or one of its fallbacks `otherwise`."""
+    """A contingency, and its `fallbacks`, each where the one before cannot be flown."""
 
     contingency: Contingency
-    otherwise: tuple[Contingency, ...] = ()
+    fallbacks: tuple[Contingency, ...] = ()
     words: str = ""  # remarks
     after_s: float = 0.0  # of a hold before it
     since: Series = (0, 0)  # the first with this value of the parameter
 
     def in_place(self) -> "FailsafeAction":
-        first, *rest = self.otherwise or (Contingency.CONTINUE,)
-        return replace(self, contingency=first, otherwise=tuple(rest), after_s=0.0)
+        first, *rest = self.fallbacks or (Contingency.CONTINUE,)
+        return replace(self, contingency=first, fallbacks=tuple(rest), after_s=0.0)
 
     def __str__(self) -> str:
-        return " or ".join((self.contingency, *self.otherwise)) + (f" ({self.words})" if self.words else "")
+        return " or ".join((self.contingency, *self.fallbacks)) + (f" ({self.words})" if self.words else "")
 
 
 GOES_ON = FailsafeAction(Contingency.CONTINUE)
@@ -48,10 +48,10 @@ GOES_ON = FailsafeAction(Contingency.CONTINUE)
 @dataclass(frozen=True)
 class FailsafeRule:
     cause: str
-    parameter: str = ""  # empty: `other` in any case
+    parameter: str = ""
     actions: Mapping[int, FailsafeAction] = field(default_factory=dict)
     default: float = 0.0  # of the parameter
-    other: FailsafeAction = GOES_ON  # for values not in `actions`
+    usual: FailsafeAction = GOES_ON  # without a parameter, and for its values not in `actions`
     needs: Mapping[str, float] = field(default_factory=dict)  # defaults; one must be above 0, unless empty
     since: Series = (0, 0)
     until: Series = (99, 0)  # the first without the rule
@@ -67,11 +67,11 @@ class FailsafeRule:
             return replace(GOES_ON, words=f"not checked: needs {' or '.join(self.needs)} above 0")
         value = self.value(parameters)
         if not self.parameter:
-            return self.other
+            return self.usual
         if not math.isfinite(value):
             return FailsafeAction(Contingency.UNKNOWN, words="the value is not a number")
-        action = self.actions.get(int(value), self.other)
-        return action if action.since <= series else self.other
+        action = self.actions.get(int(value), self.usual)
+        return action if action.since <= series else self.usual
 
     def failsafe(
         self, parameters: Parameters, series: Series, action: FailsafeAction, at: FlightStage, at_stage: FailsafeAction
@@ -127,7 +127,7 @@ class StationLoss(NamedTuple):
 
 
 def order_rules(*contingencies: Contingency) -> tuple[FailsafeRule, ...]:
-    return tuple(FailsafeRule(Cause.BY_HAND, other=FailsafeAction(contingency)) for contingency in contingencies)
+    return tuple(FailsafeRule(Cause.BY_HAND, usual=FailsafeAction(contingency)) for contingency in contingencies)
 
 
 class FailsafeProfile(NamedTuple):

@@ -50,7 +50,7 @@ def _failsafe(failsafe: Failsafe) -> dict[str, Any]:
         "parameter": failsafe.parameter or None,
         "value": None if math.isnan(failsafe.value) else failsafe.value,
         "contingency": str(failsafe.action.contingency),
-        "otherwise": [str(contingency) for contingency in failsafe.action.otherwise],
+        "otherwise": [str(contingency) for contingency in failsafe.action.fallbacks],
         "words": failsafe.action.words,
     }
 

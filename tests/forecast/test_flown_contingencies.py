@@ -154,12 +154,12 @@ def said_of(row: Row) -> str:
         failsafes = autopilot.failsafes({**parameters, "BATT_LOW_VOLT": 0.0}, version)
         route = next(failsafe for failsafe in failsafes if failsafe.cause == cause).at(stage)
     if route.contingency is Contingency.LAND_START:  # none of the missions has one
-        return str(route.otherwise[0])
+        return str(route.fallbacks[0])
     if route.contingency is Contingency.UNKNOWN:
         known = (does for words, does in NOT_A_CONTINGENCY.items() if route.words.startswith(words))
-        return next(known, None) or f"unknown or {route.otherwise[0]}"
+        return next(known, None) or f"unknown or {route.fallbacks[0]}"
     may_land = route.words == FAR_OUTSIDE or (
-        route.contingency is Contingency.CONTINUE and Contingency.LAND in route.otherwise
+        route.contingency is Contingency.CONTINUE and Contingency.LAND in route.fallbacks
     )
     return f"{route.contingency} or land" if may_land else str(route.contingency)
 

@@ -108,7 +108,7 @@ def test_every_documented_value_is_followed_by_what_its_words_say(
         for value, (first, *others) in documented(values):
             parameters = LOOKED_FOR | ({"BATT_LOW_VOLT": 0.0} if name == "BATT_FS_CRT_ACT" else {})
             action = by(name, parameters | {name: value}, autopilot, version).action
-            if (action.contingency, *action.otherwise[: len(others)]) != (first, *others):
+            if (action.contingency, *action.fallbacks[: len(others)]) != (first, *others):
                 wrong[name, value] = str(action)
     assert not wrong
 

@@ -55,7 +55,7 @@ def page() -> str:
 
 
 def _of(autopilot: Autopilot) -> str:
-    by_hand = [rule.other.contingency for rule in autopilot.failsafe_profile.rules if rule.cause == Cause.BY_HAND]
+    by_hand = [rule.usual.contingency for rule in autopilot.failsafe_profile.rules if rule.cause == Cause.BY_HAND]
     rules = [rule for rule in autopilot.failsafe_profile.rules if rule.cause != Cause.BY_HAND]
     fallbacks = _usual_fallbacks(rules)
     rows = "\n".join(_row(rule, fallbacks) for rule in rules)
@@ -68,8 +68,8 @@ def _of(autopilot: Autopilot) -> str:
 def _usual_fallbacks(rules: Iterable[FailsafeRule]) -> dict[Contingency, tuple[Contingency, ...]]:
     counts = dict[Contingency, Counter[tuple[Contingency, ...]]]()
     for rule in rules:
-        for action in (*rule.actions.values(), rule.other):
-            counts.setdefault(action.contingency, Counter())[action.otherwise] += 1
+        for action in (*rule.actions.values(), rule.usual):
+            counts.setdefault(action.contingency, Counter())[action.fallbacks] += 1
     usual = {first: count.most_common(1)[0][0] for first, count in counts.items()}
     return {first: usual[first] for first in Contingency if usual.get(first) and first is not Contingency.UNKNOWN}
 
@@ -78,7 +78,7 @@ def _row(rule: FailsafeRule, fallbacks: Fallbacks) -> str:
     cause = rule.cause + (f"; needs {' or '.join(f'`{name}`' for name in rule.needs)}" if rule.needs else "")
     cause += f"; since {_series(rule.since)}" if rule.since > (0, 0) else ""
     cause += f"; before {_series(rule.until)}" if rule.until < (99, 0) else ""
-    other = _words(rule.other, fallbacks)
+    other = _words(rule.usual, fallbacks)
     if not rule.parameter:
         return f"| {cause} | | | {other} | |"
     values = dict[str, list[str]]()
@@ -91,8 +91,8 @@ def _row(rule: FailsafeRule, fallbacks: Fallbacks) -> str:
 def _words(action: FailsafeAction, fallbacks: Fallbacks) -> str:
     """Name the fallbacks only where they are not the usual ones."""
     usual = fallbacks.get(action.contingency, ())
-    words = str(replace(action, otherwise=()) if action.otherwise == usual else action)
-    if usual and not action.otherwise:
+    words = str(replace(action, fallbacks=()) if action.fallbacks == usual else action)
+    if usual and not action.fallbacks:
         words = words.replace(action.contingency, f"{action.contingency} without a fallback", 1)
     return f"{words}; since {_series(action.since)}" if action.since > (0, 0) else words
 

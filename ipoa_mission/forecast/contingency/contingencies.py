@@ -80,7 +80,7 @@ def to_return_instead(forecast: Forecast) -> str:
 def contingencies_of(forecast: Forecast) -> tuple[Contingency, ...]:
     failsafes = failsafes_of(forecast)
     actions = [action for failsafe in failsafes for action in (failsafe.action, *failsafe.differs.values())]
-    ordered = {contingency for action in actions for contingency in (action.contingency, *action.otherwise)}
+    ordered = {contingency for action in actions for contingency in (action.contingency, *action.fallbacks)}
     if not failsafes:
         ordered = {Contingency.RTL, Contingency.LAND, Contingency.HOLD}
     return tuple(contingency for contingency in COMPUTED if contingency in ordered)

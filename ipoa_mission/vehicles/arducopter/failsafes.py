@@ -51,26 +51,26 @@ FAILSAFE_RULES = (
     FailsafeRule(
         "radio control lost", "FS_THR_ENABLE",
         {0: GOES_ON, 1: RETURNS, 2: RETURNS, 3: LANDS, 4: SMART_RETURNS, 5: SMART_OR_LANDS, 6: LAND_START, 7: BRAKES},
-        default=1.0, other=LANDS,
+        default=1.0, usual=LANDS,
     ),
     FailsafeRule(
         Cause.STATION_LOST, "FS_GCS_ENABLE",
         {0: GOES_ON, 1: RETURNS, 2: RETURNS, 3: SMART_RETURNS, 4: SMART_OR_LANDS, 5: LANDS, 6: LAND_START, 7: BRAKES},
-        other=RETURNS,
+        usual=RETURNS,
     ),
     FailsafeRule(
         Cause.FENCE_BREACHED, "FENCE_ACTION",
         {
             0: GOES_ON, 1: _in_fence(RETURNS), 2: FailsafeAction(Contingency.LAND), 3: _in_fence(SMART_RETURNS),
             4: _in_fence(BRAKES), 5: _in_fence(SMART_OR_LANDS),
-        }, default=1.0, other=_in_fence(RETURNS), needs=FENCE_SWITCHES,
+        }, default=1.0, usual=_in_fence(RETURNS), needs=FENCE_SWITCHES,
     ),
     FailsafeRule(
         Cause.POSITION_LOST, "FS_EKF_ACTION",
         {
             0: GOES_ON, 1: NO_POSITION, 2: _drifts("ALT_HOLD: keeps its height, drifts, waits for the sticks"),
             3: NO_POSITION,
-        }, default=1.0, other=NO_POSITION, needs={"FS_EKF_THRESH": 0.8},
+        }, default=1.0, usual=NO_POSITION, needs={"FS_EKF_THRESH": 0.8},
     ),
     FailsafeRule(
         "position by dead reckoning", "FS_DR_ENABLE",
@@ -80,7 +80,7 @@ FAILSAFE_RULES = (
             7: _drifts("drifts on dead reckoning while it holds"),
         }, default=2.0,
     ),
-    FailsafeRule(Cause.TERRAIN_UNKNOWN, other=replace(RETURNS, words="RTL continues without terrain data")),
+    FailsafeRule(Cause.TERRAIN_UNKNOWN, usual=replace(RETURNS, words="RTL continues without terrain data")),
     FailsafeRule(
         Cause.TRAFFIC_NEAR, "AVD_F_ACTION",
         {
@@ -90,12 +90,12 @@ FAILSAFE_RULES = (
             6: _until_clear(Contingency.UNKNOWN, "LOITER {}: a low throttle stick makes it descend"),
         }, default=1.0, needs={"AVD_ENABLE": 0.0},
     ),
-    FailsafeRule("parachute", other=TERMINATES, needs={"CHUTE_ENABLED": 0.0}),
-    FailsafeRule("out of control", "FS_CRASH_CHECK", {0: GOES_ON}, default=1.0, other=TERMINATES),
-    FailsafeRule("thrust lost", other=replace(GOES_ON, words="uses all thrust that is left")),
+    FailsafeRule("parachute", usual=TERMINATES, needs={"CHUTE_ENABLED": 0.0}),
+    FailsafeRule("out of control", "FS_CRASH_CHECK", {0: GOES_ON}, default=1.0, usual=TERMINATES),
+    FailsafeRule("thrust lost", usual=replace(GOES_ON, words="uses all thrust that is left")),
     FailsafeRule(
         "vibration",
-        other=FailsafeAction(Contingency.CONTINUE, (Contingency.LAND,), "by FS_EKF_ACTION if its position is lost"),
+        usual=FailsafeAction(Contingency.CONTINUE, (Contingency.LAND,), "by FS_EKF_ACTION if its position is lost"),
     ),
     FailsafeRule("satellite position jumps"),
     FailsafeRule("compasses lost"),
