@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
-from ipoa_mission.autopilot.commands import LANDINGS, Command, Frame
+from ipoa_mission.autopilot.commands import JUMPS, LANDINGS, WAYPOINTS, Command, Frame
 from ipoa_mission.checks.check import check
 from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.finding import Severity
@@ -13,13 +13,10 @@ from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.mission.items import Item, Mission, camera_trigger, return_to_launch, waypoint
 from ipoa_mission.scenario import Scenario
 
-# A flight may turn home or resume there.
-TURNS = frozenset({Command.NAV_WAYPOINT, Command.NAV_SPLINE_WAYPOINT})
 # These lead elsewhere than to the next item.
-NOT_SPLITTABLE = frozenset({
-    Command.DO_JUMP, Command.DO_JUMP_TAG, Command.JUMP_TAG, Command.DO_LAND_START, Command.DO_RETURN_PATH_START,
-    Command.NAV_ARC_WAYPOINT,
-})  # fmt: skip
+NOT_SPLITTABLE = JUMPS | {
+    Command.JUMP_TAG, Command.DO_LAND_START, Command.DO_RETURN_PATH_START, Command.NAV_ARC_WAYPOINT,
+}  # fmt: skip
 # In force until another of their kind.
 STATES = frozenset({
     Command.DO_SET_CAM_TRIGG_DIST, Command.DO_SET_CAM_TRIGG_INTERVAL, Command.DO_SET_ROI_LOCATION, Command.DO_SET_ROI,
@@ -86,7 +83,9 @@ class _Parts:
             words = "expected one take-off and no jumps or arcs in a mission to split"
             raise MissionError(words, code="not-split")
         self.start = begins[0] + 1
-        self.turns = [n for n in range(self.start, len(items)) if items[n].command in TURNS and items[n].has_position]
+        # a flight may turn home or resume there
+        waypoints = [n for n, item in enumerate(items) if item.command in WAYPOINTS and item.has_position]
+        self.turns = [n for n in waypoints if n >= self.start]
         self.last = len(self.turns)
 
     def longest(self, begin: int, guess: int) -> tuple[int, Forecast]:

@@ -12,7 +12,7 @@ from ipoa_mission.autopilot.commands import PLAIN_FRAME, Command, Frame
 from ipoa_mission.autopilot.firmware_tables import Firmware
 from ipoa_mission.autopilot.parameters import Parameters
 from ipoa_mission.errors import MissionError
-from ipoa_mission.geodesy import Geodetic, LocalFrame
+from ipoa_mission.geodesy import Geodetic, apart
 from ipoa_mission.link import messages as m
 from ipoa_mission.link.codec import EVERYONE, Target
 from ipoa_mission.link.conversations import MissionRefused, fetch, offer
@@ -350,9 +350,7 @@ def infeasibility(
             if has_position:
                 return "takeoff not first waypoint item"
         if item.has_position and not has_position:
-            place = Geodetic(item.latitude_deg, item.longitude_deg, home.altitude)
-            east, north, _ = LocalFrame(home).local(place)
-            distance = math.hypot(east, north)
+            distance = apart(home, Geodetic(item.latitude_deg, item.longitude_deg))
             if not distance < first_limit:
                 return f"First waypoint too far away: {min(distance, 4e9):.0f}m, {first_limit:.0f} max"
         has_position = has_position or item.frame != Frame.MISSION
