@@ -14,21 +14,6 @@ from pyproj import Geod, Transformer
 from ipoa_mission.geometry import Points, Vector
 
 EARTH_RADIUS = 6_371_000.0  # spherical, as vehicles count heights [m]
-
-
-def from_spherical_plane(
-    latitude_deg: Vector | float, longitude_deg: Vector | float, east: Vector, north: Vector
-) -> tuple[Vector, Vector]:
-    """Return latitude and longitude, each (n,) [deg], azimuthal equidistant about a place, or one per point (n,)."""
-    middle = np.radians(latitude_deg)
-    away = np.hypot(north, east) / EARTH_RADIUS
-    share = np.sinc(away / np.pi) / EARTH_RADIUS  # of sine to distance
-    height = np.cos(away) * np.sin(middle) + north * share * np.cos(middle)
-    across = np.cos(middle) * np.cos(away) - north * share * np.sin(middle)
-    longitude = longitude_deg + np.degrees(np.arctan2(east * share, across))
-    return np.degrees(np.arcsin(height)), (longitude + 180.0) % 360.0 - 180.0
-
-
 _ELLIPSOID = Geod(ellps="WGS84")
 REACH = 100_000.0  # [m]
 

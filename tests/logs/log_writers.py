@@ -8,7 +8,6 @@ from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
-from pyproj import Proj
 
 from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.link.codec import EVERYONE, Codec, TlogWriter
@@ -104,8 +103,8 @@ FORMATS = {
 }
 
 
-def write_ulog(flown: Flown, path: Path, local: bool = False) -> None:
-    """Padding at the end of a topic is in its format and not in its rows; `local` positions are by PROJ."""
+def write_ulog(flown: Flown, path: Path) -> None:
+    """Padding at the end of a topic is in its format and not in its rows."""
     n = len(flown.times)
     places = zip(flown.times, flown.latitude_deg, flown.longitude_deg, flown.height + flown.home_altitude, strict=True)
     reached = [(0.0, (-1, 0)), *((time, (index, index + 1)) for index, time in flown.done.items())]
@@ -136,9 +135,6 @@ def write_ulog(flown: Flown, path: Path, local: bool = False) -> None:
             [(_us(-1.0), flown.latitude_deg[0], flown.longitude_deg[0], flown.home_altitude)],
         ),
     }
-    if local:
-        del topics["vehicle_global_position"]
-        topics["vehicle_local_position"] = _local(flown)
     data = b"ULog\x01\x12\x35\x01" + struct.pack("<Q", _us(-2.0))
     data += _ulog_record(b"B", bytes(40))
     for name, (fields, _, _) in topics.items():
@@ -156,26 +152,12 @@ def write_ulog(flown: Flown, path: Path, local: bool = False) -> None:
     path.write_bytes(data)
 
 
-def _local(flown: Flown) -> tuple[str, str, list[tuple[float, ...]]]:
-    """Return vehicle_local_position; the first two are from before its reference."""
-    about = (float(flown.latitude_deg[0]) + 0.001, float(flown.longitude_deg[0]) - 0.002, 400.0)
-    project = Proj(f"+proj=aeqd +R=6371000 +lat_0={about[0]!r} +lon_0={about[1]!r}")
-    east, north = project(flown.longitude_deg, flown.latitude_deg)
-    down = about[2] - flown.home_altitude - flown.height
-    columns = (north, east, down, *flown.velocity.T)
-    rows = [(_us(t), *map(float, row), *about, True, True) for t, *row in zip(flown.times, *columns, strict=True)]
-    unknown = [(row[0] - 1, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, False, False) for row in rows[:2]]
-    names = "float x;float y;float z;float vx;float vy;float vz;double ref_lat;double ref_lon;float ref_alt;"
-    return f"{names}bool xy_global;bool z_global;uint8_t[2] _padding0;", "<Q6fddf??", [*unknown, *rows]
-
-
 WRITERS: Mapping[str, Callable[[Flown, Path], None]] = {
     "ardupilot.tlog": lambda flown, path: write_tlog(flown, path, ardupilot=True),
     "px4.tlog": lambda flown, path: write_tlog(flown, path, ardupilot=False),
     "ardupilot.bin": write_dataflash,
     "ardupilot-words.bin": lambda flown, path: write_dataflash(flown, path, executed=False),
     "px4.ulg": write_ulog,
-    "px4-local.ulg": lambda flown, path: write_ulog(flown, path, local=True),
 }
 
 

@@ -65,7 +65,7 @@ def test_a_ulog_with_corruption_or_dropouts_is_named(tmp_path: Path) -> None:
     ulog = SimpleNamespace(
         file_corruption=True, dropouts=[SimpleNamespace(duration=1500)] * 2, initial_parameters={"A": 1.0}
     )
-    remarks = list(px4_log._remarks(path, ulog, {"mission_result", "home_position", *px4_log.POSITIONS}))
+    remarks = list(px4_log._remarks(path, ulog, {"mission_result", "home_position", *px4_log.TOPICS}))
     assert remarks[:2] == ["the log is damaged", "PX4 lost log data 2 times, 3.0 s in all"]
 
 

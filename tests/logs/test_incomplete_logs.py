@@ -71,7 +71,7 @@ def column(topic: str, name: str, value: float) -> Break:
     ("spoil", "words"),
     [
         (without("vehicle_status"), ("log-incomplete", "sitl-px4.ulg", "PX4", "vehicle_status")),
-        (without(*ulog.POSITIONS), ("log-incomplete", "sitl-px4.ulg", "PX4", "vehicle_global_position")),
+        (without(ulog.POSITION), ("log-incomplete", "sitl-px4.ulg", "PX4", "vehicle_global_position")),
         (column("vehicle_status", "vehicle_type", 2.0), ("other-vehicle", "sitl-px4.ulg")),
     ],
 )
@@ -80,20 +80,6 @@ def test_missing_topics_of_a_px4_log_are_named(
 ) -> None:
     spoiled(monkeypatch, spoil)
     with refuses(*words):
-        read_flights(LOG)
-
-
-def test_local_positions_without_a_reference_are_no_places(monkeypatch: pytest.MonkeyPatch) -> None:
-    def spoil(topics: dict[str, Any]) -> None:
-        topics.pop("vehicle_global_position", None)
-        local = topics["vehicle_local_position"].data
-        for name in ("xy_global", "z_global"):
-            local[name] = np.zeros(len(local["timestamp"]))
-        for name in ("ref_lat", "ref_lon", "ref_alt"):
-            local.setdefault(name, np.zeros(len(local["timestamp"])))
-
-    spoiled(monkeypatch, spoil)
-    with refuses("log-incomplete", "sitl-px4.ulg", kind=BadInput):
         read_flights(LOG)
 
 

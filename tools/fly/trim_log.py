@@ -15,7 +15,7 @@ from ipoa_mission.link.codec import Codec, read_tlog
 from ipoa_mission.link.definitions import message_name
 from ipoa_mission.link.messages import Attitude, Current, LocalPosition, ParamValue, Position, SystemTime
 from ipoa_mission.vehicles.arducopter.log import BATTERIES, FMT, HEAD, KINDS
-from ipoa_mission.vehicles.px4_multicopter.log import ATTITUDE, BATTERY, POSITIONS, TOPICS
+from ipoa_mission.vehicles.px4_multicopter.log import ATTITUDE, BATTERY, POSITION, TOPICS, VELOCITY
 from tools import command_line
 
 TABLES = [vehicle.parameter_table for vehicle in registered()]
@@ -117,7 +117,7 @@ def trim_ulog(path: Path, every: float) -> Iterator[bytes]:
             case "D":
                 number, time = struct.unpack_from("<HQ", body)
                 name = wanted.get(number, "")
-                is_thinned = name in (*POSITIONS, ATTITUDE, BATTERY)
+                is_thinned = name in (POSITION, VELOCITY, ATTITUDE, BATTERY)
                 if not name or (is_thinned and time < due.get(number, 0)) or before.get(number) == body[10:]:
                     continue
                 due[number], before[number] = time + int(every * 1e6), body[10:]

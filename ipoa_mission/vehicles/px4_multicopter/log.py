@@ -12,18 +12,17 @@ import numpy as np
 from ipoa_mission.autopilot.parameters import REAL32
 from ipoa_mission.errors import BadInput, WrongFormat, imported
 from ipoa_mission.files import read_bytes
-from ipoa_mission.geodesy import from_spherical_plane
 from ipoa_mission.geometry import Matrix, Vector
 from ipoa_mission.link.messages import INFO, Current, HomePosition, Message, MissionState, ParamValue, Reached, Text
-from ipoa_mission.logs.logged import Battery, Log, LogFormat, Measured, presence, version_name
+from ipoa_mission.logs.logged import Battery, Log, LogFormat, Measured, in_order, presence, version_name
 from ipoa_mission.vehicles.px4_multicopter.vehicle import PX4_MULTICOPTER, Px4Mode
 
 ARMED = 2  # vehicle_status.arming_state
 #: vehicle_status.nav_state to HEARTBEAT.custom_mode.
 MODES = {3: Px4Mode.AUTO_MISSION, 4: Px4Mode.AUTO_LOITER, 5: Px4Mode.AUTO_RTL, 18: Px4Mode.AUTO_LAND}
-POSITIONS = ("vehicle_global_position", "vehicle_local_position")
+POSITION, VELOCITY = "vehicle_global_position", "vehicle_local_position"
 BATTERY, ATTITUDE = "battery_status", "vehicle_attitude"
-TOPICS = [*POSITIONS, "vehicle_status", "mission_result", "home_position", BATTERY, ATTITUDE]
+TOPICS = [POSITION, VELOCITY, "vehicle_status", "mission_result", "home_position", BATTERY, ATTITUDE]
 
 HEADER = 16  # bytes before messages; head: size and kind
 MESSAGE = Struct("<HB")
@@ -51,8 +50,8 @@ def _log(path: Path, log: Any) -> Log:
     if "vehicle_status" not in topics:
         words = "expected a PX4 log with the topic vehicle_status"
         raise BadInput(words, code="log-incomplete", place=path)
-    if not topics.keys() & set(POSITIONS):
-        words = f"expected a PX4 log with one of the topics {', '.join(POSITIONS)}"
+    if POSITION not in topics:
+        words = f"expected a PX4 log with the topic {POSITION}"
         raise BadInput(words, code="log-incomplete", place=path)
     status = topics["vehicle_status"]
     kinds = status.get("vehicle_type", status.get("is_rotary_wing"))  # before 1.9
@@ -60,10 +59,6 @@ def _log(path: Path, log: Any) -> Log:
     if kinds is not None and not (np.asarray(kinds) == rotary_wing).all():
         words = "expected the log of a multicopter, not of another kind of vehicle"
         raise BadInput(words, code="other-vehicle", place=path)
-    fixes = _fixes(topics)
-    if not len(fixes):
-        words = "expected positions on the Earth, but PX4's local positions have no reference"
-        raise BadInput(words, code="log-incomplete", place=path)
     begins = log.start_timestamp / 1e6
     opened_by_arming = log.initial_parameters.get("SDLOG_MODE", 0) == 0
     events = [
@@ -76,7 +71,9 @@ def _log(path: Path, log: Any) -> Log:
     version = version_name(int(log.msg_info_dict.get("ver_sw_release", 0)) & 0xFFFFFFFF)
     batteries = (_battery(topic.data) for topic in log.data_list if topic.name == BATTERY)
     measured = Measured.of(batteries, _attitude(topics.get(ATTITUDE)))
-    return Log(PX4_MULTICOPTER, fixes, tuple(events), version, tuple(_remarks(path, log, topics.keys())), measured)
+    return Log(
+        PX4_MULTICOPTER, _fixes(topics), tuple(events), version, tuple(_remarks(path, log, topics.keys())), measured
+    )
 
 
 def _messages(data: bytes) -> Iterator[tuple[int, int]]:
@@ -102,7 +99,7 @@ def _remarks(path: Path, log: Any, topics: Set[str]) -> Iterator[str]:
     if log.dropouts:
         lost_s = sum(dropout.duration for dropout in log.dropouts) / 1e3
         yield f"PX4 lost log data {len(log.dropouts)} times, {lost_s:.1f} s in all"
-    lacking = sorted({"mission_result", "home_position", *POSITIONS} - topics)
+    lacking = sorted({"mission_result", "home_position", VELOCITY} - topics)
     if lacking:
         yield f"the log has no topics {', '.join(lacking)}"
     if not log.initial_parameters:
@@ -195,15 +192,8 @@ def _items(result: Any | None) -> Iterator[Event]:
 
 
 def _fixes(topics: dict[str, Any]) -> Matrix:
-    if place := topics.get(POSITIONS[0]):
-        times = _column(place, "timestamp") / 1e6
-        latitude = _column(place, "lat")
-        longitude = _column(place, "lon")
-        altitude = _column(place, "alt")
-    else:
-        times, latitude, longitude, altitude = _local(topics[POSITIONS[1]])
-    times, first_rows = np.unique(times, return_index=True)
-    latitude, longitude, altitude = latitude[first_rows], longitude[first_rows], altitude[first_rows]
+    rows = np.column_stack([_column(topics[POSITION], name) for name in ("timestamp", "lat", "lon", "alt")])
+    times, latitude, longitude, altitude = (in_order(rows) / [1e6, 1.0, 1.0, 1.0]).T
     velocity = np.column_stack([_velocity(topics, axis, times) for axis in ("vx", "vy", "vz")])
     height = altitude - _ground(topics, times, altitude)
     return np.column_stack([times, latitude, longitude, altitude, height, velocity])
@@ -213,16 +203,6 @@ def _column(topic: Any, name: str) -> Vector:
     """Return a field (n,); NumPy would warn of signaling NaN."""
     with np.errstate(invalid="ignore"):
         return np.asarray(topic[name], float)
-
-
-def _local(place: Any) -> tuple[Vector, Vector, Vector, Vector]:
-    """Return times, latitude, longitude, altitude of referenced local positions."""
-    referenced = (np.asarray(place["xy_global"]) == 1) & (np.asarray(place["z_global"]) == 1)
-    columns = ("timestamp", "x", "y", "z", "ref_lat", "ref_lon", "ref_alt")
-    rows = np.column_stack([_column(place, name) for name in columns])[referenced]
-    rows = rows[np.isfinite(rows).all(axis=1)]
-    latitude, longitude = from_spherical_plane(rows[:, 4], rows[:, 5], rows[:, 2], rows[:, 1])
-    return rows[:, 0] / 1e6, latitude, longitude, rows[:, 6] - rows[:, 3]
 
 
 def _ground(topics: dict[str, Any], times: Vector, altitude: Vector) -> Vector:
@@ -235,7 +215,7 @@ def _ground(topics: dict[str, Any], times: Vector, altitude: Vector) -> Vector:
 
 
 def _velocity(topics: dict[str, Any], axis: str, times: Vector) -> Vector:
-    local = topics.get("vehicle_local_position")
+    local = topics.get(VELOCITY)
     if local is None:
         return np.zeros(len(times))
     times_s = _column(local, "timestamp") / 1e6
