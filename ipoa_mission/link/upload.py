@@ -277,8 +277,8 @@ def _cancel(job: Upload, state: UploadState, progress: Progress) -> Dialogue[Non
 
 
 def _store(job: Upload, state: UploadState, progress: Progress) -> Dialogue[None]:
-    refused_before: conversations.MissionRefused | None = None
-    # not because of the items
+    refused_before: tuple[int, int | None] | None = None
+    # not of the items
     temporary = {*conversations.DOUBTFUL_REFUSALS, Result.DENIED, Result.OPERATION_CANCELLED}
     state.may_be_whole |= not job.items  # stored at COUNT
 
@@ -302,16 +302,15 @@ def _store(job: Upload, state: UploadState, progress: Progress) -> Dialogue[None
             if state.attempt == ATTEMPTS or max(furthest_before, state.furthest) < 0:
                 raise
         except conversations.MissionRefused as refusal:
-            again = refused_before is not None and (
-                (refusal.result, refusal.seq) == (refused_before.result, refused_before.seq)
-            )
-            is_refused = refusal.result not in temporary
-            state.may_be_whole &= was_whole or not is_refused
-            is_final = is_refused and (not job.truncates or again)
-            if state.attempt == ATTEMPTS or is_final or (again and refusal.result == Result.ERROR):
+            is_repeated = (refusal.result, refusal.seq) == refused_before
+            is_of_items = refusal.result not in temporary
+            if is_of_items:
+                state.may_be_whole = was_whole
+            is_final = is_of_items and (not job.truncates or is_repeated)
+            if state.attempt == ATTEMPTS or is_final or (is_repeated and refusal.result == Result.ERROR):
                 words = refusal.words
                 raise conversations.MissionRefused(refusal.result, job.kind, refusal.seq, words, job.first) from None
-            refused_before = refusal
+            refused_before = (refusal.result, refusal.seq)
             yield from wait(1.0)
         else:
             state.reports.is_named = False  # earlier reports prove nothing from here on
