@@ -354,5 +354,4 @@ def infeasibility(
             if not distance < first_limit:
                 return f"First waypoint too far away: {min(distance, 4e9):.0f}m, {first_limit:.0f} max"
         has_position = has_position or item.frame != Frame.MISSION
-    refused = autopilot.refusals.ends({item.command for item in items}, parameters)
-    return "" if refused is None else refused.words
+    return autopilot.refusals.ends({item.command for item in items}, parameters)
