@@ -8,9 +8,9 @@ import math
 import re
 from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Annotated, Any, NamedTuple, TypeAlias
 
-import numpy as np
+from pydantic import AwareDatetime, BaseModel, BeforeValidator, ConfigDict, Field, TypeAdapter, ValidationError
 
 from ipoa_mission.errors import BadInput
 from ipoa_mission.maps.feature import Feature, read_all
@@ -169,84 +169,67 @@ def _is_number(text: str) -> bool:
         return False
 
 
-class Slot(NamedTuple):
-    """Seconds from midnight UTC on weekdays (0: Monday), maybe into the next day."""
+def _dated(text: Any) -> str:
+    """Refuse numbers, which count as seconds since 1970."""
+    if not re.match(r"\d{4}-\d\d-\d\dT", str(text), re.IGNORECASE):
+        raise ValueError(f"expected a date and a time, not {text!r}")
+    return str(text)
 
-    days: frozenset[int]
-    begin: float
-    end: float
+
+Instant: TypeAlias = Annotated[AwareDatetime, BeforeValidator(_dated)]
+Clock: TypeAlias = Annotated[AwareDatetime, BeforeValidator(lambda clock: f"1970-01-01T{clock}")]
 
 
-class Period(NamedTuple):
-    begin: float = -math.inf
-    end: float = math.inf
-    slots: tuple[Slot, ...] = ()
+class Slot(BaseModel):
+    """Hours on weekdays (UTC), maybe into the next day."""
+
+    model_config = ConfigDict(defer_build=True)
+
+    day: tuple[str, ...] | None = None
+    begin: Clock | None = Field(None, alias="startTime")
+    end: Clock | None = Field(None, alias="endTime")
 
     def meets(self, begin: float, end: float) -> bool:
-        begin, end = max(begin, self.begin), min(end, self.end)
-        if begin > end or not self.slots:
-            return begin <= end
+        weekdays = ("THU", "FRI", "SAT", "SUN", "MON", "TUE", "WED")  # 1970 began on a Thursday
+        names = self.day or ("ANY",)
+        is_any = not set(names) <= {*weekdays}  # "ANY", or a holiday of unknown date
+        first = -DAY_S / 2
+        last = 1.5 * DAY_S
+        if self.begin is not None and self.end is not None:  # else from dawn or to dusk
+            first = self.begin.timestamp()
+            last = self.end.timestamp()
+            last += 0.0 if last > first else DAY_S
         days = range(math.floor(begin / DAY_S) - 2, math.floor(end / DAY_S) + 3)
         return any(
-            (day + 3) % 7 in slot.days  # 1970 began on a Thursday
-            and day * DAY_S + slot.begin <= end
-            and day * DAY_S + slot.end >= begin
-            for slot in self.slots
+            (is_any or weekdays[day % 7] in names) and day * DAY_S + first <= end and day * DAY_S + last >= begin
             for day in days
         )
 
 
-def periods_of(tags: Mapping[str, str]) -> tuple[Period, ...] | None:
-    """Read `limitedApplicability`; None: always active or unreadable.
+class Period(BaseModel):
+    """A time without slots is active throughout."""
 
-    >>> periods_of({"limitedApplicability": '[{"endDateTime": "1970-01-02T01:00:00+01:00"}]'})
-    (Period(begin=-inf, end=86400.0, slots=()),)
-    """
+    model_config = ConfigDict(defer_build=True)
+
+    begin: Instant | None = Field(None, alias="startDateTime")
+    end: Instant | None = Field(None, alias="endDateTime")
+    schedule: tuple[Slot, ...] | None = None
+
+    def meets(self, begin: float, end: float) -> bool:
+        begin = begin if self.begin is None else max(begin, self.begin.timestamp())
+        end = end if self.end is None else min(end, self.end.timestamp())
+        return begin <= end and (not self.schedule or any(slot.meets(begin, end) for slot in self.schedule))
+
+
+def periods_of(tags: Mapping[str, str]) -> tuple[Period, ...] | None:
+    """Read `limitedApplicability`; None: always active or unreadable."""
     try:
-        periods = tuple(_period(period) for period in json.loads(tags.get("limitedApplicability", "null")))
-    except (ValueError, TypeError, KeyError, AttributeError, RecursionError):
+        return TypeAdapter(tuple[Period, ...]).validate_json(tags.get("limitedApplicability", "null")) or None
+    except ValidationError:
         return None
-    return periods or None
 
 
 def may_be_active(tags: Mapping[str, str], time: float) -> bool:
     periods = periods_of(tags)
     longest_flight_s = 3_600.0
     return periods is None or any(period.meets(time, time + longest_flight_s) for period in periods)
-
-
-def _period(period: Mapping[str, Any]) -> Period:
-    begin, end = (period.get(key) for key in ("startDateTime", "endDateTime"))
-    return Period(
-        -math.inf if begin is None else _instant(begin),
-        math.inf if end is None else _instant(end),
-        tuple(_slot(slot) for slot in period.get("schedule") or []),
-    )
-
-
-def _slot(slot: Mapping[str, Any]) -> Slot:
-    names = slot.get("day") or ["ANY"]
-    weekdays = ("MON", "TUE", "WED", "THU", "FRI", "SAT", "SUN")
-    known = [weekdays.index(name) for name in names if name in weekdays]
-    days = frozenset(known if len(known) == len(names) else range(7))  # "ANY", or a holiday of unknown date
-    if "startTime" not in slot or "endTime" not in slot:  # dawn or dusk
-        return Slot(days, -DAY_S / 2, 1.5 * DAY_S)
-    begin = _clock(slot["startTime"])
-    end = _clock(slot["endTime"])
-    return Slot(days, begin, end if end > begin else end + DAY_S)
-
-
-def _instant(text: str) -> float:
-    date, _, clock = text.upper().partition("T")
-    if not re.fullmatch(r"\d{4}-\d\d-\d\d", date):
-        raise ValueError(text)
-    return float(np.datetime64(date, "D").astype(int)) * DAY_S + _clock(clock)
-
-
-def _clock(text: str) -> float:
-    match = re.fullmatch(r"(\d\d):(\d\d)(?::(\d\d)(?:\.\d+)?)?(?:Z|([+-])(\d\d):?(\d\d))", text, re.IGNORECASE)
-    if match is None:
-        raise ValueError(text)
-    hour, minute, second, sign, *offset = match.groups()
-    east = int(f"{sign}1") * (int(offset[0]) * 3600 + int(offset[1]) * 60) if sign else 0
-    return int(hour) * 3600.0 + int(minute) * 60 + int(second or 0) - east

@@ -38,6 +38,8 @@ def active(period: dict[str, Any], time: str) -> bool:
         ({"schedule": [WEEKEND | {"day": ["ANY"]}]}, "2026-11-24T18:00", True),
         ({"startDateTime": "2026"}, "1999-01-01T00:00", True),  # unreadable: at all times
         ({"schedule": [WEEKEND | {"startTime": "17:00"}]}, "2026-11-24T12:00", True),
+        ({"endDateTime": "20260101"}, "2026-11-24T12:00", True),  # no seconds since 1970
+        ({"endDateTime": 1700000000}, "2026-11-24T12:00", True),
         ({}, "2026-11-24T12:00", True),
     ],
 )
