@@ -12,7 +12,7 @@ import shapely
 from ipoa_mission import MissionError
 from ipoa_mission.geometry import Plane, Points, Vector, union_of
 from ipoa_mission.survey._kernels import NO_WAY, search_order
-from ipoa_mission.survey.free import FreeSpace, Transits, narrow, widen
+from ipoa_mission.survey.free import FreeSpace, Transits, narrow
 from ipoa_mission.survey.survey_area import ARC, Area
 from ipoa_mission.survey.survey_lines import (
     MAX_UNSEEN,
@@ -108,7 +108,7 @@ class CoverProblem:
         cls, area: Area, spacing: float, cost: LegTimes, keep_out: Any = None, turns_outside: float = 0.0
     ) -> "CoverProblem":
         """Return the problem; transits may leave the area by `turns_outside` [m]."""
-        kept_out = shapely.Polygon() if keep_out is None else _simplify(keep_out, area.shape, spacing)
+        kept_out = shapely.Polygon() if keep_out is None else keep_out
         visible = area.visible(keep_out, spacing)
         free = FreeSpace.of(_where_lines_go(area.shape, kept_out, visible, spacing, cost.past_corners))
         if free.inner.is_empty:
@@ -263,12 +263,6 @@ class CoverProblem:
 def _no_way_between_parts() -> MissionError:
     words = "no way leads between all parts of the area"
     return MissionError(words, hint="survey them one by one", code="area-parted", place="survey")
-
-
-def _simplify(keep_out: Any, area: Any, spacing: float) -> Any:
-    edge = float(keep_out.boundary.intersection(area).length)
-    most = 0.03 * spacing
-    return widen(keep_out, most if edge <= 0.0 else min(most, MAX_UNSEEN / 2 * area.area / edge))
 
 
 def _where_lines_go(area: Any, keep_out: Any, visible: Any, spacing: float, past: float) -> Any:
