@@ -83,22 +83,17 @@ def _polygon(rings: Sequence[Sequence[Sequence[float]] | Plane], spelling: _Spel
     where = spelling.place(part)
     if not len(rings):
         raise InvalidRing("expected a ring of corners", place=where)
-    names = [spelling.place(part, n) for n in range(len(rings))]
-    outer, *holes = [_ring(ring, name) for ring, name in zip(rings, names, strict=True)]
-    bare = shapely.Polygon(outer)
-    solid = [shapely.Polygon(hole) for hole in holes]
-    for n, hole in enumerate(solid):
-        if not bare.intersects(hole) or bare.intersection(hole).area < LEAST_M2:
-            words = f"expected a hole inside of its outer ring {names[0]}, but it lies outside"
-            raise spelling.misplaced(words, part, n + 1)
-        for m, other in enumerate(solid[:n]):
+    outer, *holes = (shapely.Polygon(_ring(ring, spelling.place(part, n))) for n, ring in enumerate(rings))
+    for n, hole in enumerate(holes, 1):
+        if outer.intersection(hole).area < LEAST_M2:
+            words = f"expected a hole inside of its outer ring {spelling.place(part, 0)}, but it lies outside"
+            raise spelling.misplaced(words, part, n)
+        for m, other in enumerate(holes[: n - 1], 1):
             if hole.within(other) or other.within(hole):
-                inner, around = (n + 1, m + 1) if hole.within(other) else (m + 1, n + 1)
-                words = f"expected no ring inside of the hole {names[around]}: islands are not surveyed"
+                inner, around = (n, m) if hole.within(other) else (m, n)
+                words = f"expected no ring inside of the hole {spelling.place(part, around)}: islands are not surveyed"
                 raise spelling.misplaced(words, part, inner)
-    left = bare
-    for hole in solid:
-        left = left.difference(hole)
+    left = outer.difference(union_of(holes))
     if left.area < LEAST_M2:
         raise InvalidRing("expected some area, but its holes cover all of it", place=where)
     if left.geom_type != "Polygon":
@@ -122,15 +117,12 @@ def _ring(ring: Sequence[Sequence[float]] | Plane, where: str) -> Plane:
     if len(corners) < 3:
         raise InvalidRing(f"expected three corners or more, not {len(corners)}", place=where)
     polygon = shapely.Polygon(corners)
+    if shapely.make_valid(polygon).area < LEAST_M2:
+        raise InvalidRing("expected a ring with an area, not corners on one line", place=where)
     if not polygon.is_valid:
-        if polygon.buffer(0.0).area < LEAST_M2 and np.linalg.matrix_rank(corners - corners[0], 1e-9) < 2:
-            raise InvalidRing("expected a ring with an area, but its corners lie on one line", place=where)
         why = shapely.is_valid_reason(polygon)
-        place = why[why.find("[") :] if "[" in why else ""
-        words = f"expected a ring that does not cross or touch itself, but it does at {place} [m]"
+        words = f"expected a ring that does not cross or touch itself, not one with {why.lower()} [m]"
         raise InvalidRing(words, place=where)
-    if polygon.area < LEAST_M2:
-        raise InvalidRing("expected a ring with an area", place=where)
     return corners
 
 
