@@ -181,7 +181,7 @@ Clock: TypeAlias = Annotated[AwareDatetime, BeforeValidator(lambda clock: f"1970
 
 
 class Slot(BaseModel):
-    """Hours on weekdays (UTC), maybe into the next day."""
+    """Hours (UTC), maybe into the next day."""
 
     model_config = ConfigDict(defer_build=True)
 
@@ -207,8 +207,6 @@ class Slot(BaseModel):
 
 
 class Period(BaseModel):
-    """A time without slots is active throughout."""
-
     model_config = ConfigDict(defer_build=True)
 
     begin: Instant | None = Field(None, alias="startDateTime")
@@ -222,7 +220,7 @@ class Period(BaseModel):
 
 
 def periods_of(tags: Mapping[str, str]) -> tuple[Period, ...] | None:
-    """Read `limitedApplicability`; None: always active or unreadable."""
+    """None: always active or unreadable."""
     try:
         return TypeAdapter(tuple[Period, ...]).validate_json(tags.get("limitedApplicability", "null")) or None
     except ValidationError:

@@ -104,7 +104,7 @@ def _messages(eccodes: Any, path: Path) -> Iterator[Any]:
 def _read(
     eccodes: Any, handle: Any, where: str, winds: ForecastWinds, nearest: dict[str, Nearest]
 ) -> Iterator[tuple[_Moment, Component, float, float | None]]:
-    """Yield a component of a wind [m/s, deg], and the direction of the grid's y axis if it is along the axes."""
+    """Yield a component [m/s, deg], and the y axis' direction if along the axes."""
 
     def get(key: str, kind: type = str) -> Any:
         return eccodes.codes_get(handle, key, kind) if eccodes.codes_is_defined(handle, key) else None

@@ -67,7 +67,7 @@ class ForecastWind:
 
 
 def nearest_point(latitudes: Any, longitudes: Any, winds: ForecastWinds) -> tuple[int, float, float]:
-    """Return the number of the grid point nearest to home, its latitude and longitude [deg]; raise NotCovered."""
+    """Return the nearest grid point's number, latitude and longitude [deg]; raise NotCovered."""
     home = winds.place
     north = np.abs(latitudes - home.latitude_deg)
     east = np.abs((longitudes - home.longitude_deg + 180.0) % 360.0 - 180.0)
@@ -82,7 +82,6 @@ def nearest_point(latitudes: Any, longitudes: Any, winds: ForecastWinds) -> tupl
 
 
 def towards(speed: Any, from_deg: Any) -> tuple[Any, Any]:
-    """Return east and north of winds by the direction that they blow from."""
     return -speed * np.sin(np.radians(from_deg)), -speed * np.cos(np.radians(from_deg))
 
 

@@ -155,7 +155,7 @@ def mission_text(mission: Mission, suffix: str, read_from: MissionFile | None = 
 
 
 def still_holds(file: MissionFile, mission: Mission) -> bool:
-    """Return whether a file's text has all of a mission but its parameters."""
+    """Return whether a file has all of a mission but its parameters."""
     ours, theirs = (replace(each, parameters={}) for each in (file.mission, mission))
     if file.suffix == ".plan":
         grounds = [landing_ground_entry(each) for each in (file.mission, mission)]

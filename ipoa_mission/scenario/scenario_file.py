@@ -78,8 +78,6 @@ def parse_toml(text: str, path: Path) -> dict[str, Any]:
 
 
 FREE_RADIUS = 12.0  # [m]
-UNKNOWN_ALTITUDE = "home.altitude_amsl is 0 m: correct it, or give --elevation FILE or --home LAT LON ALT"
-UNKNOWN_GOAL = "the goal is 100 m north of home: correct it"
 
 
 class NewScenario(NamedTuple):
@@ -102,7 +100,7 @@ def new_scenario(
         raise BadInput("expected --home LAT LON ALT, or --buildings FILE", code="missing", place=target)
     latitude, longitude = home[:2] if home is not None else places[0]
     goal = max(places, key=lambda place: math.dist(place, (latitude, longitude)), default=None)
-    remarks = [] if goal else [UNKNOWN_GOAL]
+    remarks = [] if goal else ["the goal is 100 m north of home: correct it"]
     if home is not None:
         altitude = home[2]
     elif elevation is not None:
@@ -111,7 +109,7 @@ def new_scenario(
         altitude = round(ground_altitude(elevation, latitude, longitude), 1)
     else:
         altitude = 0.0
-        remarks.append(UNKNOWN_ALTITUDE)
+        remarks.append("home.altitude_amsl is 0 m: correct it, or give --elevation FILE or --home LAT LON ALT")
     template = files("ipoa_mission.scenario").joinpath("new.toml.template").read_text(encoding="utf-8")
     parts = dict(re.findall(r"^%% (\w+)\n(.*?)(?=^%%|\Z)", template, re.MULTILINE | re.DOTALL))
     text = (

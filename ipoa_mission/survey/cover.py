@@ -225,7 +225,6 @@ class CoverProblem:
         return _Pass(degrees, lines, path, self._seconds(path, begin, end), [], 1.0)
 
     def _closed(self, ordered: _Pass, begin: Vector | None, end: Vector | None) -> _Pass:
-        """Return the pass with detours to its gaps."""
         path = SensedPath([*ordered.path.places], [*ordered.path.is_on])
         goals, unseen = GapCloser(self.area, self.spacing, self.turns, self.cost).close(path)
         seconds = self._seconds(path, begin, end)

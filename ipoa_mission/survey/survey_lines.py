@@ -129,7 +129,7 @@ class SensedPath:
 
     @property
     def lines(self) -> Points:
-        """Return the legs with the sensor on, (n, 2, 2)."""
+        """Return legs with the sensor on, (n, 2, 2)."""
         lines = [self.places[n : n + 2] for n, is_on in enumerate(self.is_on) if is_on]
         return np.array(lines).reshape(-1, 2, 2)
 

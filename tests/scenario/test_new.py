@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from ipoa_mission.errors import BadInput
 from ipoa_mission.scenario import parse_scenario
-from ipoa_mission.scenario.scenario_file import UNKNOWN_ALTITUDE, UNKNOWN_GOAL, new_scenario
+from ipoa_mission.scenario.scenario_file import new_scenario
 from tests.refused import refuses
 
 TARGET = Path("trip.toml")
@@ -25,7 +25,7 @@ def test_home_is_the_given_one(latitude: float, longitude: float, altitude: floa
     assert scenario.start_point == pytest.approx([0, 0, 20])
     assert scenario.goal_point == pytest.approx([0, 100, 20], abs=1.0)
     assert scenario.safety.returns == "planned"
-    assert remarks == (UNKNOWN_GOAL,)
+    assert remarks == ("the goal is 100 m north of home: correct it",)
 
 
 def test_commented_keys_can_be_read_too() -> None:
@@ -73,7 +73,8 @@ def test_a_map_suggests_home_and_goal(missions: Path, tmp_path: Path) -> None:
 def test_every_height_of_the_template_is_a_key_of_maps(missions: Path, tmp_path: Path) -> None:
     target = tmp_path / "town.toml"
     text, remarks = new_scenario(target, None, missions / "oldtown.geojson")
-    assert remarks == (UNKNOWN_ALTITUDE,)
+    (altitude,) = remarks
+    assert altitude.startswith("home.altitude_amsl is 0 m: correct it")
     for key in ("default", "line", "aerialway", "point"):
         assert f"\n# {key}_height" in text
         text = text.replace(f"\n# {key}_height", f"\n{key}_height")
