@@ -6,7 +6,7 @@ from functools import cached_property
 
 import shapely
 
-from ipoa_mission import BadInput, Finding, Forecast, MissionError, NoPath, NoRoute, NotEnoughBattery, Scenario
+from ipoa_mission import BadInput, Finding, Forecast, MissionError, NoPath, NotEnoughBattery, Scenario
 from ipoa_mission.centimeters import floor_cm
 from ipoa_mission.checks.check import check
 from ipoa_mission.checks.firmware_check import is_too_long
@@ -207,8 +207,11 @@ class FlightMaker:
 
     def fits(self, tour: Tour) -> bool:
         """Return whether one flight from home flies a tour; keeps the longest that does."""
-        forecast = self.short_enough(tour)
-        if forecast is None or (self.task.scenario.vehicle.battery is not None and refusal_of(forecast) is not None):
+        if len(tour.swaths) > self.max_lines:
+            return False
+        forecast = self(tour)
+        has_battery = self.task.scenario.vehicle.battery is not None
+        if is_too_long(forecast.mission) or (has_battery and refusal_of(forecast) is not None):
             return False
         self._longest[tour.swaths[0]] = tour, forecast
         return True
@@ -219,23 +222,14 @@ class FlightMaker:
         items_per_line = 2 if self.task.sight.trigger is None else 4
         return vehicle.autopilot.firmware(vehicle.version).max_items // items_per_line
 
-    def short_enough(self, tour: Tour) -> Forecast | None:
-        """Return the forecast, or None if the vehicle cannot hold that many items."""
-        if len(tour.swaths) > self.max_lines:
-            return None
-        forecast = self(tour)
-        return None if is_too_long(forecast.mission) else forecast
-
 
 def split_into_flights(tour: Tour, make: FlightMaker) -> tuple[Tour, ...]:
     section = make.task.section
     if section.flights is not None:
         return _asked_parts(tour, section.flights)
+    guess = make.max_lines if make.task.scenario.vehicle.battery is None else 8
     try:
-        estimate = _lines_of_one_flight(tour, make)
-        if len(tour.swaths) <= 1.5 * estimate and make.fits(tour):
-            return (tour,)
-        return tuple(fewest_parts(tour, make.fits, make.task.sight.piece_overlap, max(int(estimate), 1)))
+        return tuple(fewest_parts(tour, make.fits, make.task.sight.piece_overlap, guess))
     except Unreached as error:
         east, north = error.swath.begin.tolist()
         raise NotEnoughBattery(
@@ -256,23 +250,6 @@ def _asked_parts(tour: Tour, count: int) -> tuple[Tour, ...]:
             remedies=(Remedy(("survey", "flights"), most), Remedy(("survey", "flights"))),
         )
     return parts_of_equal_length(tour, count)
-
-
-def _lines_of_one_flight(tour: Tour, make: FlightMaker) -> float:
-    if make.task.scenario.vehicle.battery is None or len(tour.swaths) == 1:
-        return make.max_lines
-    try:
-        first = make.short_enough(tour.part(0, 1))
-    except (NoPath, NoRoute):  # another line may have a way home
-        return make.max_lines
-    if first is None or refusal_of(first) is not None:
-        return 1.0
-    budget = budget_of(first)
-    if budget is None or budget.share <= 0.0:
-        return make.max_lines
-    seconds_per_line = make.task.times.seconds(tour.path) / len(tour.swaths)
-    left_s = (1.0 / min(budget.share, 1.0) - 1.0) * first.estimate.total_s
-    return min(1.0 + left_s / seconds_per_line, make.max_lines)
 
 
 def with_planned_returns(forecast: Forecast) -> Forecast:
