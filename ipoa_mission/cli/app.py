@@ -2,13 +2,18 @@
 
 import errno
 import logging
+import os
+import re
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import suppress
 from copy import copy
-from functools import cache
+from functools import cache, partial
 from importlib import import_module
-from typing import Annotated, Any
+from itertools import cycle
+from pathlib import Path
+from types import SimpleNamespace
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple, get_args, get_origin
 
 import typer
 
@@ -20,12 +25,14 @@ from ipoa_mission.cli.linking import clear, download, pause, resume, rtl, scan, 
 from ipoa_mission.cli.mocking import mock
 from ipoa_mission.cli.planners import grouped
 from ipoa_mission.cli.planning import new, plan, schema
-from ipoa_mission.cli.quick_start import spare_imports
 from ipoa_mission.cli.showing import export, show
 from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.files import plug_ins
 from ipoa_mission.interrupts import noted_terminations
 from ipoa_mission.terminal import discard_output, print_error, print_lines, replace_unencodable, shown
+
+if TYPE_CHECKING:
+    from rich.text import Text
 
 
 def print_version(wanted: bool) -> None:
@@ -103,6 +110,58 @@ VERBS = _verbs()
 for heading, verbs in VERBS.items():
     for verb in verbs:
         app.command(verb.__name__.replace("_", "-"), rich_help_panel=heading)(grouped(verb))
+
+
+def spare_imports(verb: Any, options: Iterable[Any]) -> None:
+    """Spare Typer's slow imports: pydantic for options, and Rich's Markdown for help."""
+    verb.format_help = partial(format_help, verb.format_help)
+    for option in options:
+        if hasattr(option, "get_runtime_param"):  # since Typer 0.29
+            conversion = partial(convert, option.get_runtime_param)
+            option.get_runtime_param = partial(SimpleNamespace, coerce=conversion)
+
+
+class Prose(NamedTuple):
+    """Paragraphs with code in backticks, drawn as by Rich's Markdown."""
+
+    text: str
+    style: str = ""
+
+    def __rich_console__(self, *_console: object) -> "Iterator[Text]":
+        from rich.text import Text
+
+        parts = re.sub(r"(?<!\n)\n(?!\n)", " ", self.text).split("`")
+        yield Text.assemble(*zip(parts, cycle(("", "markdown.code")), strict=False), style=self.style)
+
+
+def format_help(by_typer: Callable[..., None], *context: object) -> None:
+    """Draw help by Typer, with `Prose` in place of Rich's modules."""
+    spared = {"rich.markdown", "rich.traceback"} - sys.modules.keys()
+    sys.modules.update(dict.fromkeys(spared, SimpleNamespace(Markdown=Prose, Traceback=Prose)))  # type: ignore[arg-type]
+    import_module("typer.rich_utils")
+    for name in spared:
+        del sys.modules[name]
+    by_typer(*context)
+
+
+def convert(by_typer: Callable[[], Any], value: Any, param: Any, ctx: object) -> Any:
+    """Return the value as Typer converts it."""
+    kind = param.type_descriptor.annotation
+    is_list = get_origin(kind) is list
+    if value is None:
+        return () if param.multiple or param.nargs == -1 else None
+    element = get_args(kind)[0] if is_list else kind
+    values = value if is_list else [value]
+    if param.type_descriptor.parameter_info.parser or not all(_is_plain(element, one) for one in values):
+        return by_typer().coerce(value, param=param, ctx=ctx)
+    plain = [Path(one) if element is Path else one for one in values]
+    return plain if is_list else plain[0]
+
+
+def _is_plain(kind: Any, value: Any) -> bool:
+    if kind is Path:
+        return os.access(value, os.R_OK) or not os.path.exists(value)  # noqa: PTH110
+    return isinstance(kind, type) and isinstance(value, kind)
 
 
 @cache
