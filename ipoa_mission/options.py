@@ -74,9 +74,6 @@ IgnoreOption: TypeAlias = Annotated[
 HomeOption: TypeAlias = Annotated[
     tuple[float, float, float] | None, flag("--home", "Home: degrees, and meters AMSL.", "LAT LON ALT")
 ]
-ContingenciesOption: TypeAlias = Annotated[
-    bool, flag("--contingencies", "Forecast RTL, LAND and others from every second of the flight.")
-]
 ForceOption: TypeAlias = Annotated[bool, flag("--force", "Overwrite existing files, also those not written by a plan.")]
 OutOption: TypeAlias = Annotated[Path, flag("--out", "Folder for the files, created if absent.", "DIR")]
 SeedOption: TypeAlias = Annotated[int, flag("--seed", "Same seed, same bytes.", "N", min=0)]

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from ipoa_mission.checks.check import check as check_forecast
 from ipoa_mission.checks.check import guarantee_if_flown
 from ipoa_mission.checks.unsafe import with_strict_vehicle_class
-from ipoa_mission.cli.groups import ContingencyOptions
+from ipoa_mission.cli.groups import WorldOptions
 from ipoa_mission.cli.reading import read_requested
 from ipoa_mission.errors import Unreadable
 from ipoa_mission.files import MISSIONS
@@ -97,7 +97,7 @@ class CheckedFile(NamedTuple):
         return f"{self.file}: {severities}, {items} for {mission.autopilot.checked_for(mission.firmware_version)}"
 
 
-def check_file(file: Path, options: ContingencyOptions, world: "Scenario | None", anyway: bool) -> CheckedFile:
+def check_file(file: Path, options: WorldOptions, world: "Scenario | None", anyway: bool) -> CheckedFile:
     """`anyway` accepts any class of vehicle."""
     requested = read_requested(file, options.flown_by, world=world)
     forecast = Forecast(requested.mission, world)
@@ -107,7 +107,7 @@ def check_file(file: Path, options: ContingencyOptions, world: "Scenario | None"
     messages = {finding.message for finding in findings}
     remarks = tuple(remark for remark in requested.remarks if remark not in messages)
     remarks += () if world is None else tuple(remark for remark in world.remarks if remark not in messages)
-    return CheckedFile(file, findings, remarks, forecast, guarantee, options.contingencies)
+    return CheckedFile(file, findings, remarks, forecast, guarantee)
 
 
 def wind_words(wind: "Wind") -> list[str]:

@@ -3,7 +3,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from ipoa_mission.cli.groups import ContingencyOptions, WorldOptions
+from ipoa_mission.cli.groups import WorldOptions
 from ipoa_mission.errors import BadInput, OptionConflict
 from ipoa_mission.options import ANYWAY, FileArgument, JsonOption, argument, flag
 from ipoa_mission.terminal import notes, picked, print_json, print_lines, print_table
@@ -17,7 +17,10 @@ if TYPE_CHECKING:
 
 def check(
     files: Annotated[list[Path], argument("FILE...", "Mission files (.plan, .waypoints), or folders of them.")],
-    options: ContingencyOptions,
+    options: WorldOptions,
+    contingencies: Annotated[
+        bool, flag("--contingencies", "Forecast RTL, LAND and others from every second of the flight.")
+    ] = False,
     anyway: Annotated[bool, flag("--anyway", ANYWAY)] = False,
     as_json: JsonOption = False,
 ) -> None:
@@ -32,9 +35,12 @@ def check(
     from ipoa_mission.cli.reading import read_world
     from ipoa_mission.mission.item_words import count_words
 
+    if contingencies and options.scenario is None:
+        hint = "the clearance of a contingency depends on the obstacles"
+        raise OptionConflict("needs --scenario", hint=hint, place="--contingencies")
     if options.flown_by.air is not None and options.scenario is None:
-        words = "needs --scenario"
-        raise OptionConflict(words, hint="wind moves a flight nearer to obstacles", place="--wind")
+        hint = "wind moves a flight nearer to obstacles"
+        raise OptionConflict("needs --scenario", hint=hint, place="--wind")
     is_one = len(files) == 1 and not files[0].is_dir()
     paths = missions_in(files)
     world = read_world(options.scenario, options.flown_by.air, options.ignore)
@@ -42,7 +48,7 @@ def check(
     wrong: BadInput | None = None
     for path in paths:
         try:
-            checked.append(check_file(path, options, world, anyway))
+            checked.append(check_file(path, options, world, anyway)._replace(shows_contingencies=contingencies))
         except BadInput as error:
             wrong = error
             checked.append(CheckedFile(path, (unreadable(error),)))

@@ -4,7 +4,6 @@ from pathlib import Path
 from typing import Annotated
 
 import ipoa_mission.options as options
-from ipoa_mission.errors import OptionConflict
 from ipoa_mission.mission.flight_record import OnDeviation
 from ipoa_mission.terminal import expect_free
 
@@ -44,16 +43,6 @@ class WorldOptions:
     flown_by: FlownByOptions
     scenario: options.ScenarioOption = None
     ignore: options.IgnoreOption = None
-
-
-@dataclass
-class ContingencyOptions(WorldOptions):
-    contingencies: options.ContingenciesOption = False
-
-    def __post_init__(self) -> None:
-        if self.contingencies and self.scenario is None:
-            hint = "the clearance of a contingency depends on the obstacles"
-            raise OptionConflict("needs --scenario", hint=hint, place="--contingencies")
 
 
 @dataclass

@@ -5,6 +5,7 @@ import json
 from collections.abc import Iterable
 from contextlib import suppress
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -113,8 +114,7 @@ class Journal(BaseModel):
         write_atomically(self._path, self.model_dump_json())
 
 
-class Stale(MissionError, code="stale"):
-    """Another window or program has made a change since."""
+Stale = partial(MissionError, code="stale")  # another window or program has made a change since
 
 
 class Document:
