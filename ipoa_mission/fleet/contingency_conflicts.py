@@ -12,6 +12,7 @@ from ipoa_mission.fleet.fleet import STEP_S
 from ipoa_mission.fleet.repairs import TimetableSlot
 from ipoa_mission.geodesy import LocalFrame
 from ipoa_mission.geometry import Points, Vector, arc_lengths
+from ipoa_mission.wind import Wind
 
 SPACING = 4.0  # of the points of a path [m]
 
@@ -45,7 +46,7 @@ def contingency_conflicts(
     found = list[ContingencyConflict]()
     unknown = list[dict[str, str]]()
     for slot in slots:
-        forecast = open_air(slot.vehicle.mission)
+        forecast = open_air(slot.vehicle.mission, slot.vehicle.forecast.wind)
         for contingency, orders in contingency_paths(forecast).items():
             if isinstance(orders, str):
                 unknown.append({"vehicle": slot.vehicle.flight.name, "contingency": contingency, "why": orders})
@@ -56,12 +57,12 @@ def contingency_conflicts(
     return found, unknown
 
 
-def open_air(mission: Mission) -> Forecast:
+def open_air(mission: Mission, wind: Wind | None = None) -> Forecast:
     home = mission.home
     start = {"east": 0.0, "north": 0.0, "up": 10.0}
     place = {"latitude_deg": home.latitude_deg, "longitude_deg": home.longitude_deg, "altitude_amsl": home.altitude}
     scenario = Scenario.from_dict({"home": place, "start": start, "goal": start | {"east": 10.0}})
-    return Forecast(mission, scenario)
+    return Forecast(mission, scenario, wind)
 
 
 def contingency_points(

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from ipoa_mission.errors import BadInput, OptionConflict
-from ipoa_mission.options import ForceOption, JsonOption, argument, expect_mission, flag
+from ipoa_mission.options import ForceOption, JsonOption, argument, expect_mission, flag, read_wind_option
 from ipoa_mission.terminal import expect_folder, expect_free, picked, print_json, print_lines, print_table, round_finite
 
 if TYPE_CHECKING:
@@ -29,6 +29,9 @@ class DeconflictOptions:
     most_delay: Annotated[float, flag("--most-delay", "The longest delay of a departure.", "S", min=0.0, max=1e5)] = (
         600.0
     )
+    wind: Annotated[
+        str | None, flag("--wind", "A steady wind by speed and origin: 6@270 is from the west.", "M/S@DEG")
+    ] = None
     out: Annotated[Path | None, flag("--out", "Write changed missions and timetable.json to it.", "DIR")] = None
     force: ForceOption = False
     as_json: JsonOption = False
@@ -50,9 +53,9 @@ def deconflict(
 ) -> None:
     """Predict where missions may meet, and delay, hold or raise vehicles until each pair keeps its separation.
 
-    The probability, in calm air, counts early and late flights and their deviations, as measured on autopilots, and a
-    second of doubt for each departure. Vehicles on their pads count. A pad of two missions is used by one after the
-    other.
+    The probability counts early and late flights and their deviations, as measured on autopilots, and a second of doubt
+    for each departure. Without `--wind` the air is calm. Vehicles on their pads count. A pad of two missions is used by
+    one after the other.
 
     A repair is the one found with the least sum of added time. It is forecast as its missions are written. Exit code 1
     if none keeps all pairs apart.
@@ -68,7 +71,7 @@ def deconflict(
     earliest = options.earliest_departures(len(files))
     if options.out is not None:
         expect_folder(options.out)
-    vehicles = read_fleet([expect_mission(file) for file in files])
+    vehicles = read_fleet([expect_mission(file) for file in files], read_wind_option(options.wind))
     planned = list(map(TimetableSlot, vehicles, earliest))
     search = Deconfliction(planned, options.separation, RepairLimits(1.0 - options.confidence, options.most_delay))
     timetable = search.timetable()

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from ipoa_mission import BadInput, DeviationLaw, Forecast, Mission, MissionError, read_mission, write_mission
 from ipoa_mission.geodesy import LocalFrame, apart
 from ipoa_mission.geometry import Points, Vector
+from ipoa_mission.wind import Wind
 
 Indices: TypeAlias = NDArray[np.intp]
 STEP_S = 0.25  # between samples
@@ -90,12 +91,13 @@ class FleetVehicle:
             write_mission(mission, file)
             read = read_mission(file)
             contents = {each.suffix: each.read_bytes() for each in Path(folder).iterdir()}
-        forecast = Forecast(replace(mission, home=read.home, items=read.items, parameters=read.parameters))
+        flown = replace(mission, home=read.home, items=read.items, parameters=read.parameters)
+        forecast = Forecast(flown, wind=self.forecast.wind)
         return FleetVehicle(self.file, forecast, timed_flight(self.flight.name, forecast, frame), change, contents)
 
 
-def read_fleet(files: Sequence[Path]) -> list[FleetVehicle]:
-    """Return the vehicles in the frame of the first one's home.
+def read_fleet(files: Sequence[Path], wind: Wind | None = None) -> list[FleetVehicle]:
+    """Return the vehicles in the frame of the first one's home, in calm air or a `wind`.
 
     Raises:
         BadInput: a mission has no home or flight, is of another kind or place, or named twice.
@@ -118,14 +120,16 @@ def read_fleet(files: Sequence[Path]) -> list[FleetVehicle]:
             raise BadInput(words, hint="set the planned home position", code="home-missing", place=file)
     stems = [file.stem for file in files]
     names = {file: file.stem if stems.count(file.stem) == 1 else str(file) for file in files}
-    return [_vehicle(names[file], file, mission, first.frame) for file, mission in missions.items()]
+    return [
+        _vehicle(names[file], file, Forecast(mission, wind=wind), first.frame) for file, mission in missions.items()
+    ]
 
 
-def _vehicle(name: str, file: Path, mission: Mission, frame: LocalFrame) -> FleetVehicle:
+def _vehicle(name: str, file: Path, forecast: Forecast, frame: LocalFrame) -> FleetVehicle:
+    mission = forecast.mission_as_read
     if mission.other_vehicle:
         words = f"expected a mission of a multicopter, not of {mission.other_vehicle}"
         raise BadInput(words, code="other-vehicle", place=file)
-    forecast = Forecast(mission)
     try:
         return FleetVehicle(file, forecast, timed_flight(name, forecast, frame))
     except MissionError as error:

@@ -35,6 +35,13 @@ def test_conflict_is_named_by_pair_place_time_and_probability(run: Run) -> None:
     assert "possible losses of a separation of 10 m" in run("deconflict east.plan north.plan").out
 
 
+def test_wind_changes_the_probability_of_a_conflict(run: Run) -> None:
+    calm, windy = (json.loads(run(f"deconflict east.plan north.plan {air} --json").out) for air in ("", "--wind 8@270"))
+    assert windy["conflicts"][0]["probability"] != pytest.approx(calm["conflicts"][0]["probability"], rel=0.01)
+    assert not [row for row in windy["remaining"] if row["probability"] > 0.001]
+    assert run("deconflict east.plan north.plan --wind north").code == 2
+
+
 def test_the_written_timetable_has_no_conflict(run: Run) -> None:
     ended = run("deconflict east.plan north.plan --most-delay 0 --out repaired --json")
     assert ended.code == 0

@@ -46,7 +46,7 @@ TAKEN = {
     "--force": "deconflict demo learn new plan export fly download",
     "--scenario": "check estimate show export mock compare studio",
     "--param": "plan check estimate show fly mock compare",
-    "--wind": "plan check estimate show fly compare",
+    "--wind": "plan check estimate show fly compare deconflict",
     "--system": f"plan compare learn {LINKED}",
     "--key": LINKED,
     "--timeout": "fly upload download clear pause resume rtl",
