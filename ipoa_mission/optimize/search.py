@@ -86,6 +86,7 @@ class CountedCost:
 
     def __call__(self, candidates: Candidates) -> Costs:
         costs = self._cost(np.ascontiguousarray(candidates))
+        costs = np.where(np.isnan(costs), np.inf, costs)  # else NaN would be the least
         self.spent += len(candidates)
         winner = int(np.argmin(costs))
         if costs[winner] < self.best:

@@ -98,10 +98,11 @@ def test_a_cost_that_is_the_same_everywhere_stops_nobody(name: str) -> None:
     assert optimum.cost == 1
 
 
+@pytest.mark.parametrize("penalty", [np.inf, np.nan])
 @pytest.mark.parametrize("name", optimizer_names())
-def test_penalties_that_are_huge_or_infinite_do_no_harm(name: str) -> None:
+def test_penalties_that_are_infinite_or_undefined_do_no_harm(name: str, penalty: float) -> None:
     def walled(x: Candidates) -> Costs:
-        return np.where(x[:, 0] > OPTIMUM[0] + 1, np.inf, ellipsoid(x))
+        return np.where(x[:, 0] > OPTIMUM[0] + 1, penalty, ellipsoid(x))
 
     optimum = minimize(walled, BOX, small(name), np.random.default_rng(1))
     assert np.isfinite(optimum.cost)
