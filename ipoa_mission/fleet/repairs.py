@@ -119,18 +119,21 @@ class Deconfliction:
         """Yield the vehicle with holds before its first conflict, at up to two waypoints."""
         vehicle = self.planned[n].vehicle
         departure = self.planned[n].departure
-        between = self.encounters.between
-        met = [(each.second, k) for k, one in enumerate(taken) for each in between(one, departure, self.limits.chance)]
-        if not met:
+        chance = self.limits.chance
+        conflicts = [
+            (each.second, other) for other in taken for each in self.encounters.between(other, departure, chance)
+        ]
+        if not conflicts:
             return
-        second, blocking = min(met)
+        second, other = min(conflicts, key=lambda conflict: conflict[0])
         longer = np.arange(1.0, min(self.limits.most_hold_s, most_s))
-        free = self.encounters.probabilities(taken[blocking], departure, longer) <= self.limits.chance
-        if not free.any():
+        is_clear = self.encounters.probabilities(other, departure, longer) <= chance
+        if not is_clear.any():
             return
+        least_s = ceil(longer[np.argmax(is_clear)])
         for seq in holding_places(vehicle, second - departure.second)[-2:]:
             for margin_s in self.limits.hold_margins_s:
-                hold_s = ceil(longer[np.argmax(free)]) + margin_s
+                hold_s = least_s + margin_s
                 changed = self._changed(vehicle, held(vehicle.mission, seq, hold_s), f"hold {hold_s:g} s at item {seq}")
                 if changed is not None:
                     yield changed

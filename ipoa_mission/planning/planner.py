@@ -246,8 +246,9 @@ def _find_passages(searcher: Searcher, coarsest: int, progress: Progress) -> lis
         polished.append(near)
 
     costs = [problem.cost(candidate) for candidate in polished]
-    by_cost = sorted(range(2, len(costs)), key=costs.__getitem__)
-    promising = [*range(1, len(costs))[:1], *by_cost][: strategy.lattice_starts]
+    cheapest_route = list(range(1, len(costs)))[:1]
+    others = sorted(range(2, len(costs)), key=costs.__getitem__)
+    promising = [*cheapest_route, *others][: strategy.lattice_starts]
     if min(costs) > UNSAFE:
         closer = (route.candidate(problem, strategy.closer_factor) for route in routes)
         polished += [polish(candidate, problem, FIRM_DESCENT) for candidate in closer]
@@ -356,14 +357,11 @@ def sketch_path(task: PathTask) -> Sketch:
     with threads().limit(limits=1, user_api="blas"):
         candidates = [polish(guess.candidate(problem), problem) for guess in _sketched(problem)]
         best = sorted(candidates, key=problem.cost)
-        first = best[0]
-        for candidate in best[: SKETCH.max_proved]:
-            if (proof := prove_curve(candidate.curve, task)).is_proved:
-                first = candidate
-                break
-        else:
-            candidate, proof = polish_until_proved(first, problem)
-    return Sketch(candidate.curve, proof, tuple(other.curve for other in best if other is not first))
+        tried = ((candidate, prove_curve(candidate.curve, task)) for candidate in best[: SKETCH.max_proved])
+        proved = next((pair for pair in tried if pair[1].is_proved), None)
+        chosen = best[0] if proved is None else proved[0]
+        drawn, proof = proved or polish_until_proved(chosen, problem)
+    return Sketch(drawn.curve, proof, tuple(other.curve for other in best if other is not chosen))
 
 
 def _sketched(problem: PreparedProblem) -> list[Guess]:

@@ -42,15 +42,15 @@ class CostTerms:
 
 def path_cost(nodes: Points, task: PathTask) -> CostTerms:
     """Return the cost of nodes (n, 3): a sum, or a trapezoidal integral."""
-    turning = turning_angles(nodes)
-    climbing = np.diff(climb_angles(nodes))
-    threat = float(threats(nodes, task) @ node_weights(nodes, task.cost.form == "nodes"))
-    w1, w2, w3 = task.cost.omega
     length = polyline_length(nodes)
-    turning_deg = float(np.degrees(turning.sum()))
-    climbing_deg = float(np.degrees(np.abs(climbing).sum()))
+    turning_deg = float(np.degrees(turning_angles(nodes).sum()))
+    climbing_deg = float(np.degrees(np.abs(np.diff(climb_angles(nodes))).sum()))
+    threat = float(threats(nodes, task) @ node_weights(nodes, task.cost.form == "nodes"))
+
+    w1, w2, w3 = task.cost.omega
     turns = task.cost.a1 * turning_deg + task.cost.a2 * climbing_deg
-    return CostTerms(length, turning_deg, climbing_deg, threat, w1 * length + w2 * turns + w3 * threat)
+    total = w1 * length + w2 * turns + w3 * threat
+    return CostTerms(length, turning_deg, climbing_deg, threat, total)
 
 
 def curve_cost(curve: Spline, task: PathTask) -> CostTerms:

@@ -55,24 +55,27 @@ def composed_route(plan: Plan, scenario: Scenario) -> Attempt:
 
     Each round approximates the curve tighter at the legs that break a limit.
     """
-    fit, levels = list[Attempt](), _approximations(plan, scenario)
+    fit = list[Attempt]()
+    levels = _approximations(plan, scenario)
     chosen = np.zeros(1 + int(max(level.stations[-1] for level in levels)), int)  # by meter
     remaining = COMPOSITION.remaining_risk
     for _ in range(COMPOSITION.max_rounds):
         points, stations, radii = _composed(levels, chosen)
         radius = radii if scenario.vehicle.autopilot.guidance.turns_at_acceptance_radius else 0.0
         attempt = Attempt(plan, Route(points, radius=radius), scenario)
-        fit += [attempt] if attempt.is_fit else []
-        forbidding = attempt.built.guarantee.forbidding if attempt.is_fit else None
-        if forbidding == ():
-            return attempt
+        places = list[tuple[float, float, float]]()
+        if attempt.is_fit:
+            if attempt.is_guaranteed:
+                return attempt
+            fit.append(attempt)
+            places = [kept.place for kept in attempt.built.guarantee.forbidding]
         before = chosen.copy()
-        for station in _broken(attempt, stations, [kept.place for kept in forbidding or ()], remaining):
+        for station in _broken(attempt, stations, places, remaining):
             now = int(before[int(station)])
             leg = int(np.searchsorted(stations[1:-1], station, "right"))
-            beside = int(now == len(levels) - 1)  # then it is approached slower
-            begin = stations[max(leg - beside, 0)]
-            end = stations[min(leg + 1 + beside, len(stations) - 1)]
+            more = 1 if now == len(levels) - 1 else 0  # adjacent legs: then it is approached slower
+            begin = stations[max(leg - more, 0)]
+            end = stations[min(leg + 1 + more, len(stations) - 1)]
             on_leg = slice(int(begin), 1 + int(np.ceil(end)))
             chosen[on_leg] = np.maximum(chosen[on_leg], min(now + 1, len(levels) - 1))
         if (chosen == before).all():
