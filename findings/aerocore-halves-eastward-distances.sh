@@ -33,6 +33,6 @@ north = kilometers(47, 0)
 place = geo.lla_to_ecef(math.radians(8), math.radians(47), 500.0, xp=None)
 true = Transformer.from_crs(4979, 4978, always_xy=True).transform(8, 47, 500)
 deep = round(math.dist(place, true) / 1000, 1)
-print(f"aerocore {version('aerocore')}: 100 km east at 0, 47 and 60 N are {east} km, north {north}; ECEF is {deep} km off")
+print(f"aerocore {version('aerocore')}: 100 km east at 0, 47 and 60 N are {east} km, north {north}; ECEF {deep} km off")
 raise SystemExit(0 if east == [99.9, 68.0, 49.8] and north == 100.0 and deep == 7.1 else 1)
 PY
