@@ -87,6 +87,7 @@ class ContingencyPaths:
         return self._stops[contingency]
 
     def _stopping_points(self, contingency: Contingency) -> StoppingPoints:
+        """Return places 0.2 s apart, and stops by velocity and acceleration where the vehicle begins to brake."""
         autopilot, parameters = self.mission.autopilot, self.mission.parameters
         pieces = self.flight.pieces
         begin, end = self.in_air
@@ -135,6 +136,7 @@ class ContingencyPaths:
         return ContingencySamples.merge([self._at(contingency, batch) for batch in batches])
 
     def _at(self, contingency: Contingency, times: Vector) -> ContingencySamples:
+        """Return paths at `times` (n,), the distances of their legs less the spread, and their slack."""
         places, stops = self.stops(contingency).at(times)
         if contingency is Contingency.RTL:
             paths, possible = self.returns(places, stops, self.stops(contingency).seqs_at(times))

@@ -165,17 +165,15 @@ def proximity_risks(flown: Pieces, airspace: Airspace, law: DeviationLaw, cleara
     widening = law.widening(flown.across)
     rare = 1e-5  # the chance of obstacles that are ignored
     reach = max(clearance, 0.0) + widening * law.lateral.distance(rare) + flown.spread[:, 0]
-    piece, obstacle = airspace.beside(shapely.linestrings(np.stack([a[:, :2], b[:, :2]], axis=1)), reach)
-    order = np.argsort(obstacle, kind="stable")
-    piece, obstacle = piece[order], obstacle[order]
-    numbers, first = np.unique(obstacle, return_index=True)
-    near = zip(numbers.tolist(), np.split(piece, first[1:]), strict=True) if len(numbers) else ()
-    each = [(i, on, passing) for i, on in near for passing in airspace.obstacles[i].passings(a[on], b[on])]
-    passings = [passing for *_, passing in each]
-    if passings:  # a body of several parts is passed by each
-        piece = np.concatenate([on for _, on, _ in each])
-        obstacle = np.repeat([i for i, *_ in each], [len(on) for _, on, _ in each])
-    lateral, above, below, sides = map(np.concatenate, zip(*passings, strict=True)) if passings else np.zeros((4, 0))
+    near_pieces, near_obstacles = airspace.beside(shapely.linestrings(np.stack([a[:, :2], b[:, :2]], axis=1)), reach)
+    pairs = [np.zeros((6, 0))]  # piece, obstacle, lateral, above, below, sides
+    order = np.argsort(near_obstacles, kind="stable")
+    numbers, first = np.unique(near_obstacles[order], return_index=True)
+    for number, pieces in zip(numbers.tolist(), np.split(near_pieces[order], first[1:]), strict=False):
+        for passing in airspace.obstacles[number].passings(a[pieces], b[pieces]):  # one for each part of a body
+            pairs.append(np.array([pieces, np.full(len(pieces), number), *passing]))
+    lateral, above, below, sides = np.hstack(pairs)[2:]
+    piece, obstacle = np.hstack(pairs)[:2].astype(np.intp)
     over = above >= below
     side, down, up = flown.spread[piece].T
     nearer = np.maximum(above, below) - np.where(over, down, up)

@@ -263,7 +263,10 @@ class Px4Multicopter(Autopilot):
             stops_s = limits.stopping_time(horizontal_speed) + overshoots_s
             displacement[:, :2] = velocity[:, :2] * stops_s[:, None]
             distance += noticed_s * speed
-        else:  # all axes change their speed in the same time
+        else:
+            # It turns home at once, and all axes change their speed in the same time. `back` is the vertical speed of
+            # a return from the end of `distance`. A speed that falls evenly to -back in t runs on by
+            # speed^2 t / (2 (speed + back)); the way home alone lasts `leaves_s`, with the braking before it `turns_s`.
             half = 2.0 * brakes**2 / limits.jerk
             fastest = np.where(climb > 0.0, limits.descent, limits.climb)
             back = np.minimum(np.sqrt(half**2 + 2.0 * brakes * distance) - half, fastest)
