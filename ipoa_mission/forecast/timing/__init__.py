@@ -1,4 +1,4 @@
 """Predict the time of a mission offline; `estimate` has it by item.
 
-`flight_model` is the interface of each autopilot. `bound` is the least time on a path.
+`flight_model` is the interface of each autopilot. `track` is a path with its times.
 """
