@@ -201,6 +201,8 @@ class ContingencyPaths:
         """Return the possible goals, like "home or rally point 1"."""
         if contingency in IN_PLACE:
             return "here"
+        if contingency is Contingency.SMART_RTL:
+            return "home"
         names = ["home", *(f"rally point {k}" for k in range(1, len(self.forecast.itinerary.rally) + 1))]
         names += [WHERE[by] for by in self.routes.kinds]
         goals = self._goals[samples.possible[n]]
