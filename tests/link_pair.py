@@ -144,6 +144,12 @@ def far_end(connection: Connection) -> Any:
     return connection.channel.far  # type: ignore[attr-defined]
 
 
+def port_of(channel: Any) -> int:
+    """Return the port of a UDP or a listening TCP channel."""
+    bound = channel._socket if hasattr(channel, "_socket") else channel._listener
+    return int(bound.getsockname()[1])
+
+
 def plain(message: Message) -> Message:
     """Drop PX4's id of a list."""
     return replace(message, opaque_id=0) if isinstance(message, Ack) else message

@@ -152,10 +152,6 @@ class UdpChannel(RealTime):
             self._socket.close()
             raise
 
-    @property
-    def port(self) -> int:
-        return int(self._socket.getsockname()[1])
-
     def receive(self, until: float) -> list[tuple[bytes, Peer]]:
         """Return one datagram: its answer may be urgent."""
         try:
@@ -199,10 +195,6 @@ class TcpChannel(RealTime):
             self._adopt(connection)
             with suppress(AttributeError):  # close after 10 s without progress
                 connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_USER_TIMEOUT, 10_000)
-
-    @property
-    def port(self) -> int:
-        return int((self._listener or self._connections[0]).getsockname()[1])
 
     def receive(self, until: float) -> list[tuple[bytes, Peer]]:
         watched = [*self._connections, *([self._listener] if self._listener else [])]

@@ -23,6 +23,7 @@ from ipoa_mission.scenario import read_scenario
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot
 from ipoa_mission.simulator.situation import Conditions
 from ipoa_mission.simulator.station import Server, Station
+from tests.link_pair import port_of
 from tests.px4_waypoints import waypoint
 from tests.quick_link import hurry
 from tests.quick_search import search_quickly
@@ -117,7 +118,7 @@ def autopilot() -> Serve:
         thread = threading.Thread(target=server.run, args=(enough.is_set,))
         thread.start()
         try:
-            yield f"udpout:127.0.0.1:{channel.port} --system 1"
+            yield f"udpout:127.0.0.1:{port_of(channel)} --system 1"
         finally:
             enough.set()
             thread.join()

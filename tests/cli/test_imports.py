@@ -14,6 +14,7 @@ from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.link.channel import UdpChannel, parse_address
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as Mock
 from ipoa_mission.simulator.station import Faults, Server, Station
+from tests.link_pair import port_of
 
 MISSIONS = Path(__file__).parents[2] / "missions"
 FOR_ARDUPILOT, FOR_PX4 = str(MISSIONS / "campus.plan"), str(MISSIONS / "sitl.plan")
@@ -56,7 +57,7 @@ def link() -> Iterator[str]:
     stop = threading.Event()
     thread = threading.Thread(target=server.run, args=(stop.is_set,))
     thread.start()
-    yield f"udpout:127.0.0.1:{channel.port}"
+    yield f"udpout:127.0.0.1:{port_of(channel)}"
     stop.set()
     thread.join()
     channel.close()

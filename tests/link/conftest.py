@@ -10,6 +10,7 @@ from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.link.channel import TcpChannel, UdpChannel, parse_address
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as Mock
 from ipoa_mission.simulator.station import Server, Station
+from tests.link_pair import port_of
 from tests.quick_link import hurry
 
 HOME = Geodetic(47.4, 8.5, 400.0)
@@ -34,7 +35,7 @@ def running(
     thread = threading.Thread(target=server.run, args=(stop.is_set,))
     thread.start()
     try:
-        yield Running(channel.port, mock)
+        yield Running(port_of(channel), mock)
     finally:
         stop.set()
         thread.join()

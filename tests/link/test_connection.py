@@ -22,7 +22,7 @@ from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as Mock
 from ipoa_mission.simulator.situation import Conditions
 from ipoa_mission.simulator.station import Faults, Loopback, Station
 from tests.link.suited import suited
-from tests.link_pair import connection_of, far_end
+from tests.link_pair import connection_of, far_end, port_of
 from tests.px4_waypoints import waypoint
 from tests.refused import refuses
 
@@ -75,7 +75,7 @@ def test_nobody_at_the_other_end_is_an_error_that_says_so() -> None:
 class UdpChannelClosed:
     def __enter__(self) -> int:
         channel = UdpChannel(parse_address("udpin:127.0.0.1:0"))
-        port = channel.port
+        port = port_of(channel)
         channel.close()
         return port
 
@@ -86,8 +86,8 @@ class UdpChannelClosed:
 def test_a_port_in_use_is_an_error_with_a_hint() -> None:
     channel = UdpChannel(parse_address("udpin:127.0.0.1:0"))
     try:
-        with refuses("link-not-opened", f"udpin:127.0.0.1:{channel.port}", kind=LinkDown) as down:
-            open_channel(f"udpin:127.0.0.1:{channel.port}")
+        with refuses("link-not-opened", f"udpin:127.0.0.1:{port_of(channel)}", kind=LinkDown) as down:
+            open_channel(f"udpin:127.0.0.1:{port_of(channel)}")
         assert down.value.hint == "is another ground station using it?"
     finally:
         channel.close()

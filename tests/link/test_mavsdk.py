@@ -24,6 +24,7 @@ from ipoa_mission.mission.items import Mission, return_to_launch, takeoff, waypo
 from ipoa_mission.mission.mission_io import read_mission
 from ipoa_mission.mission.stored_mission import to_wire
 from tests.examples import vehicles
+from tests.link_pair import port_of
 from tests.quick_link import hurry
 
 HERE = Path(__file__).parent
@@ -96,7 +97,7 @@ def test_our_upload_puts_a_mission_on_mavsdks_own_server(monkeypatch: pytest.Mon
     with (
         Connection(channel, Codec(STATION_SYSTEM, STATION_COMPONENT)) as connection,
         subprocess.Popen(
-            [sys.executable, str(HERE / "mavsdk_server.py"), f"udpout://127.0.0.1:{channel.port}", "20"],
+            [sys.executable, str(HERE / "mavsdk_server.py"), f"udpout://127.0.0.1:{port_of(channel)}", "20"],
             stdout=subprocess.DEVNULL,
             stderr=subprocess.PIPE,
             text=True,

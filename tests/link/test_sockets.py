@@ -9,6 +9,7 @@ from types import SimpleNamespace
 import pytest
 
 from ipoa_mission.link.channel import SELECTABLE_FILES, LinkDown, MavutilChannel, TcpChannel, UdpChannel, parse_address
+from tests.link_pair import port_of
 from tests.refused import refuses
 
 
@@ -32,7 +33,7 @@ def served() -> Iterator[TcpChannel]:
 
 def joined(channel: TcpChannel) -> socket.socket:
     """Return a client's end of a new connection."""
-    client = socket.create_connection(("127.0.0.1", channel.port), timeout=5.0)
+    client = socket.create_connection(("127.0.0.1", port_of(channel)), timeout=5.0)
     channel.receive(channel.now() + 0.2)
     return client
 
@@ -53,7 +54,7 @@ def test_link_is_down_if_its_udp_socket_breaks_not_for_a_lost_peer() -> None:
 
 def test_tcp_connection_stays_closed_and_a_full_one_is_not_waited_for() -> None:
     with closing(TcpChannel(parse_address("tcpin:127.0.0.1:0"))) as far:
-        channel = TcpChannel(parse_address(f"tcp:127.0.0.1:{far.port}"))
+        channel = TcpChannel(parse_address(f"tcp:127.0.0.1:{port_of(far)}"))
         (connection,) = channel._connections
         assert connection.getsockopt(socket.IPPROTO_TCP, socket.TCP_USER_TIMEOUT) == 10_000
     for _ in range(2):
@@ -175,7 +176,7 @@ def test_udp_receives_by_a_file_number_over_1023() -> None:
     with closing(UdpChannel(parse_address("udpin:127.0.0.1:0"))) as channel:
         channel._socket = with_a_great_number(channel._socket)
         assert channel.receive(channel.now() + 0.01) == []
-        with closing(UdpChannel(parse_address(f"udpout:127.0.0.1:{channel.port}"))) as far:
+        with closing(UdpChannel(parse_address(f"udpout:127.0.0.1:{port_of(channel)}"))) as far:
             far.send(b"x", None)
             assert [data for data, _ in channel.receive(channel.now() + 5.0)] == [b"x"]
 
