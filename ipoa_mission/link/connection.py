@@ -152,7 +152,6 @@ class Contested(MissionError, code="contested"):
     """Two vehicles use one system id: both may obey an order to one."""
 
     def __init__(self, system: int) -> None:
-        self.system = system
         super().__init__(
             f"two vehicles on this link have the system id {system}",
             hint="give each its own (ArduPilot: SYSID_THISMAV or MAV_SYSID, PX4: MAV_SYS_ID), or a link of its own",

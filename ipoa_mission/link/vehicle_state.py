@@ -24,7 +24,6 @@ class NotFlown(MissionError, code="not-flown"):
     """Not a supported multicopter: nothing is changed on it."""
 
     def __init__(self, kind: VehicleKind, name: str = "the vehicle") -> None:
-        self.kind = kind
         super().__init__(
             f"{name} is {with_article(str(kind))}; missions and orders are for multicopters of ArduPilot and PX4",
             hint="any vehicle can be read: its mission by `ipoa-mission download`",
@@ -33,7 +32,6 @@ class NotFlown(MissionError, code="not-flown"):
 
 class OtherKind(NotFlown, code="other-kind"):
     def __init__(self, before: VehicleKind, kind: VehicleKind) -> None:
-        self.kind = kind
         MissionError.__init__(
             self,
             f"the vehicle is {with_article(str(kind))}, and was {with_article(str(before))}: nothing is sent to it",
