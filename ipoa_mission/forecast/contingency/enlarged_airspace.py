@@ -50,11 +50,11 @@ class EnlargedAirspace:
     def taller(self, by: float) -> "EnlargedAirspace":
         """Extend obstacles down and up [m]."""
         if by not in self._by_height:
-            airspaces = (
+            whole, left = (
                 replace(airspace, obstacles=tuple(body.grown(0.0, by, by) for body in airspace.obstacles))
                 for airspace in (self.whole, self.left)
             )
-            self._by_height[by] = EnlargedAirspace(*airspaces, self.tight)
+            self._by_height[by] = EnlargedAirspace(whole, left, self.tight)
         return self._by_height[by]
 
     def at_tight_place(self, starts: Points, ends: Points) -> NDArray[np.bool_]:
