@@ -66,7 +66,7 @@ def test_moving_home_makes_no_clearance_of_the_cruise_better(east: float, north:
     in_place = clearance(Forecast(past_the_hall(scenario, 0.0, 0.0), scenario))
     there = clearance(Forecast(past_the_hall(scenario, east, north), scenario))
     assert there.nominal == pytest.approx(3.3, abs=0.1)  # the corner before it is cut
-    assert there.guaranteed == pytest.approx(in_place.guaranteed, abs=0.11)
+    assert in_place.guaranteed - 0.2 < there.guaranteed < in_place.guaranteed + 0.11  # other noise of eight runs
 
 
 @pytest.mark.parametrize("autopilot", AUTOPILOTS)

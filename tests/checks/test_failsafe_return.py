@@ -178,8 +178,13 @@ def test_the_way_home_is_reported_where_it_comes_nearer_than_the_braking(
 
 def test_a_shortfall_within_the_spread_of_flights_names_less_than_required() -> None:
     missions = Path(__file__).parents[2] / "missions"
-    mission = replace(read_mission(missions / "sitl.plan"), firmware_version=Version(1, 17))
-    forecast = Forecast(mission.with_parameters({"RTL_RETURN_ALT": 70.0}), read_scenario(missions / "sitl.toml"))
-    (finding,) = check_failsafe_return(forecast)
-    assert "would brake or climb 2.41 m from hangar" in finding.message
+    mission = read_mission(Path(__file__).parents[1] / "data" / "near_returns" / "sitl.plan")
+    mission = mission.with_parameters({"RTL_RETURN_ALT": 70.0})
+    at_117, at_118 = (
+        Forecast(replace(mission, firmware_version=Version(1, minor)), read_scenario(missions / "sitl.toml"))
+        for minor in (17, 18)
+    )
+    (finding,) = check_failsafe_return(at_117)
+    assert "would brake or climb 1.90 m from hangar" in finding.message
     assert "at least 2.50 m required" in finding.message
+    assert not list(check_failsafe_return(at_118))  # its lower bound is 2.47 m, the distance 3.02 m

@@ -154,7 +154,8 @@ class ContingencyPaths:
         which = np.empty(near.shape, dtype=np.intp)
         for height in np.unique(spread[:, 1]).tolist():
             rows = spread[:, 1] == height
-            near[rows], which[rows] = self._near(paths[rows], possible[rows], self.enlarged.taller(height))
+            aside = float(spread[rows, 0].max())
+            near[rows], which[rows] = self._near(paths[rows], possible[rows], self.enlarged.taller(height), aside)
         if contingency is Contingency.SMART_RTL:
             near[:, 0, 1], which[:, 0, 1] = self._flown_so_far(times)
         if contingency is Contingency.RTL:
@@ -209,11 +210,12 @@ class ContingencyPaths:
         return " or ".join(dict.fromkeys(names[goal] for goal in np.unique(goals)))
 
     def _near(
-        self, paths: Paths, possible: NDArray[np.bool_], enlarged: EnlargedAirspace
+        self, paths: Paths, possible: NDArray[np.bool_], enlarged: EnlargedAirspace, aside: float = 0.0
     ) -> tuple[Distances, ObstacleIndices]:
         """Bound each possible leg's distance to an obstacle, exactly if slanting and too near; also its index."""
         airspace = enlarged.whole
-        within = self.required + SAMPLING.max_slack
+        required = self.required + aside
+        within = required + SAMPLING.max_slack
         parts = paths.shape[2] - 1
         flown = paths[possible]
         starts = flown[:, :-1].reshape(-1, 3)
@@ -223,9 +225,9 @@ class ContingencyPaths:
         slanting = (starts[:, 2] != ends[:, 2]) & (starts[:, :2] != ends[:, :2]).any(axis=1)
         is_braking = np.arange(len(starts)) % parts == ReturnLeg.BRAKES
         slanting &= is_braking | (np.abs(ends[:, 2] - starts[:, 2]) > 0.5)  # [m]
-        for leg in np.flatnonzero(slanting & (near < self.required)):
+        for leg in np.flatnonzero(slanting & (near < required)):
             near[leg], _ = airspace.obstacles[which[leg]].leg_clearance(starts[leg], ends[leg])
-        for leg in np.flatnonzero((near < self.required) & enlarged.at_tight_place(starts, ends)):
+        for leg in np.flatnonzero((near < required) & enlarged.at_tight_place(starts, ends)):
             near[leg], which[leg] = enlarged.leg_clearance(starts[leg], ends[leg], within)
         found = np.full((*possible.shape, parts), np.inf), np.full((*possible.shape, parts), -1)
         for values, of in zip(found, (near, which), strict=True):
