@@ -41,7 +41,7 @@ NEAR_RETURNS = Path(__file__).parents[1] / "data" / "near_returns"
 HOME = Geodetic(47.397742, 8.545594, 488.0)
 
 
-def forecast_of(name: str, folder: Path = MISSIONS, **parameters: float) -> Forecast:
+def forecast_of(name: str, folder: Path = MISSIONS, /, **parameters: float) -> Forecast:
     mission = read_mission(folder / f"{name}.plan").with_parameters(parameters)
     return Forecast(mission, read_scenario(MISSIONS / f"{name}.toml"))
 
