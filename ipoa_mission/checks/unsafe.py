@@ -1,6 +1,7 @@
 """Refuse a mission with errors, a scenario with unread content, or an unclear start."""
 
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -112,6 +113,7 @@ def check_start(mission: Mission, scenario: "Scenario | None", first: int, there
         return ()
     where = f"the vehicle is {distance:.1f} m from the mission's home"
     if scenario is None:
+        where += _estimated_from(replace(there, altitude=mission.home.altitude), mission, first)
         if distance > 10.0:  # [m]
             words = f"{where}; without a scenario the way from there cannot be checked"
             raise NotAtStart(words, hint="bring it there, or plan from its place: `fly SCENARIO` checks the way")
@@ -125,6 +127,7 @@ def check_start(mission: Mission, scenario: "Scenario | None", first: int, there
         height += float(planned[2]) - below
     home = Geodetic(there.latitude_deg, there.longitude_deg, scenario.frame.home.altitude + height)
     begun = Forecast(begun_at(mission, first, home), scenario)
+    where += _estimated_from(home, mission, first, scenario)
     guarantee = begun.guarantee_if_known
     known = () if guarantee is None else check_clearance(begun.mission, scenario, guarantee)
     errors = [finding for finding in (*check_airspace(begun), *known) if finding.severity is Severity.ERROR]
@@ -134,3 +137,11 @@ def check_start(mission: Mission, scenario: "Scenario | None", first: int, there
     if guarantee is None:
         return (f"{where}: the predicted way from there is clear; what clearance flights keep is unknown",)
     return (f"{where}: the way from there was checked and is clear",)
+
+
+def _estimated_from(there: Geodetic, mission: Mission, first: int, scenario: "Scenario | None" = None) -> str:
+    if apart(there, mission.home) > HOME_RADIUS:
+        with suppress(MissionError):
+            estimate = Forecast(begun_at(mission, first, there), scenario).estimate
+            return f" ({estimate.total_s:.1f} s are estimated from there)"
+    return ""

@@ -12,8 +12,8 @@ from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.autopilot.commands import Command
 from ipoa_mission.autopilot.returning import FlightStage
 from ipoa_mission.checks.check import check_mission
-from ipoa_mission.checks.unsafe import check_start
-from ipoa_mission.forecast.forecast import estimate
+from ipoa_mission.checks.unsafe import NotAtStart, begun_at, check_start
+from ipoa_mission.forecast.forecast import Forecast, estimate
 from ipoa_mission.forecast.itinerary.flown_legs import Leg, flown_legs
 from ipoa_mission.forecast.leg_limits import broken_limits
 from ipoa_mission.geodesy import Geodetic
@@ -367,3 +367,19 @@ def test_a_flight_from_a_later_item_keeps_the_clearance_of_flights() -> None:
         check_start(mission, scenario, 3, place(scenario, -2.0, 0.0))
     (clear,) = check_start(mission, scenario, 2, place(scenario, 0.0, -4.0))
     assert clear.endswith("the way from there was checked and is clear")
+
+
+def test_a_start_away_from_home_names_the_time_from_there() -> None:
+    scenario = world()
+    mission = flight(scenario, (0.0, -20.0, 20.0), (100.0, -20.0, 20.0), (100.0, 20.0, 20.0))
+    away = place(scenario, 0.0, -40.0)
+    for within in (scenario, None):
+        seconds = Forecast(begun_at(mission, 2, away), within).estimate.total_s
+        try:
+            (words,) = check_start(mission, within, 2, away)
+        except NotAtStart as error:
+            words = str(error)
+        assert f"40.0 m from the mission's home ({seconds:.1f} s are estimated from there)" in words
+        assert abs(seconds - Forecast(begun_at(mission, 2), within).estimate.total_s) > 2.0
+    (at_home,) = check_start(mission, scenario, 2, mission.home)
+    assert "estimated" not in at_home
