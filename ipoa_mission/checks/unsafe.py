@@ -134,9 +134,8 @@ def check_start(mission: Mission, scenario: "Scenario | None", first: int, there
     if errors:
         words = f"{where}; from there: {errors[0].message}"
         raise NotAtStart(words, hint="bring it to the mission's home, or plan from its place")
-    if guarantee is None:
-        return (f"{where}: the predicted way from there is clear; what clearance flights keep is unknown",)
-    return (f"{where}: the way from there was checked and is clear",)
+    unknown = "the predicted way from there is clear; what clearance flights keep is unknown"
+    return (f"{where}: {unknown if guarantee is None else 'the way from there was checked and is clear'}",)
 
 
 def _estimated_from(there: Geodetic, mission: Mission, first: int, scenario: "Scenario | None" = None) -> str:

@@ -1,7 +1,7 @@
 """Compute the paths of contingencies at many times of one flight. Obstacles are enlarged by the deviation bound."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from functools import cached_property
 
@@ -154,14 +154,14 @@ class ContingencyPaths:
         which = np.empty(near.shape, dtype=np.intp)
         for height in np.unique(spread[:, 1]).tolist():
             rows = spread[:, 1] == height
-            aside = float(spread[rows, 0].max())
-            near[rows], which[rows] = self._near(paths[rows], possible[rows], self.enlarged.taller(height), aside)
+            near[rows], which[rows] = self._near(paths[rows], possible[rows], spread[rows])
         if contingency is Contingency.SMART_RTL:
             near[:, 0, 1], which[:, 0, 1] = self._flown_so_far(times)
         if contingency is Contingency.RTL:
             self._note_mission(times, near, which)
-        near -= spread[:, :1, None]
         slack = np.where(possible, near.min(axis=2) - self.required, np.inf).min(axis=1).clip(max=SAMPLING.max_slack)
+        slack -= spread[:, 0]
+        near -= spread[:, :1, None]
         return self._with_ground(contingency, ContingencySamples(times, paths, possible, near, which, slack, spread))
 
     def exact_clearance(self, contingency: Contingency, samples: ContingencySamples, n: int) -> Clearance:
@@ -171,27 +171,28 @@ class ContingencyPaths:
             name = self.enlarged.whole.obstacles[number].name if number >= 0 else "nothing"
             flown = Clearance(float(samples.near[n, 0, 1]), as_place(samples.paths[n, 0, 1]), name, 1)
             return min(braking, flown, key=lambda clearance: clearance.distance)
-        least = NOTHING_NEAR
-        enlarged = self.enlarged.taller(float(samples.spread[n, 1]))
-        for path in samples.paths[n][samples.possible[n]]:
-            nearer = enlarged.obstacle_clearance(path, within=least.distance)
-            least = min(least, nearer, key=lambda clearance: clearance.distance)
-        return least.minus(float(samples.spread[n, 0]))
+        return self.nearest(samples.paths[n][samples.possible[n]], *samples.spread[n].tolist())
+
+    def nearest(self, paths: Iterable[Points], aside: float, height: float) -> Clearance:
+        clearances = map(self.enlarged.taller(height).obstacle_clearance, paths)
+        return min(clearances, key=lambda clearance: clearance.distance, default=NOTHING_NEAR).minus(aside)
 
     def lowest_height(self, contingency: Contingency, samples: ContingencySamples, n: int) -> Check:
         paths = samples.paths[n, samples.possible[n], : _end_of_flight(contingency)]
         paths = paths[:1] if contingency is Contingency.LAND else paths
+        return self.lowest(paths, float(samples.spread[n].max()))
+
+    def lowest(self, paths: Iterable[Points], spread: float) -> Check:
         checks = (check for path in paths for check in prove_ground(path, self.forecast.world))
         lowest = min(checks, key=lambda check: check.slack)
-        return replace(lowest, nearest=lowest.nearest.minus(float(samples.spread[n].max())))
+        return replace(lowest, nearest=lowest.nearest.minus(spread))
 
     def _spread(self, times: Vector) -> Matrix:
         """Return the spread within a second of `times` (n,), (n, 2) [m]; heights rounded up."""
         if self.flight.spread is None or self.enlarged.whole is self.forecast.world.airspace:
             return np.zeros((len(times), 2))
         pieces = self.flight.pieces
-        step = 0.5  # [m]
-        height = np.ceil(pieces.spread[:, 1:].max(axis=1) / step) * step
+        height = np.ceil(2.0 * pieces.spread[:, 1:].max(axis=1)) / 2.0  # [m]
         spread = np.vstack([np.column_stack([pieces.spread[:, 0], height]), np.zeros(2)])
         first = np.clip(np.searchsorted(pieces.times, times - 1.0) - 1, 0, len(spread) - 2)
         last = np.clip(np.searchsorted(pieces.times, times + 1.0), first + 1, len(spread) - 1)
@@ -209,14 +210,13 @@ class ContingencyPaths:
         goals = self._goals[samples.possible[n]]
         return " or ".join(dict.fromkeys(names[goal] for goal in np.unique(goals)))
 
-    def _near(
-        self, paths: Paths, possible: NDArray[np.bool_], enlarged: EnlargedAirspace, aside: float = 0.0
-    ) -> tuple[Distances, ObstacleIndices]:
+    def _near(self, paths: Paths, possible: NDArray[np.bool_], spread: Matrix) -> tuple[Distances, ObstacleIndices]:
         """Bound each possible leg's distance to an obstacle, exactly if slanting and too near; also its index."""
+        enlarged = self.enlarged.taller(float(spread[0, 1]))  # of all rows
         airspace = enlarged.whole
-        required = self.required + aside
-        within = required + SAMPLING.max_slack
+        within = self.required + SAMPLING.max_slack
         parts = paths.shape[2] - 1
+        required = self.required + np.repeat(spread[np.nonzero(possible)[0], 0], parts)
         flown = paths[possible]
         starts = flown[:, :-1].reshape(-1, 3)
         ends = flown[:, 1:].reshape(-1, 3)
@@ -257,7 +257,7 @@ class ContingencyPaths:
         places = self.stops().places
         places = places if len(places) > 1 else np.repeat(places, 2, axis=0)
         legs = np.stack([places[:-1], places[1:]], axis=1)[:, None]
-        return self._near(legs, np.full((len(places) - 1, 1), True), self.enlarged)
+        return self._near(legs, np.full((len(places) - 1, 1), True), np.zeros((len(legs), 2)))
 
     def _with_ground(self, contingency: Contingency, samples: ContingencySamples) -> ContingencySamples:
         world = self.forecast.world

@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -171,12 +170,8 @@ def nearest_of_legs(paths: ContingencyPaths, samples: ContingencySamples, n: int
     parts = [path[legs.start : legs.stop + 1] for path in samples.paths[n][samples.possible[n]]]
     aside, height = samples.spread[n].tolist()
     if GROUND in samples.which[n, :, legs.start : legs.stop]:
-        checks = (check for part in parts for check in prove_ground(part[:2], paths.forecast.world))
-        lowest = min(checks, key=lambda check: check.slack)
-        return replace(lowest, nearest=lowest.nearest.minus(max(aside, height)))
-    enlarged = paths.enlarged.taller(height)
-    nearest = min(map(enlarged.obstacle_clearance, parts), key=lambda near: near.distance)
-    return Check("obstacles", nearest.minus(aside), paths.required)
+        return paths.lowest([part[:2] for part in parts], max(aside, height))
+    return Check("obstacles", paths.nearest(parts, aside, height), paths.required)
 
 
 def nearest_of(paths: ContingencyPaths, contingency: Contingency, samples: ContingencySamples, n: int) -> Check:
