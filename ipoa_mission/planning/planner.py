@@ -131,6 +131,11 @@ class Searcher:
         return candidate
 
 
+def is_as_printed(task: PathTask) -> bool:
+    """Return whether one search makes the path, as in the paper."""
+    return task.planning.planner == "paper" or not task.planning.polish
+
+
 def optimizer_of(task: PathTask, short: bool) -> tuple[Optimizer, int | None]:
     """Return the task's optimizer and its budget; if `short`, its `short_settings` complete the settings.
 
@@ -183,7 +188,7 @@ def plan_path(
     problem = prepare(task)
     refuse_places(problem)
     refuse_closed(problem)
-    as_printed = task.planning.planner == "paper" or not task.planning.polish
+    as_printed = is_as_printed(task)
     search, budget = (optimizer, None) if optimizer else optimizer_of(task, short=not as_printed)
     effort = strategy or (USUAL if len(task.places) <= MOST_PLACES else MANY_LEGS)
     searcher = Searcher(problem, search, np.random.default_rng(seed), effort, budget)

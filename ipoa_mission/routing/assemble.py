@@ -43,7 +43,7 @@ def assemble_mission(plan: Plan, scenario: Scenario) -> Mission:
 
 def choose_route(plan: Plan, scenario: Scenario, mode: str) -> Attempt:
     """Return the route of a mode; raise NoRoute if no tried one keeps the required clearance."""
-    attempt = _routes(plan, scenario, mode)[0]
+    attempt = fastest_routes(plan, scenario)[0] if mode == "fastest" else narrowed_route(plan, scenario, mode)
     if attempt.keeps_limits:
         return attempt
     attempt.draft.expect_known_path()
@@ -66,10 +66,6 @@ def best_route(plan: Plan, scenario: Scenario, promising: float) -> Attempt:
             return route
     first = routes[0]
     return first if first.is_guaranteed else max(quick, first, key=lambda attempt: attempt.merit)
-
-
-def _routes(plan: Plan, scenario: Scenario, mode: str) -> list[Attempt]:
-    return fastest_routes(plan, scenario) if mode == "fastest" else [narrowed_route(plan, scenario, mode)]
 
 
 def narrowed_route(plan: Plan, scenario: Scenario, mode: str) -> Attempt:

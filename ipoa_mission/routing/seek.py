@@ -18,7 +18,7 @@ from ipoa_mission.forecast.leg_limits import broken_limits
 from ipoa_mission.forecast.timing.track import THINNING_TOLERANCE
 from ipoa_mission.planning.obstruction import DISTANCE_TOLERANCE, NoPath, NotFound, find_closures
 from ipoa_mission.planning.path_problem import PathTask, place_names
-from ipoa_mission.planning.planner import Plan, move_aside, plan_path
+from ipoa_mission.planning.planner import Plan, is_as_printed, move_aside, plan_path
 from ipoa_mission.planning.problem import prepare
 from ipoa_mission.progress import Progress, silent
 from ipoa_mission.routing.assemble import best_route, expect_mode, narrowed_route
@@ -204,14 +204,10 @@ def _margins_in_turn(scenario: Scenario, seed: int, closed: set[int]) -> Iterato
             if (none.above_landings >= 0.0).any():
                 world = none.enlarge(world, scenario, margin.keep_gaps)
             yield number, _Margins(world, none)
-        if scenario.safety.chance is None and not _as_printed(scenario):
+        if scenario.safety.chance is None and not is_as_printed(scenario):
             little = approximation_growth(scenario)
             yield number, _Margins(little.enlarge(scenario, scenario, gaps=True), little)
         yield number, _Margins(scenario, none)
-
-
-def _as_printed(scenario: Scenario) -> bool:
-    return scenario.planning.planner == "paper" or not scenario.planning.polish
 
 
 def _move_until_safe(plan: Plan, margins: _Margins, scenario: Scenario) -> tuple[Attempt, float]:
@@ -219,7 +215,7 @@ def _move_until_safe(plan: Plan, margins: _Margins, scenario: Scenario) -> tuple
     latest = best = first = best_route(plan, scenario, EFFORT.hopeless_slack)
     growth = margins.growth
     in_vain = 0
-    for _ in range(0 if _as_printed(scenario) else EFFORT.max_moves):
+    for _ in range(0 if is_as_printed(scenario) else EFFORT.max_moves):
         expect_way_home(latest)
         if best.is_acceptable or in_vain == EFFORT.max_vain_moves:
             break
