@@ -54,8 +54,7 @@ def deconflict(
     """Predict where missions may meet, and delay, hold or raise vehicles until each pair keeps its separation.
 
     The probability counts early and late flights and their deviations, as measured on autopilots, and a second of doubt
-    for each departure. Without `--wind` the air is calm. Vehicles on their pads count. A pad of two missions is used by
-    one after the other.
+    for each departure. Vehicles on their pads count. A pad of two missions is used by one after the other.
 
     A repair is the one found with the least sum of added time. It is forecast as its missions are written. Exit code 1
     if none keeps all pairs apart.
