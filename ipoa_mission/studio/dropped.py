@@ -35,12 +35,6 @@ def keep(
     return target
 
 
-def log_named(name: str) -> str:
-    if Path(name).suffix.lower() not in LOGS:
-        raise WrongSuffix(f"expected a log of a flight: {', '.join(LOGS)}", place=Path(name).name)
-    return Path(name).name
-
-
 def use_of(file: Path, scenario: str) -> dict[str, Any]:
     """Return a `map`, `elevation` model, `log`, or `mission` with its `changes`."""
     suffix = file.suffix.lower()

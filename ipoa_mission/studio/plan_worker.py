@@ -1,6 +1,7 @@
 """The planner process: each function is a job."""
 
 import copy
+import os
 import time
 from collections.abc import Mapping
 from functools import lru_cache
@@ -18,7 +19,6 @@ from ipoa_mission.files import MISSIONS, read_text
 from ipoa_mission.mission.mission_io import parse_mission, read_by_items, write_mission
 from ipoa_mission.mission.positions import refuse_unsound
 from ipoa_mission.planning.planner import sketch_path
-from ipoa_mission.progress import Progress as ShowProgress
 from ipoa_mission.report.compare import compare_flight, flown_track
 from ipoa_mission.scenario import Scenario, parse_scenario
 from ipoa_mission.scenario.scenario_file import parse_toml, scenario_of
@@ -97,17 +97,24 @@ class PlanWorker:
         self._plan = None
         self._flights = []
         scenario = _scenario(order["text"], order["path"])
+        is_survey = "survey" in scenario.added
+        logs = tuple(map(Path, order["flown"])) if is_survey else ()
         try:
-            if "survey" not in scenario.added:
+            if not is_survey:
                 self._plan = flight = plan_flight(scenario, seed=order["seed"], progress=progress)
                 self._flights = [planned_over(flight)]
                 answer(planned(flight, self._flights[0].proof))
             else:
-                self._plan, logs = _survey(scenario, order, progress, answer)
+                self._plan = plan_survey(scenario=scenario, seed=order["seed"], flown=logs, progress=progress)
                 self._flights = survey_over(self._plan)
                 answer(planned_survey(self._plan, [flight.proof for flight in self._flights], logs))
         except MissionError as error:
-            answer(plan_trouble(error, scenario))
+            if not logs or not isinstance(error, BadInput):
+                answer(plan_trouble(error, scenario))
+                return
+            message = str(error).replace(f"{logs[0].parent}{os.sep}", "")
+            answer(Trouble(of="edit", message=message, hint="all of the survey is planned again"))
+            self.plan(order | {"flown": []}, answer)
 
     def contingencies(self, order: JobOrder, answer: Answer) -> None:
         forecast = _mission(order)[1] if _is_mission(order) else self._planned(order["flight"]).forecast
@@ -153,22 +160,6 @@ class PlanWorker:
             "write": (self.write, "file"),
             "hand over": (self.hand_over, "flight"),
         }
-
-
-def _survey(
-    scenario: Scenario, order: JobOrder, progress: ShowProgress, answer: Answer
-) -> tuple[Survey, tuple[Path, ...]]:
-    logs = tuple(Path(log) for log in order["flown"])
-    try:
-        return plan_survey(scenario=scenario, seed=order["seed"], flown=logs, progress=progress), logs
-    except BadInput as error:
-        if not logs:
-            raise
-        message = str(error)
-        for log in logs:
-            message = message.replace(str(log), log.name)
-        answer(Trouble(of="edit", message=message, hint="all of the survey is planned again"))
-    return plan_survey(scenario=scenario, seed=order["seed"], progress=progress), ()
 
 
 def _is_mission(order: JobOrder) -> bool:

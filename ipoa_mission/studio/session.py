@@ -11,7 +11,6 @@ from ipoa_mission import MissionError
 from ipoa_mission.files import MISSIONS, unused
 from ipoa_mission.studio import requests
 from ipoa_mission.studio.answers import Found, Redirect, Trouble, Written
-from ipoa_mission.studio.dropped import log_named
 from ipoa_mission.studio.flight_desk import FlightDesk
 from ipoa_mission.studio.processes import Process
 from ipoa_mission.studio.scenario_document import Document
@@ -91,7 +90,7 @@ class Session:
                 case requests.Do():
                     self._do(request)
                 case requests.Rest():
-                    self._flown = tuple(self.folder / log_named(log) for log in request.logs)
+                    self._flown = tuple(self.folder / Path(log).name for log in request.logs)
                     self._start("plan", self._plan)
                 case requests.Open():
                     path = self.folder / Path(request.path).name
