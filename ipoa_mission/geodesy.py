@@ -64,12 +64,12 @@ class LocalFrame:
         """Return east, north, up [m]."""
         arrays = (np.atleast_1d(np.asarray(a, float)) for a in (latitude_deg, longitude_deg, altitude))
         lat, lon, alt = np.broadcast_arrays(*arrays)
-        return np.column_stack(self._transform(lon, lat, alt, "FORWARD"))
+        return np.column_stack(_topocentric(self.home).transform(lon, lat, alt))
 
     def to_geodetic(self, points: Points) -> tuple[Vector, Vector, Vector]:
         """Return latitude [deg], longitude [deg, -180 to 180] and altitude [m AMSL], each (n,)."""
         east, north, up = np.atleast_2d(np.asarray(points, float)).T
-        lon, lat, alt = self._transform(east, north, up, "INVERSE")
+        lon, lat, alt = _topocentric(self.home).transform(east, north, up, direction="INVERSE")
         return lat, (lon + 180.0) % 360.0 - 180.0, alt
 
     def local(self, place: Geodetic) -> Vector:
@@ -86,16 +86,6 @@ class LocalFrame:
         if other.home == self.home:
             return points
         return self.to_local(*other.to_geodetic(points.reshape(-1, 3))).reshape(points.shape)
-
-    def _transform(self, x: Vector, y: Vector, z: Vector, direction: str) -> tuple[Vector, Vector, Vector]:
-        """pyproj warns of arrays of one."""
-        transform = _topocentric(self.home).transform
-        if len(x) != 1:
-            x, y, z = transform(x, y, z, direction=direction)
-            return x, y, z
-        place = transform(float(x[0]), float(y[0]), float(z[0]), direction=direction)
-        x, y, z = np.array(place)[:, None]
-        return x, y, z
 
 
 @lru_cache(maxsize=64)
