@@ -1,6 +1,6 @@
 """An open mission on the page, and its findings."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -19,23 +19,21 @@ from ipoa_mission.mission.positions import refusals
 from ipoa_mission.scenario.place_sections import FenceSection
 from ipoa_mission.studio import answers
 from ipoa_mission.studio.dropped import fences_of
-from ipoa_mission.studio.flight_answers import Checked, ItemField, ItemKind, MissionItem, OpenMission
+from ipoa_mission.studio.flight_answers import Checked, ItemKind, MissionItem, OpenMission
 from ipoa_mission.studio.plan_answers import UNKNOWN_EXTENT
 from ipoa_mission.studio.view import corners_of, degree_of, fence_of, without_folders, world_of
 from ipoa_mission.terminal import round_finite
 
 
 def kind_of(command: int, placed: bool) -> ItemKind:
+    """Return a command with the params that MAVLink labels; a placed item's position has none."""
+    fields = [
+        {"what": f"param{number}", "label": label, "unit": unit.replace("deg", "°"), "about": about}
+        for number, (label, unit, about) in labelled_params(command).items()
+        if number < (5 if placed else 8)
+    ]
     name = "take off" if command == Command.NAV_TAKEOFF else short_name(command)
-    return ItemKind(command=command, name=name, fields=tuple(_fields(command, placed)))
-
-
-def _fields(command: int, placed: bool) -> Iterator[ItemField]:
-    """Yield the params that MAVLink labels; a placed item's position has none."""
-    for number, (label, unit, about) in labelled_params(command).items():
-        if number < (5 if placed else 8):
-            field = {"what": f"param{number}", "label": label, "unit": unit.replace("deg", "°"), "about": about}
-            yield ItemField.model_validate(field)
+    return ItemKind.model_validate({"command": command, "name": name, "fields": fields})
 
 
 def mission_answer(file: MissionFile, forecast: Forecast, worlds: Sequence[str], world: str | None) -> OpenMission:
