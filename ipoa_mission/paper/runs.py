@@ -132,16 +132,9 @@ def run_trial(trial: Trial) -> TrialRow:
         optimum = minimize(problem.cost, problem.box, optimizer, rng, budget=trial.budget or None)
         seconds = time.process_time() - started
         measures = problem.measure(optimum)
-    return TrialRow(
-        trial,
-        optimum.cost,
-        int(optimum.evaluations[-1]),
-        seconds,
-        _at_checkpoints(optimum),
-        measures,
-        date.today().isoformat(),
-        _versions(),
-    )
+    evaluations = int(optimum.evaluations[-1])
+    today = date.today().isoformat()
+    return TrialRow(trial, optimum.cost, evaluations, seconds, _at_checkpoints(optimum), measures, today, _versions())
 
 
 def _at_checkpoints(optimum: Optimum) -> tuple[float, ...]:
