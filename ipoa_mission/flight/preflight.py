@@ -2,16 +2,14 @@
 
 import logging
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from itertools import compress
 from types import MappingProxyType
-from typing import Protocol
 
 import numpy as np
 
-from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.autopilot.commands import Frame, plain_frame
 from ipoa_mission.autopilot.failsafe import FenceLimit, OwnFence
 from ipoa_mission.autopilot.parameters import Parameters
@@ -37,12 +35,6 @@ from ipoa_mission.progress import Progress, silent
 log = logging.getLogger(__name__)
 
 
-class HasParameters(Protocol):
-    autopilot: Autopilot
-
-    def parameters(self, wanted: Iterable[str | Sequence[str]]) -> Parameters: ...
-
-
 @dataclass(frozen=True)
 class OtherValue:
     """A parameter's values in mission and vehicle, by the vehicle's name."""
@@ -55,7 +47,7 @@ class OtherValue:
         return f"{self.name} is {self.has:g} on the vehicle, and the mission was made for {self.wanted:g}"
 
 
-def other_values(vehicle: HasParameters, wanted: Parameters) -> tuple[tuple[OtherValue, ...], tuple[str, ...]]:
+def other_values(vehicle: Vehicle, wanted: Parameters) -> tuple[tuple[OtherValue, ...], tuple[str, ...]]:
     """Return differing values, and parameters that the vehicle lacks."""
     spelled = vehicle.autopilot.parameter_table.spellings
     values = vehicle.parameters([name for name, _ in spelled(parameter)] for parameter in wanted) if wanted else {}
@@ -123,7 +115,7 @@ def parameters_aboard(vehicle: Vehicle, mission: Mission) -> ParametersAboard:
     )
 
 
-def without_station(vehicle: HasParameters, version: Version | None = None) -> str:
+def without_station(vehicle: Vehicle, version: Version | None = None) -> str:
     """Return the action after a loss of this station, "" if unknown; default: newest measured version."""
     loss = vehicle.autopilot.failsafe_profile.station_loss
     if loss is None:
@@ -132,7 +124,7 @@ def without_station(vehicle: HasParameters, version: Version | None = None) -> s
     return loss.words(vehicle.autopilot.failsafes(values, version), values, STATION_SYSTEM)
 
 
-def idle_fence(vehicle: HasParameters, mission: Mission) -> tuple[str, ...]:
+def idle_fence(vehicle: Vehicle, mission: Mission) -> tuple[str, ...]:
     if not mission.fence:
         return ()
     switch = vehicle.autopilot.parameter_table.by_meaning["fence switch"].name
@@ -144,15 +136,16 @@ def idle_fence(vehicle: HasParameters, mission: Mission) -> tuple[str, ...]:
 
 
 class FarFromHome(MissionError, code="far-from-home"):
-    """Heights above home would refer to other ground: beyond `reach` [m]."""
+    """Heights above home would refer to other ground: the vehicle's home is over `reach` away, or `rise` higher [m]."""
 
     reach = 100.0
+    rise = 15.0
 
 
-def expect_level(here: Geodetic, there: Geodetic | None) -> None:
+def expect_same_height(here: Geodetic, there: Geodetic | None) -> None:
     if there is None:
         return
-    if apart(here, there) <= FarFromHome.reach and abs(there.altitude - here.altitude) > 15:  # [m]
+    if apart(here, there) <= FarFromHome.reach and abs(there.altitude - here.altitude) > FarFromHome.rise:
         words = f"expected the vehicle's home at {here.altitude:.1f} m AMSL, not {there.altitude:.1f} m"
         raise FarFromHome(words, hint="heights count from the vehicle's home: plan from its position, or use --anyway")
 

@@ -224,7 +224,7 @@ def _examine(
     aboard = _with_values(vehicle, forecast, parameters)
     if not options.anyway:
         if forecast.scenario is not None:
-            preflight.expect_level(forecast.mission_as_read.home, vehicle.home())
+            preflight.expect_same_height(forecast.mission_as_read.home, vehicle.home())
         preflight.expect_slow_landing(forecast, aboard)
     remarks = preflight.expect_fit(vehicle, forecast.mission_as_read, options.anyway, options.ignore, written)
     if aboard is forecast and (options.checked or forecast.scenario is None):

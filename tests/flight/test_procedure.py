@@ -153,7 +153,7 @@ def test_home_at_another_height_is_refused_in_a_world(missions: Path, higher: fl
     load_mission(vehicle, Forecast(mission, scenario), options)
     assert any(f"{abs(higher):.1f} m {'higher' if higher > 0 else 'lower'}" in words for words in remarks)
     with refuses("far-from-home", "", " 0.0 m"):
-        preflight.expect_level(replace(mission.home, altitude=0.0), there)
+        preflight.expect_same_height(replace(mission.home, altitude=0.0), there)
 
 
 @pytest.mark.parametrize("change", ["", "safety_distance = 9.0", 'returns = "warn"'])

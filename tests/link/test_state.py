@@ -1,6 +1,7 @@
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from types import SimpleNamespace
+from typing import Any
 
 import pytest
 
@@ -66,30 +67,28 @@ def test_only_a_disarmed_vehicle_on_the_ground_is_begun_with(messages: list[Mess
         state.expect_on_ground()
 
 
-@dataclass
-class Table:
-    autopilot: Autopilot
-    values: Mapping[str, float] = field(default_factory=dict)
-
-    def parameters(self, wanted: Iterable[str | Sequence[str]]) -> Mapping[str, float]:
+def with_parameters(autopilot: Autopilot, values: Mapping[str, float]) -> Any:
+    def parameters(wanted: Iterable[str | Sequence[str]]) -> Mapping[str, float]:
         names = [name for entry in wanted for name in ((entry,) if isinstance(entry, str) else entry)]
-        return {name: self.values[name] for name in names if name in self.values}
+        return {name: values[name] for name in names if name in values}
+
+    return SimpleNamespace(autopilot=autopilot, parameters=parameters)
 
 
 def test_a_parameter_is_compared_by_the_name_that_the_vehicle_uses() -> None:
-    vehicle = Table(Autopilot.ARDUPILOT, {"WP_SPD": 5.0, "RTL_ALT": 1500.0})
+    vehicle = with_parameters(Autopilot.ARDUPILOT, {"WP_SPD": 5.0, "RTL_ALT": 1500.0})
     others, missing = other_values(vehicle, {"WPNAV_SPEED": 750.0, "RTL_ALT_M": 15.0, "WP_JERK": 1.0})
     assert [str(other) for other in others] == ["WP_SPD is 5 on the vehicle, and the mission was made for 7.5"]
     assert missing == ("WP_JERK",)
     assert other_values(vehicle, {}) == ((), ())
-    ((value,), _) = other_values(Table(Autopilot.PX4, {"MPC_XY_CRUISE": math.nan}), {"MPC_XY_CRUISE": 5.0})
+    ((value,), _) = other_values(with_parameters(Autopilot.PX4, {"MPC_XY_CRUISE": math.nan}), {"MPC_XY_CRUISE": 5.0})
     assert str(value) == "MPC_XY_CRUISE is nan on the vehicle, and the mission was made for 5"
 
 
 @pytest.mark.parametrize(("switch", "idle"), [(0.0, True), (1.0, False), (None, False)])
 def test_a_fence_that_does_nothing_is_told_of(switch: float | None, idle: bool) -> None:
     fenced = Mission(HOME, (takeoff(HOME, 10.0), return_to_launch()), fence=(FenceCircle((47.4, 8.5), 100.0),))
-    vehicle = Table(Autopilot.ARDUPILOT, {} if switch is None else {"FENCE_ENABLE": switch})
+    vehicle = with_parameters(Autopilot.ARDUPILOT, {} if switch is None else {"FENCE_ENABLE": switch})
     words = (
         "the fence does nothing on this vehicle: its FENCE_ENABLE is 0; "
         "FENCE_TYPE chooses the enabled limits: 4 is this fence alone"
