@@ -151,8 +151,8 @@ def unit_and_type(message: str, field: str) -> tuple[str, str]:
 
 
 @cache
-def labelled_params(command: int) -> dict[int, tuple[str, str, str]]:
-    """Return label, unit and description of the labelled params, by number from 1."""
+def labeled_params(command: int) -> dict[int, tuple[str, str, str]]:
+    """Return label, unit and description of the labeled params, by number from 1."""
     entry = _commands().get(command)
     params = () if entry is None else entry.iterfind("param[@label]")
     return {int(one.attrib["index"]): (one.attrib["label"], one.get("units", ""), one.text or "") for one in params}

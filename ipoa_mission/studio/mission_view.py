@@ -11,7 +11,7 @@ from ipoa_mission.autopilot.commands import Command, short_name
 from ipoa_mission.checks.firmware_check import is_too_long
 from ipoa_mission.forecast.itinerary.flown_legs import item_places
 from ipoa_mission.geodesy import LocalFrame
-from ipoa_mission.link.definitions import labelled_params
+from ipoa_mission.link.definitions import labeled_params
 from ipoa_mission.mission import stored_mission
 from ipoa_mission.mission.item_edits import complex_at
 from ipoa_mission.mission.item_words import item_words
@@ -29,7 +29,7 @@ def kind_of(command: int, placed: bool) -> ItemKind:
     """Return a command with the params that MAVLink labels; a placed item's position has none."""
     fields = [
         {"what": f"param{number}", "label": label, "unit": unit.replace("deg", "°"), "about": about}
-        for number, (label, unit, about) in labelled_params(command).items()
+        for number, (label, unit, about) in labeled_params(command).items()
         if number < (5 if placed else 8)
     ]
     name = "take off" if command == Command.NAV_TAKEOFF else short_name(command)

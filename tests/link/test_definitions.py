@@ -72,7 +72,7 @@ def test_dialects_that_are_none_or_contradict_ours_are_bad_input() -> None:
 
 
 def test_known_params_of_commands_are_explained() -> None:
-    assert definitions.labelled_params(177) == {1: ("Number", "", "Sequence number"), 2: ("Repeat", "", "Repeat count")}
-    assert definitions.labelled_params(16)[2][:2] == ("Accept Radius", "m")
-    assert definitions.labelled_params(183)[2][:2] == ("PWM", "us")
-    assert definitions.labelled_params(64_999) == {}
+    assert definitions.labeled_params(177) == {1: ("Number", "", "Sequence number"), 2: ("Repeat", "", "Repeat count")}
+    assert definitions.labeled_params(16)[2][:2] == ("Accept Radius", "m")
+    assert definitions.labeled_params(183)[2][:2] == ("PWM", "us")
+    assert definitions.labeled_params(64_999) == {}
