@@ -175,5 +175,5 @@ def test_the_refusal_of_a_gap_names_what_was_tried(monkeypatch: pytest.MonkeyPat
     narrow = Scenario.model_validate(text)
     assert seek(narrow, 0, lambda *_: None).is_acceptable
     text["vehicle"] = {"autopilot": "px4", "radius": 0.5}
-    with refuses("no-path", "", "other", "wall", "5.80", "7.14"):
+    with refuses("no-path", "", "other", "wall", "5.80", "7.34"):
         plan_flight(Scenario.model_validate(text))

@@ -74,7 +74,7 @@ def test_a_gap_too_narrow_is_named_with_its_leg_before_any_search(monkeypatch: p
         plan_with_margins(narrow, 0, lambda *_: None)
     words = str(refused.value)
     assert words.startswith("a path exists, but fewer than 99 % of flights on px4 would keep its limits: the gap")
-    assert "the gap between left and right is 5.60 m wide, and it needs 7.14 m at least" in words
+    assert "the gap between left and right is 5.60 m wide, and it needs 7.34 m at least" in words
     assert "on the leg from via[0] to goal" in words
     assert "these changes did not help: vehicle.cruise_speed" in words
     assert refused.value.hint == "reduce safety_distance, or move the places of this leg"
@@ -83,7 +83,7 @@ def test_a_gap_too_narrow_is_named_with_its_leg_before_any_search(monkeypatch: p
 @pytest.mark.parametrize(
     "scene",
     [
-        gate(7.2, "px4"),
+        gate(7.4, "px4"),
         gate(5.6, "ardupilot"),
         gate(5.6, "px4", "nominal"),
         gate(4.8, "px4"),  # not even the required distance: the planner names that
@@ -100,9 +100,9 @@ def test_legs_of_a_narrow_gap_are_counted_without_a_repeated_via_point() -> None
     with pytest.raises(TooNarrow) as refused:
         expect_wide(Scenario.model_validate(scene))
     assert "on the leg" not in str(refused.value)
-    expect_wide(Scenario.model_validate(scene | {"obstacles": gate(7.2, "px4")["obstacles"]}))
+    expect_wide(Scenario.model_validate(scene | {"obstacles": gate(7.4, "px4")["obstacles"]}))
 
 
 def test_a_gap_a_little_too_narrow_is_certain() -> None:
-    with refuses("too-narrow", "", "7.10", "7.14"):
-        expect_wide(Scenario.model_validate(gate(7.1, "px4")))
+    with refuses("too-narrow", "", "7.30", "7.34"):
+        expect_wide(Scenario.model_validate(gate(7.3, "px4")))

@@ -99,6 +99,7 @@ class DeviationLaw:
         return self.longer(*(rate * speed for rate in self.growth)) if speed else self
 
     def longer(self, side: float, down: float, up: float) -> "DeviationLaw":
+        """Add `side`, `down` and `up` [m]."""
         return replace(
             self,
             lateral=self.lateral.longer(side),
