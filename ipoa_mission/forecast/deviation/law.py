@@ -96,18 +96,17 @@ class DeviationLaw:
         return self.lateral.distance(chance / independent)
 
     def in_wind(self, speed: float) -> "DeviationLaw":
-        return self.longer(*(rate * speed for rate in self.growth)) if speed else self
-
-    def longer(self, side: float, down: float, up: float) -> "DeviationLaw":
-        """Add `side`, `down` and `up` [m]."""
+        if speed == 0.0:
+            return self
+        side, down, up = self.growth
         return replace(
             self,
-            lateral=self.lateral.longer(side),
-            down=self.down.longer(down),
-            up=self.up.longer(up),
-            lowest=self.lowest.longer(down),
-            highest=self.highest.longer(up),
-            farthest=self.farthest and self.farthest.longer(side),
+            lateral=self.lateral.longer(side * speed),
+            down=self.down.longer(down * speed),
+            up=self.up.longer(up * speed),
+            lowest=self.lowest.longer(down * speed),
+            highest=self.highest.longer(up * speed),
+            farthest=self.farthest and self.farthest.longer(side * speed),
         )
 
     def after_cruise(self) -> "DeviationLaw":
