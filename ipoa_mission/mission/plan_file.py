@@ -320,7 +320,7 @@ GROUND_KEYS = ("latitude", "longitude", "aboveHome")
 #: Keys that are not asked for, or not always; `[]`: each member.
 WITHOUT_EFFECT = {
     "": {"groundStation", "UUID"},
-    "mission": {"cruiseSpeed", "globalPlanAltitudeMode"},
+    "mission": {"cruiseSpeed", "firmwareType", "globalPlanAltitudeMode"},
     "mission.items[]": {"type", "MISSION_ITEM_ID", "AMSLAltAboveTerrain"},
     "geoFence": {"version", "breachReturn"},
     **{key: {"version"} for key in ("geoFence.polygons[]", "geoFence.circles[]", "rallyPoints")},
