@@ -91,8 +91,10 @@ class Wind:
 
         `heights` are above home, increasing [m], `speeds` [m/s] and `from_deg` [degrees].
         """
-        if not 1 <= len(heights) <= MAX_LEVELS or any(high <= low for low, high in pairwise(heights)):
+        if not 1 <= len(heights) <= MAX_LEVELS or not all(low < high for low, high in pairwise(heights)):
             raise BadInput(f"expected 1 to {MAX_LEVELS} increasing heights, not {list(heights)}")
+        if not len(heights) == len(speeds) == len(from_deg):
+            raise BadInput(f"expected {len(heights)} speeds and directions, not {len(speeds)} and {len(from_deg)}")
         winds = [cls(speed, angle) for speed, angle in zip(speeds, from_deg, strict=True)]
         levels = tuple(WindLevel(up, wind.east, wind.north) for up, wind in zip(heights, winds, strict=True))
         strongest = max(winds, key=lambda wind: wind.speed)
@@ -122,10 +124,10 @@ class Wind:
         return self.speed + self.spread
 
     def __str__(self) -> str:
-        words = f"{self.speed:.3g} m/s from {self.from_deg % 360:.0f} deg"
+        words = f"{self.speed:.3g} m/s from {round(self.from_deg) % 360} deg"
         if self.levels:
             blowing = [(level.height, Wind.towards_north_east(level.north, level.east)) for level in self.levels]
-            each = [f"{wind.speed:.3g} m/s from {wind.from_deg:.0f} deg at {up:.0f} m" for up, wind in blowing]
+            each = [f"{wind.speed:.3g} m/s from {round(wind.from_deg) % 360} deg at {up:.0f} m" for up, wind in blowing]
             words = f"{each[0]} to {each[-1]} above home"
         elif self.gradient_height > 0 and self.exponent > 0:
             words += f" from {self.gradient_height:g} m above home up, less below"
@@ -137,9 +139,16 @@ class Wind:
         return about | {"spread_m_s": round(self.spread, 3), **({"levels": levels} if levels else {})}
 
     def as_strong_as_may_be(self) -> "Wind":
-        share = self.strongest / self.speed if self.speed else 1.0
-        levels = tuple(WindLevel(level.height, level.east * share, level.north * share) for level in self.levels)
-        return Wind(self.strongest, self.from_deg, self.exponent, self.gradient_height, levels=levels)
+        """Return the wind with `spread` at each level, at a calm one from the direction of the strongest."""
+        if not self.spread:
+            return self
+        levels = list[WindLevel]()
+        for height, east, north in self.levels:
+            calm = east == north == 0.0
+            from_deg = self.from_deg if calm else Wind.towards_north_east(north, east).from_deg
+            gusting = Wind(math.hypot(east, north) + self.spread, from_deg)
+            levels.append(WindLevel(height, gusting.east, gusting.north))
+        return Wind(self.strongest, self.from_deg, self.exponent, self.gradient_height, levels=tuple(levels))
 
     @property
     def east(self) -> float:

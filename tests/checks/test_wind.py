@@ -29,6 +29,7 @@ def test_a_wind_too_strong_by_itself_or_with_its_spread_is_an_error() -> None:
     assert too_strong(Wind(25.0, 45.0))
     assert not too_strong(Wind(3.0, 45.0))
     assert too_strong(Wind(3.0, 45.0, spread=22.0))
+    assert too_strong(Wind.of_profile([30.0, 60.0], [1.0, 25.0], [270.0, 270.0], spread=20.0))
 
 
 def read(text: str) -> Scenario:

@@ -136,11 +136,29 @@ def test_wind_profile_is_interpolated_between_levels_and_constant_beyond() -> No
     assert wind.towards(70.0) == pytest.approx((0.0, 6.0), abs=1e-9)
     assert wind.towards(500.0) == pytest.approx((0.0, 8.0), abs=1e-9)
     assert (wind.speed, wind.from_deg) == (8.0, 180.0)
-    stronger = Wind.of_profile([20.0, 40.0], [4.0, 8.0], [270.0, 270.0], spread=2.0).as_strong_as_may_be()
-    assert (stronger.at(0.0), stronger.at(40.0)) == pytest.approx((5.0, 10.0))
 
 
-@pytest.mark.parametrize("heights", [(), (100.0, 10.0), (10.0, 10.0), tuple(range(9))])
+def test_spread_of_a_wind_profile_counts_at_each_level() -> None:
+    wind = Wind.of_profile([10.0, 20.0, 40.0], [1.0, 0.0, 8.0], [180.0, 0.0, 270.0], spread=3.0)
+    stronger = wind.as_strong_as_may_be()
+    assert [stronger.at(level.height) for level in stronger.levels] == pytest.approx([4.0, 3.0, 11.0])
+    assert stronger.towards(10.0) == pytest.approx((0.0, 4.0), abs=1e-9)
+    assert stronger.towards(20.0) == pytest.approx((3.0, 0.0), abs=1e-9)
+    assert stronger.strongest == pytest.approx(11.0)
+
+
+def test_wind_profile_needs_as_many_speeds_and_directions_as_heights() -> None:
+    with refuses("bad-input", "", "3", "2"):
+        Wind.of_profile([10.0, 20.0, 40.0], [1.0, 2.0], [0.0, 0.0])
+
+
+@pytest.mark.parametrize("wind", [Wind(6.0, 359.7), Wind.of_profile([10.0, 20.0], [6.0, 7.0], [359.7, 0.2])])
+def test_a_wind_from_just_west_of_north_is_from_0_deg(wind: Wind) -> None:
+    assert "360 deg" not in f"{wind}"
+    assert "from 0 deg" in f"{wind}"
+
+
+@pytest.mark.parametrize("heights", [(), (100.0, 10.0), (10.0, 10.0), (10.0, float("nan")), tuple(range(9))])
 def test_wind_profile_of_other_than_a_few_increasing_heights_is_refused(heights: tuple[float, ...]) -> None:
     with refuses("bad-input", "", "1 to 8", f"{list(heights)}"):
         Wind.of_profile(heights, [5.0] * len(heights), [0.0] * len(heights))
