@@ -131,14 +131,19 @@ def read_wind_option(text: str | None) -> "Wind | None":
     if text is None:
         return None
     speed_text, _, from_text = text.partition("@")
-    try:
-        wind = Wind(float(speed_text), float(from_text))
-    except ValueError:
-        wind = Wind(math.nan)
+    wind = Wind(_number(speed_text), _number(from_text))
     if not (0 <= wind.speed < math.inf and abs(wind.from_deg) <= 360):
         words = "expected a speed [m/s] and the direction it comes from [deg, to 360], like 6@270"
         raise BadInput(words, place=f"--wind {text}")
     return wind
+
+
+def _number(text: str) -> float:
+    """Return NaN for what is no number, such as Python's 1_0."""
+    try:
+        return math.nan if "_" in text else float(text)
+    except ValueError:
+        return math.nan
 
 
 def read_parameter_options(texts: list[str] | None, file: Path | None) -> tuple[dict[str, float], tuple[str, ...]]:
@@ -153,10 +158,7 @@ def read_parameter_options(texts: list[str] | None, file: Path | None) -> tuple[
         remarks = tuple(thing.words for thing in read.unread)
     for text in texts or ():
         name, _, value = text.partition("=")
-        try:
-            number = float(value)
-        except ValueError:
-            number = math.nan
+        number = _number(value)
         if not (name.strip() and abs(number) <= SINGLE_MAX):
             raise BadInput("expected NAME=VALUE with a number, like WPNAV_ACCEL=250", place=f"--param {text}")
         parameters[_known(name.strip().upper())] = number

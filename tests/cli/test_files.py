@@ -78,7 +78,7 @@ def test_wind_comes_from_where_it_is_said_to_and_costs_time(run: Run, mission: s
     )
     assert calm["total_s"] != blown["total_s"]
     assert calm["route"]["seconds"] > 0.0 < blown["route"]["seconds"]
-    for wrong in ("6", "6@", "@270", "-6@270", "six@270", "nan@0"):
+    for wrong in ("6", "6@", "@270", "-6@270", "six@270", "1_0@270", "nan@0"):
         ended = run(f"estimate {mission} --wind={wrong}")
         assert (ended.code, ended.out) == (2, "")
         assert f"--wind {wrong}: expected a speed [m/s] and the direction it comes from" in ended.err
@@ -92,10 +92,11 @@ def test_the_table_of_an_estimate_fits_a_hundred_columns(
     assert max(map(len, lines)) <= 100
 
 
-def test_a_parameter_that_is_no_number_is_bad_input(run: Run, mission: str) -> None:
-    ended = run(f"estimate {mission} --param WPNAV_SPEED=fast")
+@pytest.mark.parametrize("value", ["fast", "1_0"])
+def test_a_parameter_that_is_no_number_is_bad_input(run: Run, mission: str, value: str) -> None:
+    ended = run(f"estimate {mission} --param WPNAV_SPEED={value}")
     assert ended.code == 2
-    assert "--param WPNAV_SPEED=fast: expected NAME=VALUE with a number" in ended.err
+    assert f"--param WPNAV_SPEED={value}: expected NAME=VALUE with a number" in ended.err
 
 
 def test_a_file_that_is_not_there_is_bad_input_without_a_traceback(run: Run) -> None:
