@@ -12,6 +12,7 @@ import re
 import stat
 import sys
 import weakref
+from codecs import BOM_UTF8
 from enum import StrEnum
 from pathlib import Path
 
@@ -49,9 +50,10 @@ def key_of(secret: str | bytes) -> bytes:
     `secret`: 64 hexadecimal digits, 32 bytes that are not text, or a passphrase (SHA-256 without its line end).
     """
     raw = secret.encode("utf-8", "surrogateescape") if isinstance(secret, str) else secret
+    is_text = _is_text(raw)
+    raw = raw.removeprefix(BOM_UTF8 if is_text else b"")
     if digits := re.fullmatch(rb"\s*([0-9a-fA-F]{64})\s*", raw):
         return bytes.fromhex(digits[1].decode())
-    is_text = _is_text(raw)
     if len(raw) == 32 and not is_text:
         return raw
     words = raw.rstrip(b"\r\n")
@@ -63,7 +65,7 @@ def key_of(secret: str | bytes) -> bytes:
 
 def _is_text(raw: bytes) -> bool:
     try:
-        return all(letter.isprintable() or letter.isspace() for letter in raw.decode())
+        return all(letter.isprintable() or letter.isspace() for letter in raw.decode("utf-8-sig"))
     except UnicodeDecodeError:
         return False
 

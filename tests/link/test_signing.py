@@ -189,6 +189,8 @@ def test_a_key_is_the_same_in_a_file_and_in_the_environment(tmp_path: Path, word
     for end in ("", "\n", "\r\n"):
         path.write_bytes((words + end).encode())
         assert read_key(path) == key_of(words)
+        path.write_bytes((words + end).encode("utf-8-sig"))  # as PowerShell writes it
+        assert read_key(path) == key_of(words)
     hashed = hashlib.sha256(words.encode()).digest()
     assert key_of(words) == (KEY if words == KEY.hex() else hashed)
 
