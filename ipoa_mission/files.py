@@ -34,6 +34,8 @@ def write_together(contents: Mapping[Path, str | bytes | None]) -> None:
     try:
         for path, text in texts.items():
             _stage(hidden[path], text)
+            with suppress(FileNotFoundError):
+                hidden[path].chmod(targets[path].stat().st_mode & 0o777)
             if path.is_dir():
                 raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR))
         for path in removed:

@@ -298,3 +298,12 @@ def test_each_altitude_mode_is_held_against_frame_and_params(
     (tmp_path / "changed.plan").write_text(json.dumps(plan))
     with refuses("bad-input", "changed.plan: mission.items[1].AltitudeMode"):
         read_mission_file(tmp_path / "changed.plan")
+
+
+def test_a_file_keeps_its_permissions_when_it_is_written_again(tmp_path: Path) -> None:
+    path = tmp_path / "flight.plan"
+    mission = Mission(HOME, (takeoff(HOME, 10.0), land(HOME)))
+    write_mission(mission, path)
+    path.chmod(0o600)
+    write_mission(replace(mission, cruise_speed=4.0), path)
+    assert path.stat().st_mode & 0o777 == 0o600
