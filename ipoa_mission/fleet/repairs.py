@@ -2,7 +2,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 from itertools import combinations
-from math import ceil
+from math import ceil, isnan
 from typing import NamedTuple
 
 import numpy as np
@@ -173,7 +173,8 @@ def raised(mission: Mission, by: float, most_height: float) -> Mission | None:
 
 def held(mission: Mission, seq: int, seconds: float) -> Mission:
     item = mission.items[seq - 1]
-    longer = replace(item, params=(item.params[0] + seconds, *item.params[1:]))
+    hold_s = 0.0 if isnan(item.params[0]) else item.params[0]
+    longer = replace(item, params=(hold_s + seconds, *item.params[1:]))
     return replace(mission, items=(*mission.items[: seq - 1], longer, *mission.items[seq:]))
 
 

@@ -1,5 +1,6 @@
 """Changes of a mission: heights and holds."""
 
+import math
 from dataclasses import replace
 
 import pytest
@@ -44,3 +45,10 @@ def test_hold_lengthens_that_of_its_item_only() -> None:
     longer = held(mission, 3, 7.0)
     assert longer.items[2].params[0] == pytest.approx(mission.items[2].params[0] + 7.0)
     assert longer.items[:2] + longer.items[3:] == mission.items[:2] + mission.items[3:]
+
+
+def test_hold_of_an_item_without_one_is_as_long_as_the_repair() -> None:
+    mission = eastward()
+    without = replace(mission.items[2], params=(math.nan, *mission.items[2].params[1:]))
+    mission = replace(mission, items=(*mission.items[:2], without, *mission.items[3:]))
+    assert held(mission, 3, 7.0).items[2].params[0] == 7.0
