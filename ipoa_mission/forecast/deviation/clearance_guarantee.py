@@ -48,7 +48,8 @@ class KeptLimit(NamedTuple):
         """Return whether the limit forbids the flight: too little on the way, or at a tight place as predicted."""
         if self.part in (TAKEOFF_PART, LANDING_PART):
             return False
-        return self.falls_short and (self.in_cruise or self.nominal < self.required - TOUCHING)
+        beyond = self.nominal - self.required if self.limit == "ceiling" else self.required - self.nominal
+        return self.falls_short and (self.in_cruise or beyond > TOUCHING)
 
     @property
     def slack(self) -> float:
