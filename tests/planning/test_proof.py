@@ -3,7 +3,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from ipoa_mission.planning.proof import Proof, prove, prove_curve
+from ipoa_mission.planning.proof import Proof, prove, prove_curve, unproved_legs
 from ipoa_mission.planning.spline import Spline
 from tests.planning.conftest import Make, Place, Town
 
@@ -45,6 +45,12 @@ def test_legs_are_proved_exactly(scenario: Make) -> None:
     assert distances_of(proof, "obstacles") == [pytest.approx(9 * 50 / np.hypot(50, 9) - 4)]
     assert proof.is_proved
     assert proof.clearance.what == "the ball"
+
+
+def test_legs_that_are_not_proved_are_listed(scenario: Make) -> None:
+    points = np.array([(0.0, 0, 20), (100, 0, 20), (100, 50, 20), (0, 50, 20), (0, 50, 1)])
+    for planning in ({}, {"max_height_above_ground": 80}):  # a ceiling over ground has no quick bound
+        assert list(unproved_legs(points, scenario(obstacles=[BALL], planning=planning))) == [0, 3]
 
 
 def test_whether_limits_hold_is_known_without_by_how_much(town: Town) -> None:

@@ -67,6 +67,13 @@ def test_a_kind_without_a_column_is_passed_at_its_parts() -> None:
     assert 4.5 < CABLE.leg_distances(*over)[0] <= CABLE.leg_clearance(over[0][0], over[1][0])[0]
 
 
+def test_a_level_leg_is_exactly_as_far_from_an_upright_body() -> None:
+    beside = np.array([[-20.0, 0.0, 10.0]]), np.array([[30.0, 0.0, 10.0]])
+    assert MAST.leg_distances(*beside)[0] == pytest.approx(6.0)
+    over = np.array([[-20.0, 20.0, 24.0]]), np.array([[60.0, 20.0, 24.0]])
+    assert HOUSE.leg_distances(*over)[0] == pytest.approx(4.0)
+
+
 @pytest.mark.parametrize(("leg", "sides"), [(((20.0, -50.0), (20.0, 90.0)), 2.0), (((-50.0, -9.0), (90.0, -9.0)), 1.0)])
 def test_flight_over_a_court_has_walls_on_two_sides(leg: Sequence[tuple[float, float]], sides: float) -> None:
     a, b = (np.array([[*end, 35.0]]) for end in leg)
