@@ -165,7 +165,8 @@ def test_a_return_altitude_of_the_scenario_s_own_stays() -> None:
 def test_a_corner_with_an_obstacle_in_its_braking_path_is_moved_away(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.undo()
     scenario = read_scenario(MISSIONS / "sitl.toml")
-    fast = scenario.model_copy(update={"vehicle": scenario.vehicle.model_copy(update={"cruise_speed": 11.0})})
+    vehicle = scenario.vehicle.model_copy(update={"cruise_speed": 9.0})
+    fast = scenario.model_copy(update={"vehicle": vehicle, "safety_distance": 1.5})
     warned, planned = (plan_flight(replaced(fast, returns), seed=7) for returns in ("warn", "planned"))
     brakes, stays = (
         np.where(samples.possible[..., None], samples.near, np.inf)[:, :, : ReturnLeg.RETURNS].min()
