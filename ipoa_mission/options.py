@@ -139,7 +139,7 @@ def read_wind_option(text: str | None) -> "Wind | None":
 
 
 def _number(text: str) -> float:
-    """Return NaN for what is no number, such as Python's 1_0."""
+    """Return NaN for a text without a number, such as 1_0."""
     try:
         return math.nan if "_" in text else float(text)
     except ValueError:

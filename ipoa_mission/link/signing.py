@@ -51,7 +51,7 @@ def key_of(secret: str | bytes) -> bytes:
     """
     raw = secret.encode("utf-8", "surrogateescape") if isinstance(secret, str) else secret
     is_text = _is_text(raw)
-    raw = raw.removeprefix(BOM_UTF8 if is_text else b"")
+    raw = raw.removeprefix(BOM_UTF8) if is_text else raw
     if digits := re.fullmatch(rb"\s*([0-9a-fA-F]{64})\s*", raw):
         return bytes.fromhex(digits[1].decode())
     if len(raw) == 32 and not is_text:

@@ -32,7 +32,7 @@ class Faults:
         duplicate: probability that it arrives twice.
         delay_s: one-way delay [s].
         reorder: probability that it is held back.
-        reorder_s: longest time of that [s].
+        reorder_s: longest extra delay [s].
 
     Raises:
         BadInput: a probability is not from 0 to 1, or a time not from 0 to 60 s.
