@@ -171,4 +171,4 @@ class Refusals(NamedTuple):
     mission: Callable[[Firmware, int, int, Sequence[float], int], Refused | None]
     fence: Refusal
     rally: Refusal
-    ends: Callable[[Set[int], Mapping[str, float]], str] = lambda *_: ""
+    ends: Callable[[Set[int], Mapping[str, float]], Refused | None] = lambda *_: None

@@ -124,9 +124,9 @@ def _refused(mission: Mission, firmware: Firmware, wire: Sequence[Item]) -> Iter
             words = f"fence item {seq}: {wrong.words}: {firmware} refuses the fence"
             yield Finding("fence-refused", Severity.ERROR, None, words)
     commands = {item.command for item in mission.items}
-    why = mission.autopilot.refusals.ends(commands, mission.parameters)
-    if why and commands and not mission.other_vehicle:
-        words = f"the mission: {firmware} refuses it by MIS_TKO_LAND_REQ: {why}"
+    wrong = mission.autopilot.refusals.ends(commands, mission.parameters)
+    if wrong is not None and commands and not mission.other_vehicle:
+        words = f"the mission: {firmware} refuses it by MIS_TKO_LAND_REQ: {wrong.words}"
         hint = "add the item, for which an RTL is no landing, or change the parameter in the vehicle"
         remedies = () if Command.NAV_LAND in commands else (Remedy(("route", "ending"), "land"),)
         yield Finding("ends-refused", Severity.ERROR, None, words, hint, remedies)

@@ -146,7 +146,9 @@ def message_name(number: int) -> str | None:
 
 def unit_and_type(message: str, field: str) -> tuple[str, str]:
     """Return MAVLink's unit of a field ("": none) and its type."""
-    kind = ardupilotmega.mavlink_map[_BY_NAME[message].number]
+    kind = ardupilotmega.mavlink_map.get(_BY_NAME[message].number)
+    if kind is None:  # of PX4's own
+        return "", ""
     return kind.fieldunits_by_name.get(field, ""), kind.fieldtypes[kind.fieldnames.index(field)]
 
 

@@ -181,6 +181,14 @@ class Text(Message, name="STATUSTEXT"):
     chunk_seq: int = 0
 
 
+class Event(Message, name="EVENT"):
+    """The ground station has PX4's words."""
+
+    number: Annotated[int, "id"]
+    log_levels: int
+    arguments: Annotated[bytes, "arguments"] = b""
+
+
 class Ping(Message, name="PING"):
     """A request is addressed to (0, 0)."""
 

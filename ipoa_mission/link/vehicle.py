@@ -183,7 +183,7 @@ class Vehicle(VehicleSession):
         """Hold the flying vehicle's position; as `resume` and `return_to_launch`, verify the mode.
 
         Raises:
-            NotReady, CommandRefused, NoAnswer, TimeUp: it does not obey, or does not fly.
+            NotReady, NoAnswer, TimeUp: it does not obey, or does not fly.
         """
         self._run_in_flight(hold(self.state))
 

@@ -148,6 +148,7 @@ _CONVERSIONS: Mapping[str, tuple[Callable[[Any], Any], Callable[[Any], Any]]] = 
     "text": (lambda text: text.encode()[:50], lambda raw: _clean(raw, "surrogateescape")),  # a chunk may cut a letter
     "param_id": (lambda name: name.encode(), _clean),
     "payload": (lambda payload: payload.ljust(251, b"\0"), bytes),
+    "arguments": (lambda packed: packed.ljust(40, b"\0")[:40], lambda raw: bytes(raw).rstrip(b"\0")),
     "hdg": (lambda yaw: saturated(math.degrees(yaw) * 100) % 36000, lambda raw: math.radians(raw / 100)),
     # cells, or the total in the first cells; 0xFFFF: no cell
     "voltages": (

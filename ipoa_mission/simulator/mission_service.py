@@ -333,25 +333,39 @@ def judge(autopilot: Autopilot, firmware: Firmware, item: Item, kind: int, count
     return m.Result.ACCEPTED if refusal is None else m.Result[refusal.result]
 
 
+@dataclass(frozen=True)
+class Infeasible:
+    """`event`: without `navigator_mis_`."""
+
+    words: str
+    event: str
+    values: tuple[float, ...] = ()
+
+
 def infeasibility(
     autopilot: Autopilot, firmware: Firmware, items: Sequence[Item], home: Geodetic, parameters: Parameters
-) -> str:
-    """Return PX4's reason to refuse a stored mission, empty if it can be flown."""
+) -> Infeasible | None:
+    """Return PX4's verdict; None if it can be flown."""
+    radius = parameters["NAV_MC_ALT_RAD"]
     first_limit = parameters.get("MIS_DIST_1WP", 10_000.0)
     has_position = False
     for seq, item in enumerate(items):
         if item.command in firmware.never_flown:
-            return f"item {seq + 1}: unsupported cmd: {item.command}"
+            words = f"Mission rejected: item {seq + 1}: unsupported cmd: {item.command}"
+            return Infeasible(words, "unsup_cmd", (seq + 1, item.command))
         if seq == 0 and item.command == Command.NAV_LAND:
-            return "starts with landing"
+            return Infeasible("Mission rejected: starts with landing", "starts_w_landing")
         if item.command == Command.NAV_TAKEOFF:
-            if item.height(home) - 1.0 < parameters["NAV_MC_ALT_RAD"]:
-                return "Takeoff altitude too low!"
+            if item.height(home) - 1.0 < radius:
+                return Infeasible("Mission rejected: Takeoff altitude too low!", "takeoff_too_low", (radius + 1.0,))
             if has_position:
-                return "takeoff not first waypoint item"
+                return Infeasible("Mission rejected: takeoff not first waypoint item", "takeoff_not_first")
         if item.has_position and not has_position:
             distance = apart(home, Geodetic(item.latitude_deg, item.longitude_deg))
             if not distance < first_limit:
-                return f"First waypoint too far away: {min(distance, 4e9):.0f}m, {first_limit:.0f} max"
+                values = (int(min(distance, 4e9)), int(first_limit))
+                words = f"First waypoint too far away: {values[0]}m, {values[1]} max"
+                return Infeasible(words, "first_wp_too_far", values)
         has_position = has_position or item.frame != Frame.MISSION
-    return autopilot.refusals.ends({item.command for item in items}, parameters)
+    wrong = autopilot.refusals.ends({item.command for item in items}, parameters)
+    return None if wrong is None else Infeasible(f"Mission rejected: {wrong.words}", wrong.result)

@@ -23,7 +23,7 @@ from tests.refused import refuses
 
 NOW = 1_767_225_600.0
 FIRST_GUESS = {int: 1, float: 1.5, str: "WORDS", bytes: b"\x01\x02"}
-UNKNOWN_THERE = {m.ProtocolVersion}
+UNKNOWN_THERE = {m.Event, m.ProtocolVersion}
 KINDS = sorted(wire.KINDS.values(), key=lambda kind: kind.__name__)
 
 

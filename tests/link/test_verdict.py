@@ -1,11 +1,12 @@
 import pytest
 
 from ipoa_mission.autopilot.autopilot import Autopilot
-from ipoa_mission.link.messages import Ack, Count, Current, ItemAt, Message, Request, RequestList, Text
+from ipoa_mission.link.conversations import event_number, mission_event, words_of
+from ipoa_mission.link.messages import Ack, Count, Current, Event, ItemAt, Message, Request, RequestList, Text
 from ipoa_mission.link.upload import Upload, upload
 from ipoa_mission.mission.items import Item
 from tests.link.scripted_answers import lead
-from tests.link_pair import items_of
+from tests.link_pair import CLIENT, STRANGER, items_of
 from tests.refused import refuses
 
 PX4, ARDUPILOT = Autopilot.PX4, Autopilot.ARDUPILOT
@@ -25,8 +26,9 @@ def judged(*words: Message, readings: int = 2) -> dict[type[Message], list[list[
 @pytest.mark.parametrize(
     ("words", "why"),
     [
-        ((Text(2, "Mission rejected: geofence\t"), Current(0, 1, 1)), ("unflyable", "", "Mission rejected: geofence")),
-        ((Current(0, 1, 1),), ("unflyable", "", "no reason was heard")),
+        ((Event(event_number("navigator_mis_takeoff_too_low"), 3), Current(0, 1, 1)), ("unflyable",)),
+        ((Text(2, "Mission rejected: geofence\t"), Current(0, 1, 1)), ("unflyable",)),
+        ((Event(12345, 3), Current(0, 1, 1)), ("unflyable",)),
     ],
 )
 def test_a_mission_that_the_vehicle_rejects_is_an_error_with_its_reason(
@@ -123,3 +125,18 @@ def test_a_mission_that_differs_at_every_reading_is_no_success() -> None:
 def test_verdict_on_another_mission_then_silence_is_not_verified() -> None:
     with refuses("no-answer"):
         lead(upload(Upload(ONE, PX4)), judged(Current(0, 2, 2), readings=1))
+
+
+def test_words_of_an_event_have_its_numbers() -> None:
+    assert words_of(*mission_event("takeoff_too_low", 3.0)) == "the take-off is too low: at least 3.0 m is required"
+    number, arguments = mission_event("unsup_cmd", 2, 400)
+    assert words_of(number, arguments) == "item 2 has command 400, which this vehicle cannot fly"
+    assert words_of(number, b"\x02") == "item 2 has command 0, which this vehicle cannot fly"  # zeros are not sent
+
+
+def test_px4s_numbers_of_events_are_hashes_of_their_names() -> None:
+    # FNV-1a's published vectors, cut to 24 bits, with the autopilot's component id before them.
+    assert event_number("") == 0x01000000 | 0x811C9DC5 & 0xFFFFFF
+    assert event_number("a") == 0x01000000 | 0xE40C292C & 0xFFFFFF
+    assert event_number("foobar") == 0x01000000 | 0xBF9CF968 & 0xFFFFFF
+    assert CLIENT != STRANGER

@@ -16,6 +16,7 @@ from ipoa_mission.link.messages import (
     CommandResult,
     Count,
     Current,
+    Event,
     ItemAt,
     Message,
     MissionType,
@@ -43,7 +44,7 @@ def short(*extra: Item) -> list[Item]:
 def test_px4_accepts_a_take_off_too_low_and_then_reports_it_invalid() -> None:
     flown = Flown(PX4, [takeoff(HOME, 1.0), waypoint(HOME, 20.0)])
     assert Ack(OK) in flown.uploaded
-    assert Text(2, "Mission rejected: Takeoff altitude too low!\t") in flown.uploaded
+    assert any(isinstance(message, Event) for message in flown.uploaded)
     assert flown.current == Current(0, 2, 1)
     assert flown.command(176, 1.0, 4.0, 4.0) == OK  # on the ground it shows any mode
     assert flown.command(400, 1.0) == CommandResult.TEMPORARILY_REJECTED

@@ -24,7 +24,7 @@ from ipoa_mission.errors import MissionError
 from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.link import messages as m
 from ipoa_mission.link.codec import EVERYONE, Codec, Framer, Target, TlogWriter, frames, read_tlog
-from ipoa_mission.link.conversations import clear, download
+from ipoa_mission.link.conversations import clear, download, event_number
 from ipoa_mission.link.departure import Departure, depart, prepare
 from ipoa_mission.link.dialogue import SPECIFIED, Cancelled, Exchange, TimeUp
 from ipoa_mission.link.mavftp import FileMessage, Opcode, read_file
@@ -43,6 +43,7 @@ MISSION_KINDS = [
 ]
 COMMANDS = [16, 20, 21, 22, 176, 177, 193, 224, 300, 400, 410, 510, 511, 512, 520]
 ITEMS = (Item(22, 3, (0.0,) * 4, 47.4, 8.5, 20.0), Item(16, 3, (0.0,) * 4, 47.401, 8.5, 30.0))
+EVENTS = [event_number(f"navigator_mis_{name}") for name in ("unsup_cmd", "takeoff_too_low", "land_missing")]
 ABSURD = [0.0, 1.0, -1.0, math.nan, math.inf, -math.inf, 1e38, 2.0, 3.0, 4.0, 33.0, 242.0]
 
 
@@ -146,6 +147,7 @@ def random_message(chance: random.Random) -> m.Message:
             m.ItemAt(small, chance.choice(ITEMS), kind),
             m.Text(chance.randrange(8), "words"),
             m.Current(small, 2, chance.randrange(6)),
+            m.Event(chance.choice([chance.getrandbits(32), *EVENTS]), 0, chance.randbytes(chance.randrange(12))),
             m.CommandAck(chance.choice(COMMANDS), chance.randrange(8)),
             m.ParamValue("A", chance.choice(ABSURD), chance.randrange(12), 1, 0),
             m.FileTransfer(chance.randbytes(251)),

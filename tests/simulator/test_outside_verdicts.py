@@ -12,6 +12,7 @@ from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.autopilot.commands import Command
 from ipoa_mission.autopilot.version import Version
 from ipoa_mission.geodesy import Geodetic
+from ipoa_mission.link.conversations import mission_event
 from ipoa_mission.link.messages import MissionType, Result
 from ipoa_mission.mission.items import Item
 from ipoa_mission.simulator.mission_service import infeasibility, judge
@@ -83,21 +84,26 @@ def test_items_are_judged_as_they_were(autopilot: Autopilot, version: Version, i
 
 
 @pytest.mark.parametrize(
-    ("required", "commands", "reason"),
+    ("required", "commands", "event"),
     [
-        (0, (), ""),
-        (1, (Command.NAV_LAND,), "Takeoff waypoint required."),
-        (2, (TAKEOFF,), "Landing waypoint/pattern required."),
-        (3, (TAKEOFF,), "Takeoff or Landing item missing."),
-        (4, (TAKEOFF,), "Add Landing item or remove Takeoff."),
-        (4, (Command.NAV_LAND,), "Add Takeoff item or remove Landing."),
-        (5, (), "Landing waypoint/pattern required."),
-        (5, (TAKEOFF, Command.NAV_LAND), ""),
+        (0, (), None),
+        (1, (Command.NAV_LAND,), "takeoff_missing"),
+        (2, (TAKEOFF,), "land_missing"),
+        (3, (TAKEOFF,), "takeoff_or_land_missing"),
+        (4, (TAKEOFF,), "add_land_or_rm_to"),
+        (4, (Command.NAV_LAND,), "add_to_or_rm_land"),
+        (5, (), "land_missing"),
+        (5, (TAKEOFF, Command.NAV_LAND), None),
     ],
 )
-def test_px4_requires_the_ends_of_its_parameter(required: int, commands: tuple[Command, ...], reason: str) -> None:
+def test_px4_requires_the_ends_of_its_parameter(
+    required: int, commands: tuple[Command, ...], event: str | None
+) -> None:
     """As FeasibilityChecker of PX4 1.17 and 1.18."""
     order = sorted((*commands, Command.NAV_WAYPOINT), key=[TAKEOFF, Command.NAV_WAYPOINT, Command.NAV_LAND].index)
     items = [item_of(command, frame=3) for command in order]
     parameters = {"NAV_MC_ALT_RAD": 0.8, "MIS_TKO_LAND_REQ": float(required)}
-    assert infeasibility(PX4, PX4.firmware(), items, Geodetic(*PLACE[:2]), parameters) == reason
+    verdict = infeasibility(PX4, PX4.firmware(), items, Geodetic(*PLACE[:2]), parameters)
+    assert (verdict and verdict.event) == event
+    if event is not None:
+        mission_event(event)  # which the link has words for

@@ -86,22 +86,22 @@ def _refused_anywhere(firmware: Firmware, command: int, frame: int, values: Sequ
     return None
 
 
-def _refused_ends(commands: Set[int], parameters: Mapping[str, float]) -> str:
-    """Return why PX4 refuses a mission by its take-off and landing; RTL counts as no landing."""
+def _refused_ends(commands: Set[int], parameters: Mapping[str, float]) -> Refused | None:
+    """RTL counts as no landing."""
     takes_off = Command.NAV_TAKEOFF in commands
     lands = Command.NAV_LAND in commands
     match int(parameters.get("MIS_TKO_LAND_REQ", 0.0)), takes_off, lands:
         case (1, False, _):
-            return "Takeoff waypoint required."
+            return Refused("takeoff_missing", words="Takeoff waypoint required.")
         case (3, False, _) | (3, _, False):
-            return "Takeoff or Landing item missing."
+            return Refused("takeoff_or_land_missing", words="Takeoff or Landing item missing.")
         case (4 | 5, True, False):
-            return "Add Landing item or remove Takeoff."
+            return Refused("add_land_or_rm_to", words="Add Landing item or remove Takeoff.")
         case (2 | 5, _, False):
-            return "Landing waypoint/pattern required."
+            return Refused("land_missing", words="Landing waypoint/pattern required.")
         case (4, False, True):
-            return "Add Takeoff item or remove Landing."
-    return ""
+            return Refused("add_to_or_rm_land", words="Add Takeoff item or remove Landing.")
+    return None
 
 
 class ReturnType(IntEnum):
