@@ -36,7 +36,7 @@ class GuidanceProfile(NamedTuple):
     flies_splines: bool = False  # it flies NAV_SPLINE_WAYPOINT as a curve
     climbs_where_it_stands: bool = False  # a take-off is vertical
     needs_takeoff: bool = False  # it refuses a mission on the ground without a take-off
-    least_takeoff: tuple[str, float] | None = None  # a take-off must exceed this parameter [m] by this margin [m]
+    takeoff_done_within: str = ""  # below its height by this parameter [m]
     own_takeoff: float = 0.0  # it takes off to this height at least [m]
     waits_armed: str = ""  # it disarms on the ground after this parameter's time [s]; empty: never
     waits_until_clock: bool = False  # NAV_DELAY without seconds waits until a time of day

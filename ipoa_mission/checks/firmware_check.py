@@ -177,19 +177,17 @@ def _takeoff(mission: Mission) -> Iterator[Finding]:
             if at.item.command == Command.NAV_DELAY and 0.0 < disarm_time <= at.item.params[0]:
                 words = f"on the ground {mission.autopilot.model} disarms after {disarm_time:g} s ({name}; 0: never)"
                 yield at.warning("disarms-waiting", words)
-    least = 0.0
-    if guidance.least_takeoff is not None:
-        name, more = guidance.least_takeoff
-        least = parameters[name] + more
-    for at in moving:
+    within = guidance.takeoff_done_within
+    for at in (at for at in moving if at.item.is_takeoff):
         height = mission.altitude_above_home(at.item)
-        if at.item.is_takeoff and height <= least:
-            if guidance.own_takeoff > 0.0:
-                climbs = f"{mission.autopilot.model} climbs {guidance.own_takeoff:g} m anyway"
-                yield at.warning("takeoff-low", f"a take-off to {height:g} m above home: {climbs}")
-            else:  # infeasible in PX4
-                words = f"expected a take-off to more than {least:g} m above home, not to {height:g} m"
-                yield at.error("takeoff-low", words)
+        words = f"a take-off to {height:g} m above home: {mission.autopilot.model}"
+        if height <= 0.0 and guidance.own_takeoff > 0.0:
+            yield at.warning("takeoff-low", f"{words} climbs {guidance.own_takeoff:g} m anyway")
+        elif height <= 0.0:
+            yield at.error("takeoff-low", f"{words} refuses the mission")
+        elif within and height <= parameters[within] + 1.0:  # [m], error of home's height
+            below = f"{parameters[within]:g} m ({within}) below"
+            yield at.warning("takeoff-low", f"{words} may leave for the next item {below}, near the ground")
 
 
 def _flown(mission: Mission) -> list[Numbered]:

@@ -60,7 +60,7 @@ _MISSION_EVENTS = {
         "takeoff_or_land_missing": ("a take-off or a landing item is missing", "<"),
         "add_land_or_rm_to": ("there is a take-off but no landing", "<"),
         "add_to_or_rm_land": ("there is a landing but no take-off", "<"),
-        "takeoff_too_low": ("the take-off is too low: at least {0:.1f} m is required", "<f"),
+        "takeoff_too_low": ("the take-off must be to more than {0:.1f} m", "<f"),
         "takeoff_not_first": ("the take-off is not the first item with a position", "<"),
         "starts_w_landing": ("the mission begins with a landing", "<"),
         "starts_w_landing2": ("the mission begins with a landing", "<"),

@@ -346,7 +346,6 @@ def infeasibility(
     autopilot: Autopilot, firmware: Firmware, items: Sequence[Item], home: Geodetic, parameters: Parameters
 ) -> Infeasible | None:
     """Return PX4's verdict; None if it can be flown."""
-    radius = parameters["NAV_MC_ALT_RAD"]
     first_limit = parameters.get("MIS_DIST_1WP", 10_000.0)
     has_position = False
     for seq, item in enumerate(items):
@@ -356,8 +355,8 @@ def infeasibility(
         if seq == 0 and item.command == Command.NAV_LAND:
             return Infeasible("Mission rejected: starts with landing", "starts_w_landing")
         if item.command == Command.NAV_TAKEOFF:
-            if item.height(home) - 1.0 < radius:
-                return Infeasible("Mission rejected: Takeoff altitude too low!", "takeoff_too_low", (radius + 1.0,))
+            if item.height(home) <= 0.0:
+                return Infeasible("Mission rejected: Takeoff altitude below home altitude!", "takeoff_too_low", (0.0,))
             if has_position:
                 return Infeasible("Mission rejected: takeoff not first waypoint item", "takeoff_not_first")
         if item.has_position and not has_position:

@@ -84,10 +84,11 @@ FOUND: dict[str, tuple[Mission, list[str]]] = {
     "no take-off on px4": (flight(AWAY, DOWN), ["warning takeoff-missing 1"]),
     "late take-off": (flight(AWAY, UP, DOWN), ["error takeoff-not-first 1"]),
     "speed and delay before the take-off": (flight(change_speed(5.0), Item(93, 2, (3.0, 0.0, 0.0, 0.0)), UP, DOWN), []),
-    "low take-off on px4": (flight(takeoff(HOME, 1.5), AWAY, DOWN), ["error takeoff-low 1"]),
+    "low take-off on px4": (flight(takeoff(HOME, 1.5), AWAY, DOWN), ["warning takeoff-low 1"]),
+    "take-off to home on px4": (flight(takeoff(HOME, 0.0), AWAY, DOWN), ["error takeoff-low 1"]),
     "take-off below the mission's own radius": (
         flight(takeoff(HOME, 5.9), AWAY, DOWN).with_parameters({"NAV_MC_ALT_RAD": 5.0}),
-        ["error takeoff-low 1"],
+        ["warning takeoff-low 1"],
     ),
     "take-off above the mission's own radius": (
         flight(takeoff(HOME, 1.5), AWAY, DOWN).with_parameters({"NAV_MC_ALT_RAD": 0.4}),

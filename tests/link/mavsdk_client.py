@@ -37,7 +37,7 @@ def spoil(vehicle: MavsdkVehicle) -> dict[str, object]:
     """Try a mission that cannot be flown, and one that is cancelled."""
     results: dict[str, object] = {}
     try:
-        vehicle.upload(Mission(HOME, (takeoff(HOME, 1.0),), Autopilot.PX4), checked=False)
+        vehicle.upload(Mission(HOME, (takeoff(HOME, 0.0),), Autopilot.PX4), checked=False)
     except Unflyable as error:
         results["unflyable"] = str(error)
     many = [waypoint(Geodetic(47.4 + 1e-5 * n, 8.5), 30.0) for n in range(500)]

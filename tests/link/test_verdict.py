@@ -128,7 +128,7 @@ def test_verdict_on_another_mission_then_silence_is_not_verified() -> None:
 
 
 def test_words_of_an_event_have_its_numbers() -> None:
-    assert words_of(*mission_event("takeoff_too_low", 3.0)) == "the take-off is too low: at least 3.0 m is required"
+    assert words_of(*mission_event("takeoff_too_low", 3.0)) == "the take-off must be to more than 3.0 m"
     number, arguments = mission_event("unsup_cmd", 2, 400)
     assert words_of(number, arguments) == "item 2 has command 400, which this vehicle cannot fly"
     assert words_of(number, b"\x02") == "item 2 has command 0, which this vehicle cannot fly"  # zeros are not sent

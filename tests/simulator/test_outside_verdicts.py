@@ -102,8 +102,17 @@ def test_px4_requires_the_ends_of_its_parameter(
     """As FeasibilityChecker of PX4 1.17 and 1.18."""
     order = sorted((*commands, Command.NAV_WAYPOINT), key=[TAKEOFF, Command.NAV_WAYPOINT, Command.NAV_LAND].index)
     items = [item_of(command, frame=3) for command in order]
-    parameters = {"NAV_MC_ALT_RAD": 0.8, "MIS_TKO_LAND_REQ": float(required)}
+    parameters = {"MIS_TKO_LAND_REQ": float(required)}
     verdict = infeasibility(PX4, PX4.firmware(), items, Geodetic(*PLACE[:2]), parameters)
     assert (verdict and verdict.event) == event
     if event is not None:
         mission_event(event)  # which the link has words for
+
+
+@pytest.mark.parametrize("height", [-1.0, 0.0, 0.1, 0.5, 1.0, 2.0, 3.0, 5.0, 10.0])
+def test_px4_refuses_a_take_off_that_does_not_climb(height: float) -> None:
+    """Uploaded to PX4 1.17 and 1.18 in SIH, with NAV_MC_ALT_RAD 0.8 and 0.3, alone and with a waypoint behind it."""
+    item = item_of(TAKEOFF, place=(*PLACE[:2], height))
+    for version in (RELEASED, BETA):
+        verdict = infeasibility(PX4, PX4.firmware(version), [item], Geodetic(*PLACE[:2]), {})
+        assert (verdict and verdict.event) == ("takeoff_too_low" if height <= 0.0 else None)

@@ -175,7 +175,7 @@ class Px4Multicopter(Autopilot):
     )
     guidance = profile.GuidanceProfile(
         passes_before=FLOWN_TO - {Command.NAV_LOITER_TURNS, Command.NAV_PAYLOAD_PLACE},
-        least_takeoff=("NAV_MC_ALT_RAD", 1.0),
+        takeoff_done_within="NAV_MC_ALT_RAD",
         turns_at_acceptance_radius=True,
         small_acceptance_radius=2.5,
         first_item=0,
