@@ -359,8 +359,7 @@ def check_known_path(forecast: Forecast) -> Iterator[Finding]:
 def check_passing(forecast: Forecast) -> Iterator[Finding]:
     """Report an error for waypoints without a hold before a change of height, and a warning for all others.
 
-    PX4 from 1.18 on moves its vertical setpoint separately: it oscillates, and does not return to a waypoint passed too
-    high or too low.
+    PX4 from 1.18 on moves its vertical setpoint separately: it oscillates, and does not return to a passed waypoint.
     """
     mission = forecast.mission
     hold = mission.autopilot.waypoint_defaults(mission.firmware_version).hold

@@ -73,11 +73,11 @@ HOME_RADIUS = 1.5  # below the error of satellite positioning [m]
 
 
 class NotAtStart(MissionError, code="not-at-start"):
-    """The flight may not begin where the vehicle is."""
+    """The vehicle is elsewhere."""
 
 
 def begun_at(mission: Mission, first: int, there: Geodetic | None = None) -> Mission:
-    """Return the mission as flown from a place on the ground, from item `first`; items keep their numbers.
+    """Return the mission flown from a place on the ground and item `first`; items keep their numbers.
 
     Raises:
         BadInput: there is no such item, it has no position, or a jump leads back to before it.
@@ -102,6 +102,19 @@ def begun_at(mission: Mission, first: int, there: Geodetic | None = None) -> Mis
     return replace(mission, home=home, items=(*beginning, *mission.items[first:]))
 
 
+def begun_forecast(forecast: Forecast, first: int, there: Geodetic | None = None) -> Forecast:
+    """Return the forecast from a place on the ground and item `first`."""
+    mission = forecast.mission_as_read
+    if there is None or apart(there, mission.home) <= HOME_RADIUS:
+        return forecast if first == 0 else forecast.with_mission(begun_at(mission, first))
+    altitude = mission.home.altitude
+    scenario = forecast.scenario
+    if scenario is not None:
+        place = scenario.frame.local(replace(there, altitude=altitude))
+        altitude = scenario.frame.home.altitude + float(scenario.airspace.ground(place[None, :])[0])
+    return forecast.with_mission(begun_at(mission, first, replace(there, altitude=altitude)))
+
+
 def check_start(mission: Mission, scenario: "Scenario | None", first: int, there: Geodetic) -> tuple[str, ...]:
     """Return remarks on a vehicle `there` that begins with item `first`.
 
@@ -111,23 +124,18 @@ def check_start(mission: Mission, scenario: "Scenario | None", first: int, there
     distance = apart(there, mission.home)
     if distance <= HOME_RADIUS and first == 0:
         return ()
+    begun = begun_forecast(Forecast(mission, scenario), first, there)
     where = f"the vehicle is {distance:.1f} m from the mission's home"
+    if distance > HOME_RADIUS:
+        with suppress(MissionError):
+            where += f" ({begun.estimate.total_s:.1f} s are estimated from there)"
     if scenario is None:
-        where += _estimated_from(replace(there, altitude=mission.home.altitude), mission, first)
         if distance > 10.0:  # [m]
             words = f"{where}; without a scenario the way from there cannot be checked"
             raise NotAtStart(words, hint="bring it there, or plan from its place: `fly SCENARIO` checks the way")
         return (f"{where}: without a scenario the way from there was not checked",)
     from ipoa_mission.checks.world_check import check_airspace, check_clearance
 
-    place = scenario.frame.local(Geodetic(there.latitude_deg, there.longitude_deg, mission.home.altitude))
-    planned = scenario.frame.moved(np.zeros(3), mission.frame)
-    height, below = scenario.airspace.ground(np.array([place, planned])).tolist()
-    if distance <= HOME_RADIUS:  # a roof
-        height += float(planned[2]) - below
-    home = Geodetic(there.latitude_deg, there.longitude_deg, scenario.frame.home.altitude + height)
-    begun = Forecast(begun_at(mission, first, home), scenario)
-    where += _estimated_from(home, mission, first, scenario)
     guarantee = begun.guarantee_if_known
     known = () if guarantee is None else check_clearance(begun.mission, scenario, guarantee)
     errors = [finding for finding in (*check_airspace(begun), *known) if finding.severity is Severity.ERROR]
@@ -136,11 +144,3 @@ def check_start(mission: Mission, scenario: "Scenario | None", first: int, there
         raise NotAtStart(words, hint="bring it to the mission's home, or plan from its place")
     unknown = "the predicted way from there is clear; what clearance flights keep is unknown"
     return (f"{where}: {unknown if guarantee is None else 'the way from there was checked and is clear'}",)
-
-
-def _estimated_from(there: Geodetic, mission: Mission, first: int, scenario: "Scenario | None" = None) -> str:
-    if apart(there, mission.home) > HOME_RADIUS:
-        with suppress(MissionError):
-            estimate = Forecast(begun_at(mission, first, there), scenario).estimate
-            return f" ({estimate.total_s:.1f} s are estimated from there)"
-    return ""

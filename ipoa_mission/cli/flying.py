@@ -128,12 +128,13 @@ def _fly_built_in(changes: ChangesMade, seed: int, job: "Job", frames_log: Path)
 
 
 def _fly_on_link(changes: ChangesMade, source: Path, asked: FlyOptions, job: "Job", frames_log: Path) -> "FlownJob":
+    from ipoa_mission.checks.unsafe import begun_forecast
     from ipoa_mission.cli.mission_source import FlownJob, read_job
     from ipoa_mission.flight.post_flight import landed_elsewhere
 
     on_vehicle = asked.on_vehicle
     first = on_vehicle.begin - 1
-    _begun(job, first)  # an unknown item is an error before connecting
+    begun_forecast(job.forecast, first)  # an unknown item is an error before connecting
     try:
         options = replace(asked.on_link, system=asked.on_link.system if job.system is None else job.system)
         with connect_to(on_vehicle.link or "", options, frames_log) as vehicle:
@@ -148,7 +149,8 @@ def _fly_on_link(changes: ChangesMade, source: Path, asked: FlyOptions, job: "Jo
                     {"event": "deviation"} | deviation.as_json(), indent=None
                 )
             planned = job.forecast
-            job = _begun(replace(job, forecast=planned.on(vehicle.firmware_version())), first)
+            aboard = planned.on(vehicle.firmware_version())
+            job = replace(job, forecast=aboard, begun=begun_forecast(aboard, first))
             job, remarks, record = _fly_stages(changes, asked, vehicle, job, planned)
             changes.note_flown(job.name, record.armed)
     except MissionError as error:
@@ -168,10 +170,10 @@ def _print_notes(asked: FlyOptions, remarks: "Sequence[str]") -> None:
 def _fly_stages(
     changes: ChangesMade, asked: FlyOptions, vehicle: "Vehicle", job: "Job", planned: "Forecast"
 ) -> "tuple[Job, list[str], FlightRecord]":
-    """Show contingencies in flight; return the job with this vehicle's forecast."""
+    """Return the job with this vehicle's forecast."""
     from ipoa_mission.cli.contingency_output import ContingencyDisplay
     from ipoa_mission.cli.flight_output import flight_as_json
-    from ipoa_mission.flight.procedure import ProcedureOptions, Stage, begin_mission, begun_forecast, load_mission
+    from ipoa_mission.flight import procedure
     from ipoa_mission.forecast.contingency.contingencies_now import ContingenciesNow
 
     remarks = list[str]()
@@ -185,12 +187,12 @@ def _fly_stages(
     @contextmanager
     def stages(stage: "Stage") -> "Iterator[Progress]":
         with changes.stage(stage, f"{asked.on_vehicle.link} --system {vehicle.system}") as show:
-            if stage is Stage.READY and flown.scenario is not None:
+            if stage is procedure.Stage.READY and flown.scenario is not None:
                 try:
                     contingencies.append(ContingenciesNow(flown))
                 except MissionError as why:
                     remark(f"contingencies are not shown in flight: {why}")
-            if stage is Stage.FLIGHT and contingencies:
+            if stage is procedure.Stage.FLIGHT and contingencies:
                 display = ContingencyDisplay(flown, vehicle, show, job.reserves, contingencies[0])
                 vehicle.overhearing = display.hear
                 show = display.show
@@ -198,25 +200,21 @@ def _fly_stages(
 
     on_vehicle = asked.on_vehicle
     first = on_vehicle.begin - 1
-    options = ProcedureOptions(first, asked.on_link.anyway, job.ignore, on_vehicle.set_params, stages, remark, True)
+    options = procedure.ProcedureOptions(
+        first, asked.on_link.anyway, job.ignore, on_vehicle.set_params, stages, remark, True
+    )
     try:
         with changes.reporting(""):  # between two stages
-            loaded = load_mission(vehicle, planned, options)
-            flown = begun_forecast(loaded, first)
+            loaded = procedure.load_mission(vehicle, planned, options)
+            flown = procedure.begun_here(vehicle, loaded, first)
             job = replace(job, forecast=loaded, begun=flown)
-            record = begin_mission(vehicle, loaded, options)
+            record = procedure.begin_mission(vehicle, loaded, options)
     except MissionError as error:
         state = vehicle.state
         ended = {"completed": False, "armed": state.armed, "in_air": state.in_air, "remarks": remarks}
         error.known = flight_as_json(job.estimate, vehicle.record(), job.reserves) | ended | error.known
         raise
     return job, remarks, record
-
-
-def _begun(job: "Job", first: int) -> "Job":
-    from ipoa_mission.flight import procedure
-
-    return replace(job, begun=procedure.begun_forecast(job.forecast, first))
 
 
 def _refuse(options: dict[str, bool], words: str, hint: str) -> None:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, TypeAlias
 
 from ipoa_mission.autopilot.parameters import NO_PARAMETERS, Parameters
 from ipoa_mission.checks.check import check
-from ipoa_mission.checks.unsafe import NotAtStart, begun_at, check_start, refuse_errors, refuse_unclear_returns
+from ipoa_mission.checks.unsafe import NotAtStart, begun_forecast, check_start, refuse_errors, refuse_unclear_returns
 from ipoa_mission.errors import MissionError, Unsafe
 from ipoa_mission.finding import Finding
 from ipoa_mission.flight import preflight
@@ -268,29 +268,33 @@ def begin_mission(vehicle: Vehicle, forecast: Forecast, options: ProcedureOption
             options.remark(words)
 
     with options.stages(Stage.READY) as show:
-        vehicle.conformance.begin(_monitor(vehicle, forecast, options.first, options.remark))
         vehicle.prepare(options.first, show, permit)
+        begun = begun_here(vehicle, forecast, options.first)
+        vehicle.conformance.begin(_monitor(vehicle, begun, options.first, options.remark))
     with options.stages(Stage.START) as show:
         vehicle.start(show)
     with options.stages(Stage.FLIGHT) as show:
         return vehicle.watch(show)
 
 
-def _monitor(vehicle: Vehicle, forecast: Forecast, first: int, remark: ReportRemark) -> "ConformanceMonitor | None":
+def _monitor(vehicle: Vehicle, begun: Forecast, first: int, remark: ReportRemark) -> "ConformanceMonitor | None":
     from ipoa_mission.forecast.conformance import ConformanceMonitor
 
     try:
-        if forecast.mission_as_read.autopilot is not vehicle.autopilot:
-            words = f"it was forecast for {forecast.mission_as_read.autopilot}, and the vehicle is {vehicle.autopilot}"
+        if begun.mission_as_read.autopilot is not vehicle.autopilot:
+            words = f"it was forecast for {begun.mission_as_read.autopilot}, and the vehicle is {vehicle.autopilot}"
             raise MissionError(words, code="other-autopilot")
-        return ConformanceMonitor(begun_forecast(forecast, first), first)
+        return ConformanceMonitor(begun, first)
     except MissionError as unknown:
         remark(f"the flight is not compared with a forecast: {unknown}")
         return None
 
 
-def begun_forecast(forecast: Forecast, first: int) -> Forecast:
-    return forecast if first == 0 else forecast.with_mission(begun_at(forecast.mission_as_read, first))
+def begun_here(vehicle: Vehicle, forecast: Forecast, first: int) -> Forecast:
+    """Return the forecast from the vehicle's place."""
+    at = vehicle.state.position
+    there = vehicle.home() if at is None else Geodetic(at.latitude_deg, at.longitude_deg, at.altitude)
+    return begun_forecast(forecast, first, there)
 
 
 def _set_parameters(

@@ -11,6 +11,7 @@ import pytest
 
 from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.autopilot.version import Version
+from ipoa_mission.checks.unsafe import begun_forecast
 from ipoa_mission.errors import MissionError, Unsafe
 from ipoa_mission.flight import preflight, procedure
 from ipoa_mission.flight.procedure import (
@@ -296,3 +297,18 @@ def test_flight_from_the_ground_off_its_home_begins_only_anyway(monkeypatch: pyt
     with refuses("not-at-start", "", "-9.6 m"):
         procedure.begin_mission(vehicle, forecast, options)
     assert procedure.begin_mission(vehicle, forecast, replace(options, anyway=True)).completed
+
+
+@pytest.mark.parametrize("autopilot", registered())
+def test_flight_from_elsewhere_is_compared_with_the_path_from_there(autopilot: Autopilot) -> None:
+    """ArduCopter 4.8 was ordered to hold 5.7 m beside the path from the mission's home, which it did not fly."""
+    there = replace(MISSION.home, longitude_deg=MISSION.home.longitude_deg + 8e-4)  # 60 m
+    vehicle = meet(Connection(Loopback(Station(Mock(autopilot, there))), Codec(245, 190)))
+    onward = waypoint(Geodetic(47.4006, 8.5), 12.0, hold_s=0.1)
+    flown = suited(vehicle, replace(MISSION, items=(*MISSION.items[:2], onward, MISSION.items[2]), rally=()))
+    remarks = list[str]()
+    record = fly_mission(vehicle, flown, first=2, anyway=True, set_params=True, remark=remarks.append)
+    assert record.completed, record.why_not
+    assert not record.deviations
+    seconds = begun_forecast(Forecast(flown), 2, there).estimate.total_s
+    assert any(f"({seconds:.1f} s are estimated from there)" in words for words in remarks)
