@@ -1,10 +1,10 @@
 from collections.abc import Sequence
-from typing import Annotated, Literal, Self, TypeAlias
+from typing import Annotated, Literal, TypeAlias
 
 import numpy as np
 import shapely
 from numpy.typing import NDArray
-from pydantic import Field, field_validator, model_validator
+from pydantic import Field, field_validator
 
 from ipoa_mission.geodesy import LocalFrame
 from ipoa_mission.geometry import Plane
@@ -13,7 +13,7 @@ from ipoa_mission.maps.areas import MapArea
 from ipoa_mission.maps.map_window import Box
 from ipoa_mission.scenario.map_sections import NoFlyMap
 from ipoa_mission.scenario.place_sections import Horizontal, Ring, east_north_of
-from ipoa_mission.scenario.section import Positive, Section
+from ipoa_mission.scenario.section import Positive, Section, one_of
 from ipoa_mission.unread import Unread
 from ipoa_mission.world.obstacles import Cylinder, Obstacle, Prism, Sphere, Zone
 from ipoa_mission.world.polygon import rings_of
@@ -108,11 +108,7 @@ class PrismSection(UprightObstacle):
             raise ValueError(f"expected a ring that does not cross itself, not one with {why}")
         return ring
 
-    @model_validator(mode="after")
-    def _one_footprint(self) -> Self:
-        if (self.footprint is None) == (self.footprint_geodetic is None):
-            raise ValueError("expected either footprint or footprint_geodetic")
-        return self
+    _one_footprint = one_of("footprint", "footprint_geodetic")
 
     def build(self, name: str, frame: LocalFrame, ground: Ground) -> Obstacle:
         outer, *holes = (

@@ -11,7 +11,7 @@ from ipoa_mission.geometry import Plane, Vector
 from ipoa_mission.ground import Ground
 from ipoa_mission.maps.map_window import Box
 from ipoa_mission.scenario.map_sections import ElevationTerrain
-from ipoa_mission.scenario.section import Latitude, Longitude, NotNegative, Positive, Section, existing_file
+from ipoa_mission.scenario.section import Latitude, Longitude, NotNegative, Positive, Section, existing_file, one_of
 from ipoa_mission.world.terrain import Analytic, Flat, Grid, Peak, SeaLevel, Terrain
 
 Ring: TypeAlias = Annotated[tuple[tuple[float, float], ...], Field(min_length=3)]
@@ -48,14 +48,7 @@ class Horizontal(Section):
     longitude_deg: Longitude | None = None
     """Degrees on WGS 84."""
 
-    @model_validator(mode="after")
-    def _one_way(self) -> Self:
-        local = self.east is not None and self.north is not None
-        geodetic = self.latitude_deg is not None and self.longitude_deg is not None
-        strays = [self.east, self.north] if geodetic else [self.latitude_deg, self.longitude_deg]
-        if local == geodetic or any(stray is not None for stray in strays):
-            raise ValueError("expected either east and north, or latitude_deg and longitude_deg")
-        return self
+    _one_way = one_of("east and north", "latitude_deg and longitude_deg")
 
     def there(self) -> Geodetic | None:
         if self.latitude_deg is None or self.longitude_deg is None:
@@ -81,11 +74,7 @@ class Place(Horizontal):
     height_above_ground: float | None = None
     """Height above the ground at that place [m]."""
 
-    @model_validator(mode="after")
-    def _one_height(self) -> Self:
-        if sum(height is not None for height in (self.up, self.altitude_amsl, self.height_above_ground)) != 1:
-            raise ValueError("expected exactly one of up, altitude_amsl or height_above_ground")
-        return self
+    _one_height = one_of("up", "altitude_amsl", "height_above_ground")
 
     def point(self, frame: LocalFrame, ground: Ground) -> Vector:
         """Return east, north, up, (3,) [m]."""
@@ -186,10 +175,10 @@ class GridTerrain(Section):
                 raise ValueError(f"expected at least two rows and two columns of finite numbers in {path}")
         return path
 
+    _one_source = one_of("heights", "file")
+
     @model_validator(mode="after")
-    def _one_source(self) -> Self:
-        if (self.heights is None) == (self.file is None):
-            raise ValueError("expected either heights or file")
+    def _rows_of_one_length(self) -> Self:
         if self.heights is not None and len({len(row) for row in self.heights}) != 1:
             raise ValueError("expected heights with rows of one length")
         return self
@@ -233,13 +222,7 @@ class FenceSection(Section):
     radius: Positive | None = None
     """Radius of the circle [m]."""
 
-    @model_validator(mode="after")
-    def _one_shape(self) -> Self:
-        polygons = (self.polygon is not None) + (self.polygon_geodetic is not None)
-        circle = (self.center is not None) + (self.radius is not None)
-        if (polygons, circle) not in {(1, 0), (0, 2)}:
-            raise ValueError("expected either polygon, or polygon_geodetic, or center and radius")
-        return self
+    _one_shape = one_of("polygon", "polygon_geodetic", "center and radius")
 
 
 class BoundsSection(Section):

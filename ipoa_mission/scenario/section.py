@@ -6,7 +6,7 @@ from pathlib import Path
 from textwrap import dedent
 from typing import Annotated, Any, Self
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field, GetJsonSchemaHandler, ValidationInfo
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, GetJsonSchemaHandler, ValidationInfo, model_validator
 
 
 class Section(BaseModel):
@@ -48,6 +48,18 @@ def merged(settings: Mapping[str, Any], table: Mapping[str, Any]) -> dict[str, A
         if isinstance(settings[key], Mapping) and isinstance(table[key], Mapping):
             both[key] = merged(settings[key], table[key])
     return both
+
+
+def one_of(*choices: str) -> Any:
+    """Return a validator: one choice, like `capacity_mah and voltage`, has all its keys, and no other has any."""
+
+    def check(section: BaseModel) -> BaseModel:
+        given = [[getattr(section, key) is not None for key in choice.split(" and ")] for choice in choices]
+        if sum(map(any, given)) != 1 or sum(map(all, given)) != 1:
+            raise ValueError(f"expected either {', or '.join(choices)}")
+        return section
+
+    return model_validator(mode="after")(check)
 
 
 def existing_file(what: str) -> AfterValidator:

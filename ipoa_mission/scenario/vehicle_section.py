@@ -11,7 +11,7 @@ from ipoa_mission.autopilot.learned import LearnedVehicle
 from ipoa_mission.autopilot.parameters import SINGLE_MAX, Parameters
 from ipoa_mission.autopilot.version import Version
 from ipoa_mission.errors import BadInput
-from ipoa_mission.scenario.section import NotNegative, Positive, Section
+from ipoa_mission.scenario.section import NotNegative, Positive, Section, one_of
 
 ParameterName = Annotated[str, pydantic.StringConstraints(pattern=r"^[A-Za-z][A-Za-z0-9_]{0,15}$", to_upper=True)]
 Single = Annotated[float, Field(ge=-SINGLE_MAX, le=SINGLE_MAX)]
@@ -80,12 +80,7 @@ class BatterySection(Section):
     head_wind: NotNegative = 0.0
     """Additional head wind during the whole flight, on top of `[wind]` [m/s]."""
 
-    @model_validator(mode="after")
-    def _one_capacity(self) -> "BatterySection":
-        by_charge = self.capacity_mah is not None and self.voltage is not None
-        if (self.capacity_wh is not None) == by_charge or (self.capacity_mah is None) != (self.voltage is None):
-            raise ValueError("expected either capacity_wh, or capacity_mah and voltage")
-        return self
+    _one_capacity = one_of("capacity_wh", "capacity_mah and voltage")
 
     def build(self) -> Battery:
         wh = self.capacity_wh or (self.capacity_mah or 0.0) / 1000.0 * (self.voltage or 0.0)

@@ -26,7 +26,7 @@ BROKEN = {
     "home = { latitude_deg = 91, longitude_deg = 8 }": "home.latitude_deg: expected a number of at most 90, not 91",
     "home = { longitude_deg = 8 }": "home.latitude_deg: expected, but not there",
     "start = { east = 0, up = 3 }": "start: expected either east and north, or latitude_deg and longitude_deg",
-    "start = { east = 0, north = 0 }": "start: expected exactly one of up, altitude_amsl or height_above_ground",
+    "start = { east = 0, north = 0 }": "start: expected either up, or altitude_amsl, or height_above_ground",
     "goal = {latitude_deg = 46, longitude_deg = 8, up = 9}": "goal: expected a place within 100 km of home, not 111 km",
     "goal = {latitude_deg = 8, longitude_deg = 47, up = 9}": (
         "goal: expected a place within 100 km of home, not 5687 km: latitude and longitude may be swapped, "
@@ -62,7 +62,7 @@ BROKEN = {
     "bounds = { east = [3, 1] }": "bounds.east: expected [least, greatest], not [3, 1]",
     "cost = { omega = [0.5, 0.5, 0.5] }": "cost: omega: expected three weights that sum to 1, not to 1.5",
     "vehicle = { autopilot = 'betaflight' }": "vehicle.autopilot: expected 'px4' or 'ardupilot', not 'betaflight'",
-    "terrain = { kind = 'grid', east = 0, north = 0, spacing = 1 }": "terrain: expected either heights or file",
+    "terrain = { kind = 'grid', east = 0, north = 0, spacing = 1 }": "terrain: expected either heights, or file",
     "terrain = { kind = 'grid', east = 0, north = 0, spacing = 1, file = 'no.csv' }": (
         "terrain.file: expected a file of heights, but there is no file no.csv"
     ),
