@@ -14,10 +14,9 @@ from ipoa_mission.studio.requests import Add, Change, Put, Take
 from ipoa_mission.studio.survey_view import in_words, numbers_in_full, ring_name
 from ipoa_mission.studio.view import fences_drawn, without_folders
 from ipoa_mission.studio.vocabulary import as_on_map
-from ipoa_mission.survey.sight import sight_of
 from ipoa_mission.survey.survey_area import parts_of
 from ipoa_mission.survey.survey_section import survey_of
-from ipoa_mission.survey.survey_task import SPARE, expect_survey, keep_out, survey_bound
+from ipoa_mission.survey.survey_task import SPARE, SurveyTask, survey_bound
 
 
 def plan_trouble(error: MissionError, scenario: Scenario, of: Literal["plan", "sketch"] = "plan") -> Trouble:
@@ -167,10 +166,9 @@ def _at_height(height: float, words: str, scenario: Scenario) -> Remedy:
 
 
 def _over(name: object, scenario: Scenario) -> Iterator[Remedy]:
-    section, area = expect_survey(scenario)
-    sight = sight_of(section, area, scenario)
-    zone = keep_out(scenario, sight, {})
-    covered = shapely.Polygon() if zone is None else zone.intersection(area.shape)
+    task = SurveyTask(scenario, {})
+    sight = task.sight
+    covered = shapely.Polygon() if task.keep_out is None else task.keep_out.intersection(task.area.shape)
     obstacles = scenario.airspace.obstacles
     bodies = [body for body in obstacles if (body.name == name if name else body.horizontal_shape.intersects(covered))]
     if not bodies:

@@ -3,7 +3,6 @@
 import json
 import math
 from collections import defaultdict
-from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -23,29 +22,28 @@ from ipoa_mission.routing.resample import NoRoute, Route, corridor, push_clear
 from ipoa_mission.survey.camera import CameraSection
 from ipoa_mission.survey.free import FreeSpace
 from ipoa_mission.survey.sight import Sight, lift_path
-from ipoa_mission.survey.survey_task import TIGHT_PLACES, SurveyTask, expect_survey
+from ipoa_mission.survey.survey_task import TIGHT_PLACES, SurveyTask
 from ipoa_mission.survey.times import LegTimes
 from ipoa_mission.survey.tour import Tour
 
 SAME_PLACE = 0.5  # [m]
 
 
-def assemble_survey(tour: Tour, task: SurveyTask, growth: Mapping[str, float], seed: int) -> Mission:
-    """Return the mission of a tour; `growth` [m] by obstacle name adds clearance."""
+def assemble_survey(tour: Tour, task: SurveyTask, seed: int) -> Mission:
     sight = task.sight
     scenario = task.scenario
     path, begins, ends = _path(tour)
     points, corners = lift_path(path, sight, scenario.airspace.ground)
-    out = _clear_transit(scenario.start_point, points[0], task, growth, seed)[:-1]
+    out = _clear_transit(scenario.start_point, points[0], task, seed)[:-1]
     back = np.zeros((0, 3))
     if np.linalg.norm(scenario.goal_point - scenario.start_point) > SAME_PLACE:
-        back = _clear_transit(points[-1], scenario.goal_point, task, growth, seed)[1:]
+        back = _clear_transit(points[-1], scenario.goal_point, task, seed)[1:]
     route = Route(np.vstack([out, points, back]))
     mission = build_mission(route, scenario)
     if scenario.route.ending == "rtl" and not clear_in(scenario)(Forecast(mission, scenario).ways_home):
         last_place = back[-1] if len(back) else points[-1]
         home = np.array([0.0, 0.0, scenario.start_point[2]])
-        back = np.vstack([back, _clear_transit(last_place, home, task, growth, seed)[1:]])
+        back = np.vstack([back, _clear_transit(last_place, home, task, seed)[1:]])
         route = Route(np.vstack([out, points, back]))
         mission = build_mission(route, scenario)
     numbers = items_of_waypoints(route)[len(out) :]
@@ -55,7 +53,7 @@ def assemble_survey(tour: Tour, task: SurveyTask, growth: Mapping[str, float], s
         added[numbers[corners[begin]]] += start_photos
         added[numbers[corners[end]]] += stop_photos
     count = sum(map(len, added.values()))
-    gimbal = _gimbal_items(scenario, mission)
+    gimbal = [] if task.section.gimbal is None else _gimbal_items(mission)
     added[0] = gimbal + added[0]
     items = [each for n, item in enumerate(mission.items) for each in (item, *added[n])]
     first = max(numbers[corners[begins[0]]], 2) + len(gimbal)
@@ -63,7 +61,7 @@ def assemble_survey(tour: Tour, task: SurveyTask, growth: Mapping[str, float], s
     flown = replace(mission, items=tuple(items))
     if flown.items[first].command != Command.NAV_WAYPOINT:
         return flown
-    return replace(flown, complex_items=(_qgroundcontrol_item(flown.items[first : last + 1], tour, sight, scenario),))
+    return replace(flown, complex_items=(_qgroundcontrol_item(flown.items[first : last + 1], tour, task),))
 
 
 def _path(tour: Tour) -> tuple[Plane, list[int], list[int]]:
@@ -85,9 +83,7 @@ def _path(tour: Tour) -> tuple[Plane, list[int], list[int]]:
     return np.array(path), begins, ends
 
 
-def _gimbal_items(scenario: Scenario, mission: Mission) -> list[Item]:
-    if expect_survey(scenario)[0].gimbal is None:
-        return []
+def _gimbal_items(mission: Mission) -> list[Item]:
     _expect_taken(Command.DO_MOUNT_CONTROL, "turns a gimbal", mission, "survey.gimbal")
     pitch_deg = -90.0
     mount_mode = 2.0  # MAV_MOUNT_MODE_MAVLINK_TARGETING
@@ -107,12 +103,12 @@ def _expect_taken(command: Command, does: str, mission: Mission, place: str) -> 
         raise MissionError(words, code="command-not-taken", place=place)
 
 
-def _clear_transit(begin: Vector, end: Vector, task: SurveyTask, growth: Mapping[str, float], seed: int) -> Points:
+def _clear_transit(begin: Vector, end: Vector, task: SurveyTask, seed: int) -> Points:
     """Return waypoints (k, 3): straight, else quickest round obstacles, else planned."""
     straight = np.array([begin, end])
     if np.linalg.norm(end - begin) < SAME_PLACE:
         return straight[1:]
-    problem = _with_room(straight, task.scenario, growth)
+    problem = _with_room(straight, task)
     if prove(straight, problem, spare=0.0).is_proved:
         return straight
     for added_distance, corner_segments, factor in ((0.1, 4, 1.02), (0.01, 16, 1.0013)):
@@ -161,17 +157,18 @@ def _round_obstacles(problem: PathProblem, distance: float, corner_segments: int
     return np.column_stack([path, straight[0, 2] + along / along[-1] * (straight[1, 2] - straight[0, 2])])
 
 
-def _with_room(places: Points, scenario: Scenario, growth: Mapping[str, float]) -> PathProblem:
-    task = problem_of(with_margins(clearance_task(scenario), TIGHT_PLACES))
-    bodies = tuple(
-        body.grown(growth[body.name], growth[body.name], growth[body.name]) if body.name in growth else body
-        for body in task.airspace.obstacles
-    )
-    return replace(task, airspace=Airspace(task.airspace.bounds, task.airspace.terrain, bodies), places=places)
+def _with_room(places: Points, task: SurveyTask) -> PathProblem:
+    problem = problem_of(with_margins(clearance_task(task.scenario), TIGHT_PLACES))
+    air = problem.airspace
+    grown = {name: (by, by, by) for name, by in task.growth.items()}
+    bodies = tuple(body.grown(*grown[body.name]) if body.name in grown else body for body in air.obstacles)
+    return replace(problem, airspace=Airspace(air.bounds, air.terrain, bodies), places=places)
 
 
-def _qgroundcontrol_item(items: tuple[Item, ...], tour: Tour, sight: Sight, scenario: Scenario) -> ComplexItem:
-    section, area = expect_survey(scenario)
+def _qgroundcontrol_item(items: tuple[Item, ...], tour: Tour, task: SurveyTask) -> ComplexItem:
+    section = task.section
+    sight = task.sight
+    scenario = task.scenario
     middles = section.middles(scenario.frame)
     kind, version = ("CorridorScan", 2) if middles else ("survey", 5)
     entry: dict[str, Any] = {
@@ -197,7 +194,7 @@ def _qgroundcontrol_item(items: tuple[Item, ...], tour: Tour, sight: Sight, scen
     else:
         east, north = (tour.swaths[0].end - tour.swaths[0].begin).tolist()
         lines = shapely.multilinestrings([[swath.begin, swath.end] for swath in tour.swaths])
-        outer = max(area.shape.geoms, key=lambda part: part.intersection(lines).length)
+        outer = max(task.area.shape.geoms, key=lambda part: part.intersection(lines).length)
         entry |= {
             "angle": round(90.0 - (90.0 - math.degrees(math.atan2(east, north))) % 180.0, 3),
             "entryLocation": 0,

@@ -1,6 +1,6 @@
 """Split a survey's tour into forecast flights, so that all keep their clearance."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
@@ -25,13 +25,12 @@ from ipoa_mission.survey.flown_coverage import (
     Coverage,
     Overlaps,
     as_flown,
-    coverage,
     lines_of_forecast,
     predict_lines,
     smallest_overlaps,
 )
 from ipoa_mission.survey.resume import rest_of_tour
-from ipoa_mission.survey.survey_task import SurveyTask, lay_lines, obstacles_flown_round, task_of
+from ipoa_mission.survey.survey_task import SurveyTask, lay_lines, task_of
 from ipoa_mission.survey.tour import Swath, Tour, Unreached, fewest_parts, parts_of_equal_length
 from ipoa_mission.world.obstacles import Obstacle
 
@@ -50,14 +49,12 @@ class SurveyFlight:
 class SurveyPlan(SurveyTask):
     """A checked survey.
 
-    `scenario` has the flown cruise speed, possibly lower than the file's. `growth` [m]: added clearance by obstacle
-    name. `is_rest`: `coverage` is that of all lines.
+    `scenario` has the flown cruise speed, possibly lower than the file's. `is_rest`: `coverage` is that of all lines.
     """
 
     tour: Tour
     coverage: Coverage
     flights: tuple[SurveyFlight, ...]
-    growth: Mapping[str, float]
     is_rest: bool = False
 
     @property
@@ -105,9 +102,9 @@ def _with_room(scenario: Scenario, seed: int) -> SurveyPlan:
     growth = dict[str, float]()
     for _ in range(ROUNDS):
         task = task_of(scenario, growth)
-        make = FlightMaker(task, growth, seed)
+        make = FlightMaker(task, seed)
         tour = lay_lines(task)
-        parts = split_into_flights(tour, make)
+        parts = split_into_flights(tour, make, task.section.flights)
         forecasts = [make(part) for part in parts]
         near = _too_near(forecasts)
         if not near:
@@ -116,16 +113,14 @@ def _with_room(scenario: Scenario, seed: int) -> SurveyPlan:
         for kept, guarantee in near:
             if kept.limit not in ("obstacles", "bounds"):
                 raise _TooNear(kept, guarantee)
-            bodies = obstacles_flown_round(scenario, task.sight, growth)
-            missing = {"bounds": -kept.slack} if kept.limit == "bounds" else _missing_clearance(kept, guarantee, bodies)
+            is_bound = kept.limit == "bounds"
+            missing = {"bounds": -kept.slack} if is_bound else _missing_clearance(kept, guarantee, task.obstacles)
             for name, by in missing.items():  # [m]
                 needed[name] = max(needed.get(name, 0.0), growth.get(name, 0.0) + by * 1.15 + 0.05)
-        growth |= needed
+        growth = growth | needed
     else:
         raise _TooNear(*min(near, key=lambda pair: pair[0].slack))
-    seen = coverage(task.area, tour, task.sight.spacing, task.keep_out)
-    flights = _check_flights(parts, forecasts)
-    return SurveyPlan(scenario, task.section, task.area, task.sight, task.keep_out, tour, seen, flights, growth)
+    return SurveyPlan(scenario, growth, tour, task.coverage_of(tour), _check_flights(parts, forecasts))
 
 
 def _too_near(forecasts: Sequence[Forecast]) -> list[tuple[KeptLimit, ClearanceGuarantee]]:
@@ -155,8 +150,7 @@ def rest_of(plan: SurveyPlan, flown: Sequence[Points], seed: int = 0) -> SurveyP
     tour = rest_of_tour(plan.tour, flown, plan.sight, scenario.airspace.ground, plan.cover.transit)
     if tour is None:
         raise BadInput("no line is left to fly", code="nothing-left", place="survey")
-    section = plan.section.model_copy(update={"flights": None})
-    make = FlightMaker(SurveyTask(scenario, section, plan.area, plan.sight, plan.keep_out), plan.growth, seed)
+    make = FlightMaker(plan, seed)
     parts = split_into_flights(tour, make)
     forecasts = [make(part) for part in parts]
     near = _too_near(forecasts)
@@ -192,10 +186,9 @@ def _refusal(nearest: _TooNear, scenario: Scenario) -> MissionError:
 
 @dataclass(frozen=True)
 class FlightMaker:
-    """Forecasts flights; `growth` [m] by obstacle name adds clearance."""
+    """Forecasts flights."""
 
     task: SurveyTask
-    growth: Mapping[str, float]
     seed: int
     _longest: dict[Swath, tuple[Tour, Forecast]] = field(default_factory=dict, init=False, repr=False, compare=False)
 
@@ -203,7 +196,7 @@ class FlightMaker:
         longest = self._longest.get(tour.swaths[0])
         if longest is not None and longest[0].swaths == tour.swaths:
             return longest[1]
-        return Forecast(assemble_survey(tour, self.task, self.growth, self.seed), self.task.scenario)
+        return Forecast(assemble_survey(tour, self.task, self.seed), self.task.scenario)
 
     def fits(self, tour: Tour) -> bool:
         """Return whether one flight from home flies a tour; keeps the longest that does."""
@@ -223,10 +216,9 @@ class FlightMaker:
         return vehicle.autopilot.firmware(vehicle.version).max_items // items_per_line
 
 
-def split_into_flights(tour: Tour, make: FlightMaker) -> tuple[Tour, ...]:
-    section = make.task.section
-    if section.flights is not None:
-        return _asked_parts(tour, section.flights)
+def split_into_flights(tour: Tour, make: FlightMaker, flights: int | None = None) -> tuple[Tour, ...]:
+    if flights is not None:
+        return _asked_parts(tour, flights)
     guess = make.max_lines if make.task.scenario.vehicle.battery is None else 8
     try:
         return tuple(fewest_parts(tour, make.fits, make.task.sight.piece_overlap, guess))

@@ -32,13 +32,46 @@ SPARE = 0.05  # [m]
 
 @dataclass(frozen=True, eq=False)
 class SurveyTask:
-    """An area to see, and the geometry to keep out of (shapely)."""
+    """The survey of a scenario; `growth` [m] by obstacle name adds clearance, flown round."""
 
     scenario: Scenario
-    section: SurveySection
-    area: Area
-    sight: Sight
-    keep_out: Any | None
+    growth: Mapping[str, float]
+
+    @property
+    def section(self) -> SurveySection:
+        return expect_survey(self.scenario)[0]
+
+    @property
+    def area(self) -> Area:
+        return expect_survey(self.scenario)[1]
+
+    @cached_property
+    def sight(self) -> Sight:
+        return sight_of(self.section, self.area, self.scenario)
+
+    @cached_property
+    def obstacles(self) -> list[Obstacle]:
+        """Return the obstacles flown neither over nor under, or grown."""
+        bodies = self.scenario.airspace.obstacles
+        return [body for body in bodies if body.name in self.growth or not _is_passed(body, self.sight, self.scenario)]
+
+    @cached_property
+    def keep_out(self) -> Any | None:
+        """Return the geometry to keep out of, in plan (shapely)."""
+        air = self.scenario.airspace
+        bound = survey_bound(self.scenario)
+        distance = self.scenario.limits.obstacle_distance + SPARE
+        max_widening = min(0.05 * self.sight.spacing, 0.25)  # [m], for fewer corners
+        segments = 16  # of a quarter circle
+        shapes = list[Any]()
+        for body in self.obstacles:
+            away = (distance + bound.lateral + self.growth.get(body.name, 0.0)) / math.cos(math.pi / 4 / segments)
+            shapes.append(widen(body.horizontal_shape.buffer(away, quad_segs=segments), max_widening))
+        if air.bounds.footprint is not None:
+            inside = air.bounds.footprint.shape.buffer(-bound.lateral - SPARE - self.growth.get("bounds", 0.0))
+            box = shapely.box(*air.bounds.lower[:2], *air.bounds.upper[:2])
+            shapes.append(box.buffer(2 * self.scenario.bounds.margin).difference(inside))
+        return union_of(shapes) if shapes else None
 
     @property
     def free(self) -> Any:
@@ -61,6 +94,9 @@ class SurveyTask:
     def cover(self) -> CoverProblem:
         return CoverProblem.of(self.area, self.sight.spacing, self.times, self.keep_out, self.section.turns_outside)
 
+    def coverage_of(self, tour: Tour) -> Coverage:
+        return coverage(self.area, tour, self.sight.spacing, self.keep_out)
+
 
 @dataclass(frozen=True, eq=False)
 class SurveySketch(SurveyTask):
@@ -72,28 +108,25 @@ class SurveySketch(SurveyTask):
 
 
 def sketch_survey(scenario: Scenario) -> SurveySketch:
-    task = task_of(scenario, {})
+    task = task_of(scenario)
     with threadpool_limits(1, "blas"):
         tour = lay_lines(task)
         seconds = task.times.seconds(tour.path)
-    seen = coverage(task.area, tour, task.sight.spacing, task.keep_out)
-    return SurveySketch(scenario, task.section, task.area, task.sight, task.keep_out, tour, seen, seconds)
+    return SurveySketch(scenario, {}, tour, task.coverage_of(tour), seconds)
 
 
 def expect_survey(scenario: Scenario) -> tuple[SurveySection, Area]:
     section = survey_of(scenario)
     area = surveyed_area(scenario)
     if section is None or area is None:
-        raise BadInput("expected in the scenario, but missing", code="missing", place="survey")
+        raise BadInput("expected a [survey] in the scenario, but there is none", code="missing", place="survey")
     return section, area
 
 
-def task_of(scenario: Scenario, growth: Mapping[str, float]) -> SurveyTask:
-    """Return the task; `growth` [m] by obstacle name adds clearance."""
-    section, area = expect_survey(scenario)
-    sight = sight_of(section, area, scenario)
-    _expect_high_enough(sight, scenario)
-    return SurveyTask(scenario, section, area, sight, keep_out(scenario, sight, growth))
+def task_of(scenario: Scenario, growth: Mapping[str, float] | None = None) -> SurveyTask:
+    task = SurveyTask(scenario, growth or {})
+    _expect_high_enough(task.sight, scenario)
+    return task
 
 
 def survey_bound(scenario: Scenario) -> DeviationBound:
@@ -103,30 +136,6 @@ def survey_bound(scenario: Scenario) -> DeviationBound:
     law = law_of(scenario.vehicle.autopilot, scenario.wind.strongest)
     bound = deviation_bound_of(law, chance)
     return DeviationBound(law.lateral.distance(chance / TIGHT_PLACES), bound.down, bound.up)
-
-
-def keep_out(scenario: Scenario, sight: Sight, growth: Mapping[str, float]) -> Any | None:
-    """Return the geometry to keep out of, in plan. `growth` [m] adds clearance by obstacle name, flown round."""
-    air = scenario.airspace
-    bound = survey_bound(scenario)
-    distance = scenario.limits.obstacle_distance + SPARE
-    max_widening = min(0.05 * sight.spacing, 0.25)  # [m], for fewer corners
-    segments = 16  # of a quarter circle
-    shapes = list[Any]()
-    for body in obstacles_flown_round(scenario, sight, growth):
-        away = (distance + bound.lateral + growth.get(body.name, 0.0)) / math.cos(math.pi / 4 / segments)
-        shapes.append(widen(body.horizontal_shape.buffer(away, quad_segs=segments), max_widening))
-    if air.bounds.footprint is not None:
-        inside = air.bounds.footprint.shape.buffer(-bound.lateral - SPARE - growth.get("bounds", 0.0))
-        box = shapely.box(*air.bounds.lower[:2], *air.bounds.upper[:2])
-        shapes.append(box.buffer(2 * scenario.bounds.margin).difference(inside))
-    return union_of(shapes) if shapes else None
-
-
-def obstacles_flown_round(scenario: Scenario, sight: Sight, growth: Mapping[str, float]) -> list[Obstacle]:
-    """Return the obstacles flown neither over nor under, or grown."""
-    bodies = scenario.airspace.obstacles
-    return [body for body in bodies if body.name in growth or not _is_passed(body, sight, scenario)]
 
 
 def _is_passed(body: Obstacle, sight: Sight, scenario: Scenario) -> bool:

@@ -311,7 +311,7 @@ def test_the_camera_starts_and_stops_on_each_line_even_of_no_length() -> None:
     at = [np.array(place) for place in ([30.0, 20.0], [130.0, 20.0], [130.0, 60.0], [60.0, 60.0])]
     swaths = (Swath(at[0], at[1]), Swath(at[2], at[2]), Swath(at[2], at[3]))
     tour = Tour(swaths, (np.array(at[1:3]), np.array([at[2], at[2]])))
-    mission = assemble_survey(tour, task_of(world, {}), {}, 0)
+    mission = assemble_survey(tour, task_of(world), 0)
     triggers = [item.params[0] for item in mission.items if item.command == Command.DO_SET_CAM_TRIGG_DIST]
     assert [distance > 0 for distance in triggers] == [True, False] * 3
 
