@@ -1,9 +1,11 @@
 """Edit a mission's items, and keep all else in its file."""
 
 import json
+import re
 from collections.abc import Iterator
 from dataclasses import replace
 from difflib import SequenceMatcher
+from io import StringIO
 from pathlib import Path
 from typing import Any, TypeAlias
 
@@ -104,14 +106,40 @@ def text_with(mission: Mission, file: MissionFile, path: Path) -> str:
         kept = _merged(json.loads(file.source), json.loads(mission_text(file.mission, ".plan")), json.loads(new))
         text = json.dumps(kept, indent=4, sort_keys=True) + "\n"
     else:
-        first, rest = new.split("\n", 1)
-        comments = [line for line in file.source.splitlines() if line.lstrip().startswith("#")]
-        text = "\n".join([first, *comments, rest])
+        text = _merged_lines(file, mission, new)
     kept_mission, new_mission = (parse_mission(path, each, mission.autopilot) for each in (text, new))
     if not still_holds(kept_mission, new_mission.mission):
         words = "expected a change that keeps the rest of the file, not this one"
         raise BadInput(words, hint="save it as another file", code="complex-item", place=path.name)
     return text
+
+
+def _merged_lines(file: MissionFile, mission: Mission, new: str) -> str:
+    """Return the source with the lines of changed items; comments and blank lines stay before their item."""
+    first, *lines = StringIO(file.source, newline="").readlines()
+    line_end = first[len(first.rstrip("\r\n")) :]
+    rows = list[str]()
+    comments = [""]  # before each row, and after the last
+    for line in lines:
+        if not line.split() or line.lstrip().startswith("#"):
+            comments[-1] += line
+        else:
+            rows.append(line.rstrip("\r\n"))
+            comments.append("")
+    home = tuple(map(float, rows[0].split()[8:11]))
+    old = [repr(home), *map(repr, file.mission.items)]  # repr: NaN equals NaN
+    place = (mission.home.latitude_deg, mission.home.longitude_deg, mission.home.altitude)
+    now = [repr(place), *map(repr, mission.items)]
+    written = new.splitlines()[1:]
+    text = first
+    for kind, before, old_end, seq, new_end in SequenceMatcher(None, old, now, autojunk=False).get_opcodes():
+        for n in range(max(old_end - before, new_end - seq)):
+            if before + n < old_end:
+                text += comments[before + n]
+            if seq + n < new_end:
+                row = re.sub(r"\S+", str(seq + n), rows[before + n], count=1) if kind == "equal" else written[seq + n]
+                text += row + line_end
+    return text + comments[-1]
 
 
 def _merged(source: Table, old: Table, new: Table) -> Table:
