@@ -66,7 +66,7 @@ def parse_plan(path: Path, text: str, autopilot: Autopilot | None = None) -> Mis
         home=_home(mission["plannedHomePosition"]),
         items=items,
         autopilot=autopilot,
-        cruise_speed=None if speed is None else speed.number("a speed in meters per second"),
+        cruise_speed=None if speed is None else _speed(speed),
         fence=_fence(plan.get("geoFence")),
         rally=_rally(plan.get("rallyPoints")),
         vehicle_type=vehicle_type,
@@ -176,6 +176,14 @@ def autopilot_in(node: Node, mav_type: int = QUADROTOR) -> Autopilot:
             return autopilot
     numbers = sorted({(each.mav_autopilot, each.firmware_name) for each in registered()})
     raise node.wrong(" or ".join(f"{number} ({name})" for number, name in numbers), hint="name the plan's autopilot")
+
+
+def _speed(node: Node) -> float | None:
+    speed = node.number("a speed in meters per second")
+    if speed > 0.0:
+        return speed
+    node.note(f"expected a speed above zero, not {speed:g}: ignored")
+    return None
 
 
 def _home(node: Node) -> Geodetic:

@@ -93,6 +93,17 @@ def test_a_speed_is_shown_in_the_header_only_if_there_is_one(tmp_path: Path) -> 
     assert "hoverSpeed" not in written(Mission(HOME, ()), tmp_path)["mission"]
 
 
+@pytest.mark.parametrize("speed", [0, -5])
+def test_a_speed_that_nobody_can_fly_is_named_and_ignored(speed: float, tmp_path: Path) -> None:
+    plan = written(replace(MISSION, cruise_speed=5.0), tmp_path)
+    plan["mission"]["hoverSpeed"] = speed
+    (tmp_path / "slow.plan").write_text(json.dumps(plan))
+    file = read_mission_file(tmp_path / "slow.plan")
+    assert file.mission.cruise_speed is None
+    words = f"warning: mission.hoverSpeed: expected a speed above zero, not {speed}: ignored"
+    assert [str(finding) for finding in file.findings] == [words]
+
+
 def test_an_altitude_that_is_no_number_is_not_written(tmp_path: Path) -> None:
     mission = Mission(HOME, (takeoff(HOME, 10.0), waypoint(HOME, math.nan)))
     with refuses("altitude-missing", "item 2 (NAV_WAYPOINT)", kind=BadInput):
