@@ -263,8 +263,8 @@ class MissionRecord(NamedTuple):
 def mission_record(path: Path, text: str) -> MissionRecord:
     """Return the data of the NAME.json next to `path` if its digest matches `text`."""
     same_name = path.with_suffix(".json")
-    whole, dash, _ = path.stem.rpartition("-")
-    for about in (same_name, *([path.with_name(f"{whole}.json")] if dash else [])):
+    whole, _, _ = path.stem.rpartition("-")
+    for about in (same_name, *([path.with_name(f"{whole}.json")] if whole else [])):
         record = _read(about)
         if _table(record.get("sha256")).get(path.name) != digest(text):
             continue

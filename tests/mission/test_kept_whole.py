@@ -49,11 +49,43 @@ def test_unread_parts_stay(tmp_path: Path) -> None:
     assert again == document
 
 
-def test_comments_of_a_waypoints_file_stay(tmp_path: Path) -> None:
-    first, rest = (MISSIONS / "sitl.waypoints").read_text().split("\n", 1)
+def commented(folder: Path) -> MissionFile:
+    """A list with CRLF, a comment before items 2 and 5, and one after the last."""
+    lines = (MISSIONS / "sitl.waypoints").read_text().splitlines()
+    lines[6:6] = ["", "# the mast"]
+    lines[3:3] = ["  # the north field"]
+    path = folder / "a.waypoints"
+    path.write_bytes("\r\n".join([*lines, "# end", ""]).encode())
+    return opened(path)
+
+
+def test_comments_and_line_ends_of_a_waypoints_file_stay_in_place(tmp_path: Path) -> None:
+    file = commented(tmp_path)
+    before, after = file.source.split("\r\n"), moved(file, 4).split("\r\n")
+    assert len(before) == len(after)
+    (changed,) = (n for n, (old, new) in enumerate(zip(before, after, strict=True)) if old != new)
+    assert before[changed].startswith("4\t")
+
+
+def test_comments_stay_before_their_items_if_others_are_inserted_or_removed(tmp_path: Path) -> None:
+    file = commented(tmp_path)
+    removed = text_with(without_item(file.mission, 3), file, Path("a")).split("\r\n")
+    inserted = text_with(with_inserted(file.mission, 2, file.mission.items[3]), file, Path("a")).split("\r\n")
+    assert [line for line in removed if "#" in line] == ["  # the north field", "# the mast", "# end"]
+    assert removed[removed.index("  # the north field") + 1].startswith("2\t")
+    assert removed[removed.index("# the mast") + 1].startswith("4\t")
+    assert inserted[inserted.index("  # the north field") + 1].startswith("3\t")
+    assert inserted[inserted.index("# the mast") + 1].startswith("6\t")
+
+
+def test_a_home_at_zero_is_written_where_its_mission_is(tmp_path: Path) -> None:
+    lines = (MISSIONS / "sitl.waypoints").read_text().splitlines()
+    lines[1] = "0\t1\t0\t16\t0\t0\t0\t0\t0\t0\t400\t1"
     path = tmp_path / "a.waypoints"
-    path.write_text(f"{first}\n# of the north field\n{rest}")
-    assert "# of the north field\n" in moved(opened(path), 4)
+    path.write_text("\n".join(lines))
+    after = moved(opened(path), 4).splitlines()
+    assert after[1] != lines[1]
+    assert sum(old != new for old, new in zip(lines, after, strict=True)) == 2
 
 
 def test_a_jump_leads_where_it_led() -> None:
@@ -102,6 +134,10 @@ def test_a_record_of_whole_numbers_is_read_and_a_nameless_one_is_not(tmp_path: P
     record = {"sha256": {path.name: digest(path.read_text())}, "estimate": {"total_s": 77}, "landing_ground_m": 12}
     (tmp_path / ".json").write_text(json.dumps(record))
     assert read_mission_file(path).planned is None
+    part = tmp_path / "-1.waypoints"
+    part.write_text(path.read_text())
+    (tmp_path / ".json").write_text(json.dumps(record | {"sha256": {part.name: digest(part.read_text())}}))
+    assert read_mission_file(part).planned is None
     (tmp_path / "a.json").write_text(json.dumps(record))
     assert read_mission_file(path).planned == ("a.json", 77.0)
     assert landing_height(read_mission(path)) == 12.0
