@@ -15,7 +15,7 @@ from ipoa_mission.errors import BadInput, Remedy
 from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.itinerary.copter_curves import circle_turn
-from ipoa_mission.mission.item_words import name_items
+from ipoa_mission.mission.item_words import count_words, name_items
 from ipoa_mission.mission.items import Item, Mission, Numbered, item_of, numbered_items
 from ipoa_mission.mission.positions import out_of_range
 from ipoa_mission.mission.program import (
@@ -312,7 +312,7 @@ def _at_other_times(mission: Mission, flown: Steps, listed: Steps) -> Iterator[F
     for index in sorted(due):
         if done[index] == due[index] or mission.items[index].command == Command.JUMP_TAG:
             continue
-        how = f"{len(done[index])} times, and the list has it {len(due[index])} times"
+        how = f"{count_words(len(done[index]), 'time')}, and the list has it {count_words(len(due[index]), 'time')}"
         jump = next((n + 1 for n in range(index, -1, -1) if mission.items[n].is_jump), 0)
         if jump and done[index] and done[index][0] < due[index][0]:
             how = f"a pass of the jump at item {jump} early"

@@ -141,6 +141,9 @@ def test_arducopter_runs_an_action_behind_a_jump_as_its_last_pass_begins() -> No
     written_out = (UP, FAR, EAST, FAR, EAST, change_speed(2.0), FAR, EAST, SOUTH, BACK)
     assert seconds(*ACTION) == seconds(*written_out) == pytest.approx(666.4, abs=7.0)
     assert codes_of(check_mission(mission(*ACTION))) == ["warning action-at-other-time 6"]
+    once = (UP, A, B, change_speed(3.0), jump(2, 0), jump(4, 2), C, BACK)
+    (finding,) = (each for each in check_mission(mission(*once)) if each.code == "action-at-other-time")
+    assert finding.message.endswith("ArduCopter runs it 1 time, and the list has it 3 times")
     assert not check_mission(replace(mission(*ACTION, autopilot=PX4), firmware_version=Version(1, 17)))
     order = [visit.seq for visit in itinerary(mission(*ACTION, autopilot=PX4)).visits]
     assert order == [1, 2, 3, 4, 2, 3, 4, 2, 3, 4, 6, 7, 8]
