@@ -56,7 +56,6 @@ class Beginning(PageMessage, kind="beginning"):
     """Paths of scenarios, missions and logs."""
 
     folder: str
-    recent: tuple[str, ...]
     here: tuple[str, ...]
     examples: tuple[str, ...]
 

@@ -2,7 +2,7 @@
 
 import asyncio
 import hmac
-from contextlib import suppress
+import secrets
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, TypeAlias
@@ -12,7 +12,6 @@ from ipoa_mission.files import MISSIONS, packed, unused, write_atomically
 from ipoa_mission.mission.plan_file import plan_text
 from ipoa_mission.report.compare import compare_logged
 from ipoa_mission.scenario.scenario_file import new_scenario
-from ipoa_mission.studio import memory
 from ipoa_mission.studio.answers import Beginning, Redirect, Trouble
 from ipoa_mission.studio.dropped import LOGS, keep
 from ipoa_mission.studio.requests import Begin, Open
@@ -62,20 +61,14 @@ class Lobby:
         return f"../{self.opened(keep(name, content, self.folder, OPENED))}/"
 
     def _start(self) -> Beginning:
-        recent = [Path(opened.path) for opened in memory.known().opened if opened.path]
         here = sorted(path for path in self.folder.iterdir() if path.suffix.lower() in OPENED)[:40]
-        return Beginning(
-            folder=str(self.folder),
-            recent=tuple(str(path) for path in recent if path.is_file()),
-            here=tuple(str(path) for path in here if path not in recent),
-            examples=(str(packed("campus.toml")),),
-        )
+        return Beginning(folder=str(self.folder), here=tuple(map(str, here)), examples=(str(packed("campus.toml")),))
 
     def _offered(self, path: str) -> Path:
         start = self._start()
         if path in start.examples:
             return keep(Path(path).name, Path(path).read_bytes(), self.folder, OPENED)
-        if path not in (*start.recent, *start.here):
+        if path not in start.here:
             raise BadInput("expected a file that the page offers", hint="drop it on the page", place=path)
         return Path(path)
 
@@ -85,30 +78,26 @@ Host: TypeAlias = Session | Lobby
 
 @dataclass(eq=False)
 class Sessions:
-    """A page of an earlier run reopens its file."""
+    """What is open, by the secret token of its address."""
 
-    port: int = 0
     seed: int = 0
     hosts: dict[str, Host] = field(default_factory=dict)
 
+    def add(self, host: Host) -> str:
+        token = secrets.token_urlsafe(24)
+        self.hosts[token] = host
+        return token
+
     def open_file(self, path: Path, world: Path | None = None, log: Path | None = None) -> str:
-        beside = {"world": world, "log": log}
-        changes = {name: str(file.resolve()) for name, file in beside.items() if file is not None}
-        known = memory.address_of(path.resolve()).model_copy(update=changes)
-        if known.token not in self.hosts:
-            self.hosts[known.token] = self._session(known)
-        memory.remember(known, self.port)
-        return known.token
+        """Return the token of a file, which is opened once."""
+        for token, host in self.hosts.items():
+            if isinstance(host, Session) and host.path.resolve() == path.resolve():
+                return token
+        return self.add(Session(path.resolve(), self.seed, self.open_file, world, log))
 
     def at(self, token: str) -> Host | None:
-        for known, host in self.hosts.items():
-            if hmac.compare_digest(known.encode(), token.encode()):
-                return host
-        for opened in memory.known().opened:
-            if opened.path and hmac.compare_digest(opened.token.encode(), token.encode()):
-                with suppress(MissionError):
-                    return self.hosts.setdefault(opened.token, self._session(opened))
-        return None
+        known = (host for name, host in self.hosts.items() if hmac.compare_digest(name.encode(), token.encode()))
+        return next(known, None)
 
     async def run(self) -> None:
         try:
@@ -121,10 +110,6 @@ class Sessions:
 
     def _sessions(self) -> list[Session]:
         return [host for host in self.hosts.values() if isinstance(host, Session)]
-
-    def _session(self, opened: memory.Opened) -> Session:
-        world, log = (Path(name) if name and Path(name).is_file() else None for name in (opened.world, opened.log))
-        return Session(Path(opened.path), self.seed, self.open_file, world, log)
 
 
 def _mission_of(log: Path) -> Path:

@@ -17,12 +17,7 @@ class PageOptions:
     port: Annotated[int, flag("--port", "0: any free port.", "N", min=0, max=65535)] = 0
     browser: Annotated[bool, flag("--browser/--no-browser", "Open the page.")] = True
     tiles: Annotated[
-        str | None,
-        flag(
-            "--tiles",
-            "Map tiles, remembered: an address with {z}, {x}, {y}, or an MBTiles file; `none` forgets it.",
-            "URL|FILE",
-        ),
+        str | None, flag("--tiles", "Map tiles: an address with {z}, {x}, {y}, or an MBTiles file.", "URL|FILE")
     ] = None
     attribution: Annotated[str | None, flag("--attribution", "Attribution of the map, shown on it.", "WORDS")] = None
     world: ScenarioOption = None
@@ -55,11 +50,11 @@ def studio(
         words = f"the studio needs {', '.join(missing)}"
         raise MissionError(words, hint="pip install 'ipoa-mission[studio]'", code="package-missing")
     from ipoa_mission.studio.bundle import built_page
-    from ipoa_mission.studio.tiles import chosen_tiles
+    from ipoa_mission.studio.tiles import open_tiles
     from ipoa_mission.studio.web_server import ServerOptions, serve
 
     built = built_page((lambda words: None) if as_json else print_lines)
-    source = chosen_tiles(page.tiles, page.attribution)
+    source = None if page.tiles is None else open_tiles(page.tiles, page.attribution)
 
     def tell_address(address: str) -> None:
         if as_json:
@@ -68,8 +63,7 @@ def studio(
             name = "the start page" if file is None else file.name
             print_lines(f"{name} is open at {address}", "Ctrl-C ends it; anyone with this address can plan and fly")
             if source is not None:
-                origin = source.origin or source.shown.attribution
-                print_lines(f"map tiles: {origin} (remembered; --tiles none forgets them)")
+                print_lines(f"map tiles: {source.origin or source.shown.attribution}")
         if page.browser:
             webbrowser.open(address)
 

@@ -13,7 +13,7 @@ from typing import Any, TypeAlias
 from urllib.parse import quote, urlsplit
 
 from ipoa_mission.errors import BadInput, NothingThere, WrongFormat
-from ipoa_mission.studio import answers, memory
+from ipoa_mission.studio import answers
 
 Read: TypeAlias = Callable[[int, int, int], bytes | None]
 VECTOR = ("pbf", "mvt")
@@ -27,23 +27,6 @@ class TileSource:
     shown: answers.Tiles
     origin: str | None = None
     read: Read | None = None
-
-
-def chosen_tiles(asked: str | None, attribution: str | None) -> TileSource | None:
-    """Return the requested tiles and remember them, else the remembered ones."""
-    if asked == "none":
-        memory.keep(tiles=None)
-        return None
-    if asked is not None:
-        source = asked if "://" in asked else str(Path(asked).resolve())
-        tiles = open_tiles(source, attribution)
-        memory.keep(tiles=(source, tiles.shown.attribution))
-        return tiles
-    remembered = memory.known().tiles
-    if remembered is not None:
-        with suppress(BadInput):
-            return open_tiles(*remembered)
-    return None
 
 
 def open_tiles(source: str, attribution: str | None = None) -> TileSource:

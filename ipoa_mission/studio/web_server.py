@@ -22,7 +22,6 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 from ipoa_mission import BadInput, MissionError
 from ipoa_mission.studio.answers import Trouble
 from ipoa_mission.studio.dropped import LARGEST, keep, use_of
-from ipoa_mission.studio.memory import address_of, remember
 from ipoa_mission.studio.requests import REQUESTS
 from ipoa_mission.studio.sessions import Host, Lobby, Sessions
 from ipoa_mission.studio.tiles import DEEPEST, TileSource, headers_of
@@ -200,17 +199,13 @@ def serve(
 ) -> None:
     """Serve the studio on this machine until Ctrl-C; `tell_address` gets its address.
 
-    A known file keeps its address: its old page reconnects. A log is opened with its mission.
+    A log is opened with its mission.
     """
-    known = address_of(None if path is None else path.resolve())
-    with _listen(options.port, known.port) as listener:
+    with _listen(options.port) as listener:
         number = listener.getsockname()[1]
-        sessions = Sessions(number, options.seed)
+        sessions = Sessions(options.seed)
         lobby = Lobby(Path.cwd(), sessions.open_file)
-        start = address_of(None)
-        sessions.hosts[start.token] = lobby
-        remember(start, number)
-        token = start.token if path is None else lobby.opened(path, world)
+        token = sessions.add(lobby) if path is None else lobby.opened(path, world)
         host = f"127.0.0.1:{number}"
         app = application(sessions, options.bundle, host, options.tiles)
         limit = 4_000_000  # of a message [bytes]
@@ -219,16 +214,12 @@ def serve(
         uvicorn.Server(config).run(sockets=[listener])
 
 
-def _listen(requested: int, last: int) -> socket.socket:
-    if requested:
-        try:
-            return socket.create_server(("127.0.0.1", requested))
-        except OSError as error:
-            words = f"expected a free port: {error.strerror}"
-            raise BadInput(words, hint="leave --port out", place=f"--port {requested}") from error
-    with suppress(OSError):
-        return socket.create_server(("127.0.0.1", last))
-    return socket.create_server(("127.0.0.1", 0))
+def _listen(port: int) -> socket.socket:
+    try:
+        return socket.create_server(("127.0.0.1", port))
+    except OSError as error:
+        words = f"expected a free port: {error.strerror}"
+        raise BadInput(words, hint="leave --port out", place=f"--port {port}") from error
 
 
 async def _send(socket: WebSocket, window: Window) -> None:

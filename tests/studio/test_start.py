@@ -1,4 +1,5 @@
 import shutil
+import socket
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -7,7 +8,7 @@ import pytest
 from ipoa_mission import read_scenario
 from ipoa_mission.studio.sessions import Lobby, Sessions
 from ipoa_mission.studio.vocabulary import place_of
-from ipoa_mission.studio.web_server import application
+from ipoa_mission.studio.web_server import _listen, application
 from tests.refused import refuses
 from tests.studio.conftest import HOST, TOKEN, Studio, testclient
 
@@ -16,7 +17,6 @@ MISSIONS = Path(__file__).parents[2] / "missions"
 
 @pytest.fixture
 def start(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Studio]:
-    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "state"))
     # The planner that users start, also where the fixture `running` has put the quick one.
     monkeypatch.setattr("ipoa_mission.studio.session.PLANNER", "ipoa_mission.studio.plan_worker")
     shutil.copy(MISSIONS / "sitl.plan", tmp_path / "sitl.plan")
@@ -43,8 +43,6 @@ def test_start_page_opens_only_listed_files(start: Studio) -> None:
         address = talk.wait("redirect")["address"]
     with opened_at(start, address).window() as talk:
         assert talk.wait("document")["name"] == "sitl"
-    with start.window() as talk:
-        assert [Path(path).name for path in talk.wait("beginning")["recent"]] == ["sitl.plan", "campus.toml"]
 
 
 def test_a_scenario_begins_at_a_place_over_nothing(start: Studio) -> None:
@@ -84,3 +82,21 @@ def test_a_place_is_read_as_people_write_it(words: str) -> None:
 def test_wrong_places_are_refused(words: str) -> None:
     with refuses("bad-input", "place"):
         place_of(words)
+
+
+def test_a_file_is_opened_once_and_each_start_has_another_address(tmp_path: Path) -> None:
+    first, second = (shutil.copy(MISSIONS / name, tmp_path / name) for name in ("sitl.plan", "campus.toml"))
+    sessions = Sessions()
+    token = sessions.open_file(Path(first))
+    assert sessions.open_file(Path(first).parent / "." / "sitl.plan") == token != sessions.open_file(Path(second))
+    assert len(token) > 30
+    assert Sessions().open_file(Path(first)) != token
+
+
+def test_studio_port_in_use_is_refused() -> None:
+    with socket.create_server(("127.0.0.1", 0)) as taken:
+        port = taken.getsockname()[1]
+        with refuses("bad-input", f"--port {port}"):
+            _listen(port)
+        with _listen(0) as listener:
+            assert listener.getsockname()[1] != port

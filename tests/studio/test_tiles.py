@@ -16,11 +16,6 @@ PICTURE = b"\x89PNG\r\n\x1a\n and so on"
 SERVER = "https://tiles.example:8443/{z}/{x}/{y}.png"
 
 
-@pytest.fixture(autouse=True)
-def own_state(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "state"))
-
-
 def mbtiles(path: Path, kind: str = "png", count: int = 1, layers: str = "", tile: bytes = PICTURE) -> Path:
     with closing(sqlite3.connect(path)) as file:
         file.execute("create table metadata (name text, value text)")
@@ -107,20 +102,6 @@ def test_vector_tiles_are_recognized_by_format_and_served_compressed(tmp_path: P
     assert not tiles.open_tiles(SERVER).shown.vector
     odd = tiles.open_tiles(str(mbtiles(tmp_path / "b.mbtiles", "pbf", layers="{")))
     assert odd.shown.layers == ()
-
-
-def test_the_last_ones_are_kept_until_they_are_not_wanted(tmp_path: Path) -> None:
-    assert tiles.chosen_tiles(None, None) is None
-    file = mbtiles(tmp_path / "a.mbtiles")
-    assert tiles.chosen_tiles(str(file), "Mine") is not None
-    again = tiles.chosen_tiles(None, None)
-    assert again is not None
-    assert again.shown.attribution == "Mine"
-    file.unlink()
-    assert tiles.chosen_tiles(None, None) is None
-    tiles.chosen_tiles(SERVER, None)
-    assert tiles.chosen_tiles("none", None) is None
-    assert tiles.chosen_tiles(None, None) is None
 
 
 def test_the_page_gets_tiles_of_the_file_and_nothing_more(tmp_path: Path) -> None:

@@ -1,4 +1,4 @@
-// The page before a file is open: recent files, what lies in the folder, a new scenario from a place.
+// The page before a file is open: files of the folder, a new scenario from a place.
 import { useEffect, useState } from "preact/hooks";
 import { send, set, type Studio } from "./store";
 
@@ -34,7 +34,6 @@ export function StartPage({ now }: { now: Studio }) {
           <label class="field"><span>Its height</span><input type="number" value={altitude} required min="-450" max="9000" step="any" onInput={event => setAltitude(event.currentTarget.value)} /><em>m AMSL</em></label>
           <p class="buttons"><button type="submit" class="strong">Begin</button></p>
         </form></section>
-      <Files words="Recent" files={start.recent} />
       <Files words="Examples (opened as a copy)" packed files={start.examples} />
       <Files words="In this folder" files={start.here} />
     </main>
