@@ -22,7 +22,16 @@ def as_place(point: Vector) -> Place:
 
 def place_words(place: Place) -> str:
     east, north, up = place
-    return f"at east {east:.1f}, north {north:.1f}, up {up:.1f} m"
+    return f"at east {east:z.1f}, north {north:z.1f}, up {up:z.1f} m"
+
+
+def bearing(degrees: float, digits: int = 0) -> float:
+    """Round a direction to `digits`, 0 to below 360.
+
+    >>> bearing(359.98, 1), bearing(-90.0)
+    (0.0, 270.0)
+    """
+    return round(degrees, digits) % 360.0
 
 
 class Enu(NamedTuple):

@@ -212,7 +212,13 @@ def _report(rows: list[_Row], title: str, remarks: list[str]) -> None:
 def _print_compared(compared: "ComparedFlight", title: str) -> None:
     comparison = compared.comparison
     rows = [
-        (str(leg.seq), f"{leg.estimated_s:.1f}", f"{leg.flown_s:.1f}", f"{leg.error_s:+.1f}", f"{leg.flown_done_s:.1f}")
+        (
+            str(leg.seq),
+            f"{leg.estimated_s:.1f}",
+            f"{leg.flown_s:.1f}",
+            f"{leg.error_s:+z.1f}",
+            f"{leg.flown_done_s:.1f}",
+        )
         for leg in comparison.legs
     ]
     print_table(title, ["item", "estimated\ns", "flown\ns", "difference\ns", "done at\ns"], rows)
@@ -221,7 +227,7 @@ def _print_compared(compared: "ComparedFlight", title: str) -> None:
         flown = f"not completed: {compared.record.why_not}"
     print_lines(f"estimated {comparison.estimated_total_s:.1f} s, flown {flown}")
     if math.isfinite(comparison.route_error):
-        print_lines(f"from the first waypoint to the last: {comparison.route_error:+.1%}")
+        print_lines(f"from the first waypoint to the last: {comparison.route_error:+z.1%}")
     if compared.parameters:
         print_lines("parameters: " + ", ".join(f"{name} {value:g}" for name, value in compared.parameters.items()))
     print_lines(*notes(compared.remarks))
@@ -234,7 +240,7 @@ def _cells(row: _Row) -> tuple[str, ...]:
         remark = "" if row.flight.in_mission else "not in a mission"
         return (*flight, "", "", _seconds(row.record.total_s), "", "", clearance, remark)
     totals = row.compared.comparison
-    errors = (f"{error:+.1%}" if math.isfinite(error) else "" for error in (totals.total_error, totals.route_error))
+    errors = (f"{error:+z.1%}" if math.isfinite(error) else "" for error in (totals.total_error, totals.route_error))
     items = f"{len(row.record.item_reached_s)} of {len(row.compared.forecast.mission.items)}"
     times = (f"{totals.estimated_total_s:.1f}", _seconds(totals.flown_total_s))
     return (*flight, items, *times, *errors, clearance, "")

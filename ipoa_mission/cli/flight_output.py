@@ -96,7 +96,7 @@ def _legs(estimate: Estimate, record: FlightRecord) -> list[tuple[str, ...]]:
     rows: list[tuple[str, ...]] = []
     for item in estimate.items:
         flown_s = record.item_reached_s.get(item.seq - 1)
-        cells = ("", "") if flown_s is None else (f"{flown_s:.1f}", f"{item.done_s - flown_s:+.1f}")
+        cells = ("", "") if flown_s is None else (f"{flown_s:.1f}", f"{item.done_s - flown_s:+z.1f}")
         cells = (f"<= {cells[0]}", "") if item.seq - 1 in record.late_items else cells
         rows.append((str(item.seq), command_name(item.command), f"{item.done_s:.1f}", *cells))
     return rows

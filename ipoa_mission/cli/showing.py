@@ -65,7 +65,7 @@ def _estimated(forecast: "Forecast") -> "tuple[Estimate | None, str, list[str]]"
 def _cells(row: "Row", done_s: float | None) -> tuple[str, ...]:
     from ipoa_mission.report.table import shown
 
-    leg = (shown(row.length), shown(row.heading_deg, "03.0f"), shown(row.climb, "+z.1f"))
+    leg = (shown(row.length), shown(row.heading(0), "03.0f"), shown(row.climb, "+z.1f"))
     heights = (shown(row.height), shown(row.height_above_ground))
     does = row.detail or (f"hold {row.hold_s:g} s" if row.hold_s else f"{row.speed:g} m/s" if row.speed else "")
     passes = f"{row.passes} passes" if row.passes > 1 and row.length is not None else ""

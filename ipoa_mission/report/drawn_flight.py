@@ -122,7 +122,7 @@ def find_dangers(predicted: SampledTrack, scenario: Scenario) -> list[Danger]:
 
 def _where(time: float, place: Sequence[float] | Vector) -> str:
     east, north, up = place
-    return f"after {time:.0f} s, at east {east:.0f}, north {north:.0f}, up {up:.0f} m"
+    return f"after {time:.0f} s, at east {east:z.0f}, north {north:z.0f}, up {up:z.0f} m"
 
 
 def placed_items(forecast: Forecast) -> list[tuple[Item, Vector | None]]:

@@ -15,7 +15,7 @@ from ipoa_mission.errors import BadInput
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.itinerary.flown_legs import Leg
 from ipoa_mission.geodesy import Geodetic
-from ipoa_mission.geometry import leg_lengths
+from ipoa_mission.geometry import bearing, leg_lengths
 from ipoa_mission.mission.item_words import details_of, hold_of
 from ipoa_mission.mission.items import Item, Mission
 from ipoa_mission.mission.positions import refusals
@@ -46,6 +46,10 @@ class Row:
     speed: float | None = None  # [m/s] after the change
     detail: str = ""
     passes: int = 1  # of its leg by jumps
+
+    def heading(self, digits: int) -> float | None:
+        """Return the heading rounded, below 360 [deg]."""
+        return None if self.heading_deg is None else bearing(self.heading_deg, digits)
 
 
 def shown(value: float | str | None, form: str = "z.1f") -> str:
@@ -92,14 +96,14 @@ def to_csv(forecast: Forecast, name: str) -> str:
     columns = {
         "seq": ("seq", ""),
         "command": ("command", ""),
-        "latitude_deg": ("latitude_deg", ".9f"),
-        "longitude_deg": ("longitude_deg", ".9f"),
-        "altitude_amsl_m": ("altitude_amsl", ".3f"),
-        "height_above_home_m": ("height", ".3f"),
-        "height_above_ground_m": ("height_above_ground", ".3f"),
-        "leg_m": ("length", ".2f"),
+        "latitude_deg": ("latitude_deg", "z.9f"),
+        "longitude_deg": ("longitude_deg", "z.9f"),
+        "altitude_amsl_m": ("altitude_amsl", "z.3f"),
+        "height_above_home_m": ("height", "z.3f"),
+        "height_above_ground_m": ("height_above_ground", "z.3f"),
+        "leg_m": ("length", "z.2f"),
         "heading_deg": ("heading_deg", ".1f"),
-        "climb_m": ("climb", ".2f"),
+        "climb_m": ("climb", "z.2f"),
         "hold_s": ("hold_s", ".1f"),
         "speed_m_s": ("speed", ".2f"),
         "detail": ("detail", ""),
@@ -108,7 +112,8 @@ def to_csv(forecast: Forecast, name: str) -> str:
     out = io.StringIO()
     writer = csv.writer(out, lineterminator="\n")
     writer.writerow(columns)
-    for row in rows_of(forecast):
+    for exact in rows_of(forecast):
+        row = replace(exact, heading_deg=exact.heading(1))
         writer.writerow([shown(getattr(row, attribute), form) for attribute, form in columns.values()])
     return out.getvalue()
 

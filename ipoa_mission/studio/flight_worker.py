@@ -17,7 +17,7 @@ from ipoa_mission.flight.procedure import ProcedureOptions, Stage, Stages, begin
 from ipoa_mission.forecast.contingency.contingencies import ContingencyRow
 from ipoa_mission.forecast.contingency.contingencies_now import ContingenciesNow
 from ipoa_mission.forecast.contingency.energy_budget import Budget, ReserveNow, budget_of
-from ipoa_mission.geometry import Vector
+from ipoa_mission.geometry import Vector, bearing
 from ipoa_mission.link.channel import serial_ports
 from ipoa_mission.link.connect import connect, open_connection
 from ipoa_mission.link.discovery import scan
@@ -197,10 +197,10 @@ class Watch:
             case Gps():
                 self._satellites = message.satellites_visible
             case WindEstimate():
-                self._wind = round(message.speed, 1), round(message.direction_deg % 360.0)
+                self._wind = round(message.speed, 1), bearing(message.direction_deg)
             case WindVelocity((north, east, _)):
                 wind = Wind.towards_north_east(north, east)
-                self._wind = round(wind.speed, 1), round(wind.from_deg)
+                self._wind = round(wind.speed, 1), bearing(wind.from_deg)
             case Position() if self.vehicle.state.armed and message.time_s - self._position_s >= POSITION_INTERVAL_S:
                 self._position_s = message.time_s
                 if self.speedup is not None:

@@ -244,6 +244,16 @@ def test_legs_in_the_table_are_as_long_and_point_as_the_geodesics_do() -> None:
     assert rows[5].heading_deg == pytest.approx(back[0] % 360.0, abs=0.01)
 
 
+def test_a_heading_just_west_of_north_is_0_and_a_level_leg_has_no_sign(tmp_path: Path) -> None:
+    just_west = Geodetic(A.latitude_deg + 0.001, A.longitude_deg - 4.5e-7)
+    legs = replace(MISSION, items=(takeoff(HOME, 40.0), waypoint(A, 45.0), waypoint(just_west, 45.0)))
+    *_, row = csv.DictReader(io.StringIO(exported(legs, ".csv", tmp_path)))
+    assert (row["heading_deg"], row["climb_m"]) == ("0.0", "0.00")
+    last = mission_table(legs)[-1]
+    assert last.heading_deg == pytest.approx(359.98, abs=0.02)
+    assert last.climb == pytest.approx(-0.0036, abs=0.001)  # along the vertical of home
+
+
 def test_the_table_knows_the_height_above_a_scenarios_ground() -> None:
     text = f"""
         home = {{ latitude_deg = {HOME.latitude_deg}, longitude_deg = {HOME.longitude_deg}, altitude_amsl = 20.5 }}

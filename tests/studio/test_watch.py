@@ -18,6 +18,7 @@ MISSION = Path(__file__).parents[2] / "missions" / "sitl.plan"
 @pytest.mark.parametrize(
     ("wind", "expected"),
     [
+        (WindEstimate(-0.3, 3.04), (3.0, 0.0)),
         (WindEstimate(-90.0, 3.04), (3.0, 270.0)),  # ArduPilot says from where it blows, up to 180°
         (WindVelocity((-4.0, 0.0, 0.1)), (4.0, 0.0)),  # PX4: where the air goes
         (WindVelocity((0.0, 2.0, 0.0)), (2.0, 270.0)),

@@ -66,7 +66,7 @@ def _leg(n: int, leg: ItemLeg, flown_s: float | None) -> str:
         clearance = f"{mark}{number(least.distance, 2)}</span>"
     cells = [
         *((number(float(v), 1) for v in place) if place is not None else ("", "", "")),
-        *(number(row.height_above_ground, 1), number(row.length, 1), number(row.heading_deg, 0), number(row.climb, 1)),
+        *(number(row.height_above_ground, 1), number(row.length, 1), number(row.heading(0), 0), number(row.climb, 1)),
         clearance,
         f"<b>{number(time.done_s, 1)}</b>",
         number(time.duration_s, 1) if time.duration_s > 0 else "",
