@@ -27,6 +27,9 @@ def write_together(contents: Mapping[Path, str | bytes | None]) -> None:
     Raises:
         BadInput: one cannot be written or removed; none was, unless a later rename failed.
     """
+    for path in contents:
+        if "\0" in str(path):
+            raise Unwritable("expected a name without a NUL character", place=path)
     texts = {path: content for path, content in contents.items() if content is not None}
     targets = {path: Path(os.path.realpath(path)) for path in texts}
     hidden = {path: targets.get(path, path).with_name(f".{path.name}.{os.urandom(4).hex()}") for path in contents}
@@ -165,6 +168,8 @@ def _why_no_json(text: str, offset: int) -> str | None:
 
 
 def read_bytes(path: Path, most: int = -1) -> bytes:
+    if "\0" in str(path):
+        raise Unreadable("expected a name without a NUL character", place=path)
     with reading(path), path.open("rb") as file:
         return file.read(most)
 

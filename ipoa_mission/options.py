@@ -139,11 +139,10 @@ def read_wind_option(text: str | None) -> "Wind | None":
 
 
 def _number(text: str) -> float:
-    """Return NaN for a text without a number, such as 1_0."""
-    try:
-        return math.nan if "_" in text else float(text)
-    except ValueError:
-        return math.nan
+    """Return NaN for what a parameter file does not take as a number, such as 1_0."""
+    from ipoa_mission.mission.parameter_file import NUMBER
+
+    return float(text) if NUMBER.fullmatch(text.strip()) else math.nan
 
 
 def read_parameter_options(texts: list[str] | None, file: Path | None) -> tuple[dict[str, float], tuple[str, ...]]:

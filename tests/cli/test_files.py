@@ -6,7 +6,9 @@ from pathlib import Path
 
 import pytest
 
+from ipoa_mission import read_mission, write_export
 from tests.cli.conftest import Run, verbs
+from tests.refused import refuses
 
 RECORDED = Path(__file__).parent.parent / "mission" / "files" / "hold-px4.waypoints"
 
@@ -78,7 +80,7 @@ def test_wind_comes_from_where_it_is_said_to_and_costs_time(run: Run, mission: s
     )
     assert calm["total_s"] != blown["total_s"]
     assert calm["route"]["seconds"] > 0.0 < blown["route"]["seconds"]
-    for wrong in ("6", "6@", "@270", "-6@270", "six@270", "1_0@270", "nan@0"):
+    for wrong in ("6", "6@", "@270", "-6@270", "six@270", "1_0@270", "\uff16@270", "nan@0"):
         ended = run(f"estimate {mission} --wind={wrong}")
         assert (ended.code, ended.out) == (2, "")
         assert f"--wind {wrong}: expected a speed [m/s] and the direction it comes from" in ended.err
@@ -92,7 +94,7 @@ def test_the_table_of_an_estimate_fits_a_hundred_columns(
     assert max(map(len, lines)) <= 100
 
 
-@pytest.mark.parametrize("value", ["fast", "1_0"])
+@pytest.mark.parametrize("value", ["fast", "1_0", "\uff11"])
 def test_a_parameter_that_is_no_number_is_bad_input(run: Run, mission: str, value: str) -> None:
     ended = run(f"estimate {mission} --param WPNAV_SPEED={value}")
     assert ended.code == 2
@@ -105,6 +107,13 @@ def test_a_file_that_is_not_there_is_bad_input_without_a_traceback(run: Run) -> 
         assert (ended.code, ended.out) == (2, "")
         assert "error: nothing.plan: cannot be read: No such file or directory" in ended.err
         assert "Traceback" not in ended.err
+
+
+def test_a_name_with_a_nul_character_is_bad_input(mission: str) -> None:
+    with refuses("unreadable", "b.plan", "NUL"):
+        read_mission("a\0b.plan")
+    with refuses("unwritable", "b.kml", "NUL"):
+        write_export(read_mission(mission), "a\0b.kml")
 
 
 def test_check_passes_a_mission_that_flew(run: Run, mission: str) -> None:
