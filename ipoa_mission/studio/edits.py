@@ -50,7 +50,7 @@ def apply_changes(document: MutableMapping[str, Any], changes: Iterable[Change])
     for change in changes:
         try:
             _apply(document, change)
-        except (KeyError, IndexError, TypeError, ValueError, TOMLKitError) as error:
+        except (AttributeError, KeyError, IndexError, TypeError, ValueError, TOMLKitError) as error:
             path = ".".join(map(str, getattr(change, "path", (getattr(change, "to", ""),))))
             raise BadInput(f"expected a value or a table at this path: {error}", place=path) from error
 
@@ -95,7 +95,8 @@ def _put(document: Any, path: Path, value: Any) -> None:
     for step in parents:
         table = table.setdefault(step, tomlkit.table()) if isinstance(step, str) else table[step]
     before = table.get(last) if isinstance(last, str) else table[last]
-    table[last] = float(value) if isinstance(before, float) and isinstance(value, int) else value
+    is_whole = isinstance(value, int) and not isinstance(value, bool)
+    table[last] = float(value) if isinstance(before, float) and is_whole else value
 
 
 def _add(document: Any, change: requests.Add) -> None:
@@ -214,7 +215,7 @@ def _with_value(item: Item, change: requests.PutItem, mission: Mission) -> Item:
         return replace(item, frame=int(value), altitude=round(height + datum, DIGITS))
     number = int(change.what.removeprefix("param"))
     if number > 4 and not math.isfinite(value):
-        raise BadInput("expected a number", place=f"item {change.seq}: {change.what}")
+        raise BadInput(f"expected a number, not {value:g}", place=f"item {change.seq}: {change.what}")
     values = [value if n == number else old for n, old in enumerate(values_of(item), start=1)]
     p1, p2, p3, p4, latitude, longitude, altitude = values
     return replace(item, params=(p1, p2, p3, p4), latitude_deg=latitude, longitude_deg=longitude, altitude=altitude)

@@ -174,7 +174,8 @@ class Document:
     def save_as(self, suffix: str) -> tuple[Path, tuple[str, ...]]:
         """Write the mission next to its file; return it and losses of its format."""
         if not self.is_mission:
-            raise BadInput("expected a mission", hint="a scenario's mission files: Mission files", place=self.path.name)
+            hint = "a scenario's mission files: Mission files"
+            raise BadInput("expected a mission, not a scenario", hint=hint, place=self.path.name)
         autopilot = None if self.autopilot is None else autopilot_named(self.autopilot)
         file = parse_mission(self.path, self.text, autopilot)
         target = unused(self.path.with_suffix(suffix))

@@ -95,7 +95,8 @@ class Session:
                 case requests.Open():
                     path = self.folder / Path(request.path).name
                     if path.suffix.lower() not in MISSIONS:
-                        raise MissionError("expected a mission", place=path.name)
+                        words = f'expected a name that ends in {" or ".join(MISSIONS)}, not in "{path.suffix}"'
+                        raise MissionError(words, place=path.name)
                     window.put_nowait(as_json(self._opened(path)))
                 case requests.SaveAs():
                     file, remarks = self.document.save_as(request.suffix)

@@ -45,7 +45,19 @@ def test_a_whole_number_in_place_of_a_float_stays_a_float() -> None:
     assert changed("up = 10.0 # m\n", [Put(path=("up",), value=12)]) == "up = 12.0 # m\n"
 
 
-@pytest.mark.parametrize("change", [Take(path=("via", 3)), Put(path=("obstacles", 9, "height"), value=1.0)])
+def test_a_truth_value_in_place_of_a_float_stays_one() -> None:
+    assert changed("up = 10.0 # m\n", [Put(path=("up",), value=True)]) == "up = true # m\n"
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        Take(path=("via", 3)),
+        Put(path=("obstacles", 9, "height"), value=1.0),
+        Put(path=("safety_distance", "below"), value=1.0),
+        Put(path=("safety_distance", "far", "below"), value=1.0),
+    ],
+)
 def test_missing_things_cannot_be_changed(change: Change) -> None:
     with refuses("bad-input"):
         changed(MEADOW.read_text(), [change])
