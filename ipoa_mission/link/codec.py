@@ -20,7 +20,7 @@ from ipoa_mission.errors import Unwritable
 from ipoa_mission.files import note_written, read_bytes
 from ipoa_mission.link import wire
 from ipoa_mission.link.definitions import DEFINITIONS, Definition, definition_of, dialect_of
-from ipoa_mission.link.messages import Message, Text
+from ipoa_mission.link.messages import ItemAt, Message, Text
 from ipoa_mission.link.signing import SIGNED, Signer
 
 log = logging.getLogger(__name__)
@@ -63,6 +63,9 @@ class Codec:
     _sequence: int = 0
 
     def encode(self, message: Message, target: Target, unix_s: float) -> bytes:
+        if isinstance(message, ItemAt):
+            payload = wire.item_payload(message.seq, message.item, message.kind, target)
+            return self.frame(wire.ITEM, payload.rstrip(b"\0"), unix_s)
         name, fields = wire.write(message)
         definition = definition_of(name)
         addressed = {"target_system": target.system, "target_component": target.component, **fields}

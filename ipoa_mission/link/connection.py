@@ -43,9 +43,6 @@ class Routes:
             del self._framers[next(iter(self._framers))]
         return framer.feed(data)
 
-    def is_torn(self, peer: Peer) -> bool:
-        return peer in self._framers and self._framers[peer].buffer != b""
-
     def learn(self, name: Target, peer: Peer, now: float) -> None:
         """Replace peers of its name silent for `CLAIM_S`; a full table drops such an entry, else one unaddressed."""
         if self._heard.pop((name, peer), None) is None:
@@ -126,10 +123,6 @@ class MessageLink(Protocol):
 
     def close(self) -> None: ...
 
-    def carry_on(self, exchange: Exchange[T], target: Target, until: float, is_over: Callable[[], bool]) -> list[Heard]:
-        """Take the steps of the exchange's run until something else is heard."""
-        return self.receive(min(exchange.deadline, until))
-
     def note_answer(self, target: Target) -> None:
         return
 
@@ -208,37 +201,6 @@ class Connection(MessageLink):
             self._next_heartbeat = now + 1.0
             self.send(Heartbeat(6, NO_AUTOPILOT))
         return self._hear(self.channel.receive(min(until, self._next_heartbeat)))
-
-    def carry_on(self, exchange: Exchange[T], target: Target, until: float, is_over: Callable[[], bool]) -> list[Heard]:
-        run = exchange.run()
-        holder = self._routes.holder(target)
-        now = self.now()
-        limit = min(until, self._next_heartbeat)
-        if run is None or holder is None or now >= limit or self._routes.is_torn(holder):
-            return super().carry_on(exchange, target, until, is_over)
-        run.join(self.codec, target)
-        begun_at = run.at
-        peers = self._routes.to(target)
-        # Invariant: the holder has sent nothing but the run's next items, each answered past the dialogue. Anything
-        # else ends the loop in `got`, and is heard as usual.
-        got = list[tuple[bytes, Peer]]()
-        while not (got or run.is_at_last_item or is_over() or now >= limit):
-            got = self.channel.receive(min(limit, run.sent_s + run.wait_s))
-            now = self.now()
-            unix_s = self.channel.unix_s()
-            if not got or got[0][1] != holder or not (reply := run.answer(got[0][0], unix_s)):
-                break
-            if self._log:
-                self._log.write(got[0][0], unix_s)
-            self._send(reply, peers)
-            run.round_trip_s = now - run.sent_s
-            run.sent_s = now
-            del got[0]
-        if run.at != begun_at:
-            self._routes.claim(target, holder, run.sent_s)
-            self._routes.learn(target, holder, run.sent_s)
-            exchange.ran(run)
-        return [heard for heard in self._hear(got) if self.is_for_us(heard)]
 
     def _hear(self, received: list[tuple[bytes, Peer]]) -> list[Heard]:
         heard = list[Heard]()
@@ -348,7 +310,7 @@ def run_dialogue(
                 for message in exchange.outgoing():
                     connection.send(message, target)
                 moment = min(until, now() + NOTICE_S)
-                for heard in connection.carry_on(exchange, target, moment, lambda: interrupt.is_pending):
+                for heard in connection.receive(min(exchange.deadline, moment)):
                     if (heard.system, heard.component) == target and heard.message is not None:
                         if now() - exchange.heard_s >= listening.quiet_s:
                             break

@@ -9,9 +9,7 @@ from functools import partial
 from ipoa_mission.errors import MissionError
 from ipoa_mission.link import messages as m
 from ipoa_mission.link.dialogue import Ask, Dialogue, NoAnswer, Pause, SendOnce, Step, T, Tell, TimeUp, hear
-from ipoa_mission.link.item_run import ItemsRead, ItemsSent
 from ipoa_mission.link.mavftp import list_checksum
-from ipoa_mission.link.wire import item_of
 from ipoa_mission.mission.item_words import count_words
 from ipoa_mission.mission.items import Item
 from ipoa_mission.progress import Progress, count, silent
@@ -127,76 +125,83 @@ def observed(dialogue: Dialogue[T], note: Callable[[m.Message | None], object]) 
 
 
 def offer(
-    items: Sequence[Item], kind: int, opening: type[Ask] | type[Tell] = Ask, run: ItemsSent | None = None
+    items: Sequence[Item],
+    kind: int,
+    opening: type[Ask] | type[Tell] = Ask,
+    asked: Callable[[int], None] = lambda seq: None,
 ) -> Dialogue[int | None]:
     """Return ACCEPTED, or what followed the last item: None for silence, or a doubtful refusal.
 
     A client (`opening` Ask) ignores requests for earlier items: they are late duplicates. A vehicle (Tell) answers any.
-    Raise MissionRefused, or NoAnswer before the last request. `run.asked` gets each requested number, and at the end
-    the count.
+    Raise MissionRefused, or NoAnswer before the last request. `asked` gets each requested number, and at the end the
+    count.
     """
     in_order = opening is Ask
-    run = run or ItemsSent(kind, len(items), at=-1)
+    at = -1  # the item requested last
     last = len(items) - 1
+    doubt: int | None = None  # a refusal without a later request
     texts = VehicleTexts()
     step: Step = opening(m.Count(len(items), kind))
     while True:
         try:
             heard = yield step
         except NoAnswer as silence:
-            if run.at == last and items:  # a client that sends no final Ack (MAVProxy)
-                return run.doubt
-            if run.doubt is not None:
-                raise MissionRefused(run.doubt, kind, max(run.at, 0), str(texts)) from None
-            raise NoAnswer(f"{silence} after {share_words(max(run.at, 0), len(items), kind)}") from None
+            if at == last and items:  # a client that sends no final Ack (MAVProxy)
+                return doubt
+            if doubt is not None:
+                raise MissionRefused(doubt, kind, max(at, 0), str(texts)) from None
+            raise NoAnswer(f"{silence} after {share_words(max(at, 0), len(items), kind)}") from None
         step = None
         match heard:
-            case m.Request(seq, k) if k == kind and seq <= last and (not in_order or run.at <= seq <= run.at + 1):
-                run.asked_for(seq)
-                step = Tell(m.ItemAt(seq, items[seq], kind), run if run.payloads else None)
+            case m.Request(seq, k) if k == kind and seq <= last and (not in_order or at <= seq <= at + 1):
+                at = seq
+                doubt = None
+                asked(seq)
+                step = Tell(m.ItemAt(seq, items[seq], kind))
                 if in_order and seq == last:
                     yield SendOnce(step.message)
                     step = Pause(3.0)  # after it the read-back decides
             case m.Ack(m.Result.ACCEPTED, k) if k == kind:
-                if run.at == last or not in_order:
-                    run.asked(len(items))
+                if at == last or not in_order:
+                    asked(len(items))
                     return m.Result.ACCEPTED
             case m.Ack(m.Result.INVALID_SEQUENCE, k) if k == kind:
-                run.doubt = m.Result.INVALID_SEQUENCE
+                doubt = m.Result.INVALID_SEQUENCE
             case m.Ack(m.Result.ERROR, k) if k == kind:
-                run.doubt = m.Result.ERROR
+                doubt = m.Result.ERROR
                 step = Pause(REFUSAL_TIMEOUT_S)
             case m.Ack(result, k) if k == kind:
                 yield from listen_for_words(texts)
-                raise MissionRefused(result, kind, max(run.at, 0), str(texts))
-            case None if run.at == last and items:
-                return run.doubt
+                raise MissionRefused(result, kind, max(at, 0), str(texts))
+            case None if at == last and items:
+                return doubt
             case None:
-                raise MissionRefused(run.doubt or m.Result.ERROR, kind, max(run.at, 0), str(texts))
+                raise MissionRefused(doubt or m.Result.ERROR, kind, max(at, 0), str(texts))
             case _:
                 texts.note(heard)
 
 
-def fetch(run: ItemsRead, legacy: bool = False) -> Dialogue[int]:
-    """Take items from `run.at` on; return the first refusal. The caller sends the closing Ack.
+def fetch(
+    kind: int, total: int, take: Callable[[int, Item], int], first: int = 0, legacy: bool = False
+) -> Dialogue[int]:
+    """Take items from `first` on; return the first refusal. The caller sends the closing Ack.
 
     `legacy`: request by MISSION_REQUEST, and refuse other items, as ArduPilot does.
     """
     doubt: int | None = None
-    kind = run.kind
-    while run.at < run.count:
-        step: Step = Ask(m.Request(run.at, kind, legacy), item=True, run=run)
+    for at in range(first, total):
+        step: Step = Ask(m.Request(at, kind, legacy), item=True)
         while True:
             try:
                 heard = yield step
             except NoAnswer as silence:
                 if doubt is not None:
-                    raise MissionRefused(doubt, kind, run.at) from None
-                raise NoAnswer(f"{silence} after {share_words(run.at, run.count, kind)}") from None
+                    raise MissionRefused(doubt, kind, at) from None
+                raise NoAnswer(f"{silence} after {share_words(at, total, kind)}") from None
             step = None
             match heard:
-                case m.ItemAt(s, item, k) if k == kind and s == run.at:
-                    result = run.take(s, item)
+                case m.ItemAt(s, item, k) if k == kind and s == at:
+                    result = take(s, item)
                     if result != m.Result.ACCEPTED:
                         return result
                     break
@@ -205,18 +210,17 @@ def fetch(run: ItemsRead, legacy: bool = False) -> Dialogue[int]:
                 case m.Ack(result, k) if k == kind and result in DOUBTFUL_REFUSALS:
                     doubt = result
                 case m.Ack(result, k) if k == kind and result != m.Result.ACCEPTED:
-                    raise MissionRefused(result, kind, run.at)
-        run.at += 1
+                    raise MissionRefused(result, kind, at)
     return m.Result.ACCEPTED
 
 
-def read_list(kind: int, progress: Progress = silent) -> Dialogue[list[Item | bytes]]:
-    """Return items or payloads; a transfer closed for silence (PX4: after 5 s) is opened again at the next item."""
-    stored: list[Item | bytes] = []
+def read_list(kind: int, progress: Progress = silent) -> Dialogue[list[Item]]:
+    """Return items; a transfer closed for silence (PX4: after 5 s) is opened again at the next item."""
+    stored: list[Item] = []
     total = yield from open_list(kind)
     idle = 0
 
-    def take(seq: int, item: Item | bytes) -> int:
+    def take(seq: int, item: Item) -> int:
         stored.append(item)
         count(progress, len(stored), total)
         return m.Result.ACCEPTED
@@ -224,7 +228,7 @@ def read_list(kind: int, progress: Progress = silent) -> Dialogue[list[Item | by
     while True:
         before = len(stored)
         try:
-            yield from fetch(ItemsRead(kind, total, before, take))
+            yield from fetch(kind, total, take, before)
         except TimeUp as late:
             raise TimeUp(f"{late}: {share_words(len(stored), total, kind)} had come") from None
         except NoAnswer as silence:
@@ -288,7 +292,7 @@ class KeepsChanging(MissionError, code="keeps-changing"):
 
 def read_consistent(
     kind: int, numbers: Iterator[int] | None, progress: Progress = silent
-) -> Dialogue[tuple[list[Item | bytes], int]]:
+) -> Dialogue[tuple[list[Item], int]]:
     """Return the list and its checksum (0: none), equal before and after the reading; raise KeepsChanging.
 
     Without `numbers` for the checksum, a change goes unnoticed.
@@ -312,4 +316,4 @@ def download(
     kind: int, progress: Progress = silent, numbers: Iterator[int] | None = None
 ) -> Dialogue[tuple[Item, ...]]:
     stored, _ = yield from read_consistent(kind, numbers, progress)
-    return tuple(map(item_of, stored))
+    return tuple(stored)

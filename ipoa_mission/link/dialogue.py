@@ -18,7 +18,6 @@ from enum import StrEnum
 from typing import Generic, TypeAlias, TypeVar
 
 from ipoa_mission.errors import MissionError
-from ipoa_mission.link.item_run import ItemsRead, ItemsSent
 from ipoa_mission.link.messages import Ack, CommandAck, Count, FileTransfer, ItemAt, Message, Request
 
 Answer = TypeVar("Answer")
@@ -68,17 +67,15 @@ class TimeUp(MissionError, code="time-up"):
 
 @dataclass(frozen=True)
 class Ask:
-    """`item`: by the shorter timer; `run`: items that may be transferred past the dialogue."""
+    """`item`: by the shorter timer."""
 
     message: Message
     item: bool = False
-    run: ItemsRead | None = None
 
 
 @dataclass(frozen=True)
 class Tell:
     message: Message
-    run: ItemsSent | None = None
 
 
 @dataclass(frozen=True)
@@ -232,25 +229,6 @@ class Exchange(Generic[T]):
 
     def asked_for_s(self, now: float) -> float:
         return 0.0 if self.finished or isinstance(self._awaited, Pause) else now - self._since
-
-    def run(self) -> ItemsSent | ItemsRead | None:
-        """Return items to transfer past the dialogue, reported to `ran`."""
-        if self.finished or self._repeats or isinstance(self._awaited, Pause) or self._awaited.run is None:
-            return None
-        run = self._awaited.run
-        run.sent_s = self._sent
-        run.wait_s = self.deadline - self._sent
-        return None if run.is_at_last_item else run
-
-    def ran(self, run: ItemsSent | ItemsRead) -> None:
-        self.heard_s = self._since = self._sent = run.sent_s
-        if isinstance(run, ItemsRead):
-            self._awaited = Ask(Request(run.at, run.kind), item=True, run=run)
-            self._acted_on = (None, run.sent_s)
-            self._rtt.sample(run.round_trip_s)
-            self._wait_s = self._rtt.wait_s(item=True)
-        else:
-            self._acted_on = (Request(run.at, run.kind, run.is_legacy), run.sent_s)
 
     def outgoing(self) -> list[Message]:
         messages = self._outbox

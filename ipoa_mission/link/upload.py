@@ -20,9 +20,8 @@ from ipoa_mission.link.dialogue import (
     hear,
     wait,
 )
-from ipoa_mission.link.item_run import ItemsSent
 from ipoa_mission.link.messages import WARNING, Ack, Current, Message, MissionState, MissionType, Request, Result
-from ipoa_mission.link.wire import item_of, item_payload, stored_part
+from ipoa_mission.link.wire import item_of, item_payload
 from ipoa_mission.mission.items import Item
 from ipoa_mission.mission.stored_mission import Difference, compare, first_number
 from ipoa_mission.progress import Progress, count, silent
@@ -71,7 +70,7 @@ class Upload:
     autopilot: Autopilot
     kind: int = MissionType.MISSION
     numbers: Iterator[int] | None = field(default=None, repr=False, compare=False)
-    payloads: list[bytes] = field(init=False, repr=False, compare=False, default_factory=list)
+    carried: list[Item] = field(init=False, repr=False, compare=False, default_factory=list)  # as MAVLink rounds them
 
     def __post_init__(self) -> None:
         if len(self.items) > 0xFFFF:
@@ -79,7 +78,7 @@ class Upload:
             raise BadInput(words)
         for seq, item in enumerate(self.items):
             try:
-                self.payloads.append(item_payload(seq, item, self.kind))
+                self.carried.append(item_of(item_payload(seq, item, self.kind)))
             except BadInput as error:
                 raise error.at(f"item {seq + self.first}") from None
 
@@ -92,22 +91,15 @@ class Upload:
         """Return whether a transfer's begin drops the old list."""
         return self.autopilot.protocol_profile.forgets_at_count and self.kind != MissionType.FENCE
 
-    def difference(self, stored: Sequence[Item | bytes]) -> Difference | None:
-        """Return the first difference of the stored items or payloads; None if equal.
+    def difference(self, stored: Sequence[Item]) -> Difference | None:
+        """Return the first difference of the stored items; None if equal.
 
         ArduPilot may answer its home alone for an empty list.
         """
         seq_offset = self.autopilot.seq_offset if self.kind == MissionType.MISSION else 0
         if not self.items and len(stored) <= seq_offset:
             return None
-        got = [self._item_held(n, one) for n, one in enumerate(stored)]
-        return compare(self.items, got, self.autopilot)
-
-    def _item_held(self, n: int, one: Item | bytes) -> Item:
-        """Return our own item if the payload holds the same bits."""
-        if isinstance(one, bytes) and n < len(self.items) and stored_part(one) == stored_part(self.payloads[n]):
-            return self.items[n]
-        return item_of(one)
+        return compare(self.carried, stored, self.autopilot)
 
 
 @dataclass
@@ -294,8 +286,7 @@ def _store(job: Upload, state: UploadState, progress: Progress) -> Dialogue[None
         was_whole = state.may_be_whole
         try:
             state.reports.reset_at_offer()
-            run = ItemsSent(job.kind, len(job.items), -1, job.payloads, note)
-            result = yield from conversations.offer(job.items, job.kind, run=run)
+            result = yield from conversations.offer(job.items, job.kind, asked=note)
             state.reports.reset_at_reading()
             stored, state.checksum = yield from conversations.read_consistent(job.kind, job.numbers)
         except NoAnswer:

@@ -105,11 +105,6 @@ def _misfit(item: Item) -> BadInput:
     return BadInput(f"expected a number that fits in single precision, not {value:g}", place=name)
 
 
-def stored_part(payload: bytes) -> bytes:
-    """Return what a vehicle keeps of an item, with the frame without `_INT`."""
-    return payload[:28] + payload[30:32] + bytes((PLAIN_FRAME.get(payload[34], payload[34]), payload[36]))
-
-
 def degrees(value: int, frame: int) -> float:
     return math.nan if value == INT32_MAX and frame in GLOBAL_FRAMES else value / scale(frame)
 
@@ -125,8 +120,8 @@ def saturated(value: float, most: int = INT32_MAX) -> int:
     return 0 if math.isnan(value) else round(min(max(value, -most), most))
 
 
-def item_of(stored: Item | bytes) -> Item:
-    return read_item(ITEM.unpack(stored)) if isinstance(stored, bytes) else stored
+def item_of(payload: bytes) -> Item:
+    return read_item(ITEM.unpack(payload))
 
 
 def read_item(raw: Any) -> Item:

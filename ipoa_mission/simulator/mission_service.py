@@ -17,8 +17,6 @@ from ipoa_mission.link import messages as m
 from ipoa_mission.link.codec import EVERYONE, Target
 from ipoa_mission.link.conversations import MissionRefused, fetch, offer
 from ipoa_mission.link.dialogue import Exchange, NoAnswer, Tell
-from ipoa_mission.link.item_run import ItemsRead
-from ipoa_mission.link.wire import item_of
 from ipoa_mission.mission.items import Item
 from ipoa_mission.mission.stored_mission import as_stored, fence_from_wire, home_item, values_of
 from ipoa_mission.simulator.mock_profile import Answer, MockProfile
@@ -166,15 +164,14 @@ class MissionService:
         profile = self.profile
         store = self.stores[m.MissionType(kind)]
 
-        def take(seq: int, heard: Item | bytes) -> int:
-            item = item_of(heard)
+        def take(seq: int, item: Item) -> int:
             result = self._judge(item, kind, count)
             if result == m.Result.ACCEPTED:
                 store.keep(item)
                 incoming.received += 1
             return result
 
-        dialogue = fetch(ItemsRead(kind, count, 0, take), profile.requests_legacy)
+        dialogue = fetch(kind, count, take, legacy=profile.requests_legacy)
         incoming = Incoming(client, kind, count, 0, Exchange(dialogue, now, profile.retry_policy))
         self._incoming[self._slot(kind)] = incoming
         self._flush(incoming.exchange, client)

@@ -16,7 +16,6 @@ from ipoa_mission.link.conversations import (
     offer,
 )
 from ipoa_mission.link.dialogue import SPECIFIED, Dialogue, Exchange, ListAboard, NoAnswer, Tell
-from ipoa_mission.link.item_run import ItemsRead, ItemsSent
 from ipoa_mission.link.messages import (
     Ack,
     ClearAll,
@@ -88,8 +87,7 @@ def test_an_upload_reads_like_the_sequence_diagram() -> None:
 
 def test_progress_is_told_item_by_item() -> None:
     asked: list[int] = []
-    run = ItemsSent(MissionType.MISSION, len(ITEMS), -1, asked=asked.append)
-    Talk(offer(ITEMS, 0, run=run)).hear(Request(0), Request(1), Request(2), Ack(0))
+    Talk(offer(ITEMS, 0, asked=asked.append)).hear(Request(0), Request(1), Request(2), Ack(0))
     assert asked == [0, 1, 2, 3]
 
 
@@ -211,13 +209,13 @@ def test_a_vehicle_gives_items_in_any_order() -> None:
 # --- fetching -------------------------------------------------------------------------------------------------------
 
 
-def items_to_read(count: int, kind: int = MissionType.MISSION, refusal: int = 0) -> ItemsRead:
+def reading(total: int, kind: int = MissionType.MISSION, refusal: int = 0, legacy: bool = False) -> Dialogue[int]:
     """`refusal`: of all items but the first."""
-    return ItemsRead(kind, count, 0, lambda seq, heard: refusal if seq else Result.ACCEPTED)
+    return fetch(kind, total, lambda seq, heard: refusal if seq else Result.ACCEPTED, legacy=legacy)
 
 
 def test_items_are_fetched_in_order_each_asked_for_until_it_comes() -> None:
-    talk = Talk(fetch(items_to_read(2)))
+    talk = Talk(reading(2))
     assert talk.sent == [Request(0)]
     assert talk.wait(0.6).sent == [Request(0)]
     assert talk.hear(item(0)).sent == [Request(1)]
@@ -225,36 +223,36 @@ def test_items_are_fetched_in_order_each_asked_for_until_it_comes() -> None:
 
 
 def test_a_duplicate_of_an_item_is_ignored() -> None:
-    talk = Talk(fetch(items_to_read(3))).hear(item(0))
+    talk = Talk(reading(3)).hear(item(0))
     _ = talk.sent
     assert talk.hear(item(0), item(2), item(1, MissionType.RALLY), Ack(0), BEAT).sent == []
 
 
 def test_a_fetcher_with_a_temper_rebukes_it() -> None:
-    talk = Talk(fetch(items_to_read(3), legacy=True)).hear(item(0))
+    talk = Talk(reading(3, legacy=True)).hear(item(0))
     assert talk.sent == [Request(0, legacy=True), Request(1, legacy=True)]
     assert talk.hear(item(0)).sent == [Ack(Result.INVALID_SEQUENCE)]
 
 
 def test_the_first_item_that_is_not_taken_ends_it() -> None:
-    talk = Talk(fetch(items_to_read(3, refusal=5))).hear(item(0), item(1))
+    talk = Talk(reading(3, refusal=5)).hear(item(0), item(1))
     assert talk.exchange.result == 5
 
 
 def test_the_other_side_may_break_it_off() -> None:
     with refuses("mission-refused", "", "item 2", "DENIED"):
-        Talk(fetch(items_to_read(3))).hear(item(0), Ack(Result.DENIED))
+        Talk(reading(3)).hear(item(0), Ack(Result.DENIED))
 
 
 def test_a_doubtful_refusal_counts_only_when_silence_follows() -> None:
-    assert Talk(fetch(items_to_read(1))).hear(Ack(Result.ERROR), item(0)).exchange.result == Result.ACCEPTED
+    assert Talk(reading(1)).hear(Ack(Result.ERROR), item(0)).exchange.result == Result.ACCEPTED
     with refuses("mission-refused", "", "ERROR"):
-        Talk(fetch(items_to_read(1))).hear(Ack(Result.ERROR)).wait(FAR)
+        Talk(reading(1)).hear(Ack(Result.ERROR)).wait(FAR)
 
 
 def test_fetching_in_silence_says_how_far_it_came() -> None:
     with refuses("no-answer", "", "1 of 3", "rally list"):
-        Talk(fetch(items_to_read(3, MissionType.RALLY))).hear(item(0, 2)).wait(FAR)
+        Talk(reading(3, kind=MissionType.RALLY)).hear(item(0, 2)).wait(FAR)
 
 
 # --- reading and clearing -------------------------------------------------------------------------------------------
