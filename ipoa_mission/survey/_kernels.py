@@ -1,8 +1,9 @@
-"""Transits and order of lines. Line k has the ends 2k and 2k + 1; entered at end e, it is left at e ^ 1."""
+"""Transits and order of lines. Line k has the ends 2k and 2k + 1; entered at one end, it is left at the other."""
 
 # mypy: disable-error-code="no-untyped-def,misc"
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
@@ -11,6 +12,19 @@ from ipoa_mission.compiled import njit
 NO_WAY = 1e9  # [s]
 DIRECT, NONE = -1, -2
 TOUCH_TOLERANCE = 0.05  # [m]
+LEAST_SAVING = 1e-7  # of a change [s]: less is rounding
+MOST_MOVED = 3  # neighboring lines
+
+
+class OrderChange(NamedTuple):
+    """A change of an order: lines first to last are flipped, or moved behind another, or both."""
+
+    seconds: float  # added; negative
+    is_flip: bool
+    is_move: bool
+    first: int
+    last: int
+    behind: int
 
 
 @njit(cache=True, error_model="numpy")
@@ -126,6 +140,12 @@ def _spread(start, near, between, bend, dist, prev):
 
 
 @njit(cache=True, error_model="numpy")
+def _other(end):
+    """Return the other end of a line."""
+    return end ^ 1
+
+
+@njit(cache=True, error_model="numpy")
 def ways_between(clock, ends, corners, near, between, edges, bend):
     """Return the times of the ways between all line ends (n, n), corners at both ends included [s].
 
@@ -140,12 +160,12 @@ def ways_between(clock, ends, corners, near, between, edges, bend):
     dist = np.empty(room)
     for i in range(count):
         _spread(i, near.lengths, between, bend, dist, prev)
-        out_e = ends[i, 0] - ends[i ^ 1, 0]
-        out_n = ends[i, 1] - ends[i ^ 1, 1]
+        out_e = ends[i, 0] - ends[_other(i), 0]
+        out_n = ends[i, 1] - ends[_other(i), 1]
         out = math.hypot(out_e, out_n)
         for j in range(count):
             times[i, j], last[i, j] = NO_WAY, NONE
-            if i == j or j == i ^ 1:
+            if i == j or j == _other(i):
                 continue
             if _is_clear(edges, ends[i, 0], ends[i, 1], ends[j, 0], ends[j, 1]):
                 last[i, j] = DIRECT
@@ -159,8 +179,8 @@ def ways_between(clock, ends, corners, near, between, edges, bend):
                         last[i, j] = corner
                 if last[i, j] == NONE:
                     continue
-            in_e = ends[j ^ 1, 0] - ends[j, 0]
-            in_n = ends[j ^ 1, 1] - ends[j, 1]
+            in_e = ends[_other(j), 0] - ends[j, 0]
+            in_n = ends[_other(j), 1] - ends[j, 1]
             length = math.hypot(in_e, in_n)
             total = 0.0
             c = last[i, j]
@@ -187,100 +207,120 @@ def ways_between(clock, ends, corners, near, between, edges, bend):
 
 @njit(cache=True, error_model="numpy")
 def _add_up(entries, times, lines, sums):
-    """Sum costs up to each line."""
+    """Sum the times of the lines up to each, and of their transits: in order, and of the reverse."""
     forth, back = sums
-    forth[1], back[1] = lines[entries[1]], lines[entries[1] ^ 1]
+    forth[1] = lines[entries[1]]
+    back[1] = lines[_other(entries[1])]
     for k in range(2, len(entries) - 1):
         here, there = entries[k - 1], entries[k]
-        forth[k] = forth[k - 1] + times[here ^ 1, there] + lines[there]
-        back[k] = back[k - 1] + times[there, here ^ 1] + lines[there ^ 1]
+        forth[k] = forth[k - 1] + times[_other(here), there] + lines[there]
+        back[k] = back[k - 1] + times[there, _other(here)] + lines[_other(there)]
 
 
 @njit(cache=True, error_model="numpy")
-def _flip(entries, i, j):
-    while i <= j:
-        entries[i], entries[j] = entries[j] ^ 1, entries[i] ^ 1
-        i, j = i + 1, j - 1
+def _flip(entries, first, last):
+    """Fly lines first to last in reverse order, each from its other end."""
+    while first <= last:
+        entries[first], entries[last] = _other(entries[last]), _other(entries[first])
+        first += 1
+        last -= 1
 
 
 @njit(cache=True, error_model="numpy")
-def _better(entries, k, times, lines, sums):
-    """Return the best change at line k: 0 none, 1 flip, 2 move, 3 move and flip; and its indices."""
-    beyond, (forth, back) = len(entries) - 1, sums
-    best, kind, a, b, c = -1e-7, 0, 0, 0, 0
-    before, head = entries[k - 1] ^ 1, entries[k]
-    for i in range(1, k):
-        y = entries[k + 1]
-        delta = times[entries[i - 1] ^ 1, head ^ 1] + times[entries[i], y]
-        delta -= times[entries[i - 1] ^ 1, entries[i]] + times[head ^ 1, y]
-        delta += (back[k] - back[i] + lines[entries[i] ^ 1]) - (forth[k] - forth[i] + lines[entries[i]])
-        if delta < best:
-            best, kind, a, b = delta, 1, i, k
-    for j in range(k, beyond):
-        delta = times[before, entries[j] ^ 1] + times[head, entries[j + 1]]
-        delta -= times[before, head] + times[entries[j] ^ 1, entries[j + 1]]
-        delta += (back[j] - back[k] + lines[head ^ 1]) - (forth[j] - forth[k] + lines[head])
-        if delta < best:
-            best, kind, a, b = delta, 1, k, j
-    for e in range(k, min(k + 3, beyond)):
-        tail, after = entries[e] ^ 1, entries[e + 1]
-        out = times[before, after] - times[before, head] - times[tail, after]
-        if out > -1e-7:
+def _back_less_forth(entries, first, last, lines, sums):
+    """Return the time that lines first to last take longer in reverse [s]."""
+    forth, back = sums
+    entry = entries[first]
+    reverse = back[last] - back[first] + lines[_other(entry)]
+    return reverse - (forth[last] - forth[first] + lines[entry])
+
+
+@njit(cache=True, error_model="numpy")
+def _transits_of_flip(entries, first, last, times):
+    """Return the time that a flip of lines first to last adds to the transits before and after them [s]."""
+    before, after = _other(entries[first - 1]), entries[last + 1]
+    entry, leave = entries[first], _other(entries[last])
+    flipped = times[before, leave] + times[entry, after]
+    return flipped - (times[before, entry] + times[leave, after])
+
+
+@njit(cache=True, error_model="numpy")
+def _best_change(entries, k, times, lines, sums):
+    """Return the `OrderChange` at line k that saves most.
+
+    It flips lines that begin or end with k, or moves up to three lines from k on between two others.
+    """
+    beyond = len(entries) - 1
+    best = OrderChange(-LEAST_SAVING, False, False, 0, 0, 0)
+    for first in range(1, k):
+        added = _transits_of_flip(entries, first, k, times) + _back_less_forth(entries, first, k, lines, sums)
+        if added < best.seconds:
+            best = OrderChange(added, True, False, first, k, 0)
+    for last in range(k, beyond):
+        added = _transits_of_flip(entries, k, last, times) + _back_less_forth(entries, k, last, lines, sums)
+        if added < best.seconds:
+            best = OrderChange(added, True, False, k, last, 0)
+    before, entry = _other(entries[k - 1]), entries[k]
+    for last in range(k, min(k + MOST_MOVED, beyond)):
+        leave, after = _other(entries[last]), entries[last + 1]
+        removal = times[before, after] - times[before, entry] - times[leave, after]
+        if removal > -LEAST_SAVING:  # an insertion only adds, where no detour is quicker than the direct way
             continue
-        turned = (back[e] - back[k] + lines[head ^ 1]) - (forth[e] - forth[k] + lines[head])
-        for p in range(beyond):
-            if k - 1 <= p <= e:
+        in_reverse = _back_less_forth(entries, k, last, lines, sums)
+        for behind in range(beyond):
+            if k - 1 <= behind <= last:
                 continue
-            x, y = entries[p] ^ 1, entries[p + 1]
-            gap = out - times[x, y]
-            delta = gap + times[x, head] + times[tail, y]
-            if delta < best:
-                best, kind, a, b, c = delta, 2, k, e, p
-            delta = gap + times[x, tail] + times[head, y] + turned
-            if delta < best:
-                best, kind, a, b, c = delta, 3, k, e, p
-    return kind, a, b, c
+            here, there = _other(entries[behind]), entries[behind + 1]
+            parted = removal - times[here, there]
+            added = parted + times[here, entry] + times[leave, there]
+            if added < best.seconds:
+                best = OrderChange(added, False, True, k, last, behind)
+            added = parted + times[here, leave] + times[entry, there] + in_reverse
+            if added < best.seconds:
+                best = OrderChange(added, True, True, k, last, behind)
+    return best
 
 
 @njit(cache=True, error_model="numpy")
-def _move(entries, i, e, p):
-    if p < i:
-        _flip(entries, p + 1, e)
-        _flip(entries, p + 1, p + e - i + 1)
-        _flip(entries, p + e - i + 2, e)
+def _move(entries, first, last, behind):
+    """Move lines first to last behind another line; a rotation is three flips."""
+    count = last - first + 1
+    if behind < first:
+        _flip(entries, behind + 1, last)
+        _flip(entries, behind + 1, behind + count)
+        _flip(entries, behind + count + 1, last)
     else:
-        _flip(entries, i, p)
-        _flip(entries, i, i + p - e - 1)
-        _flip(entries, i + p - e, p)
+        _flip(entries, first, behind)
+        _flip(entries, first, behind - count)
+        _flip(entries, behind - count + 1, behind)
 
 
 @njit(cache=True, error_model="numpy")
 def _descend(entries, times, lines, dirty, sums):
-    """Improve at the dirty lines; return the cost [s]."""
+    """OrderChange the order at its dirty lines while that saves time; return its time [s]."""
     beyond = len(entries) - 1
     _add_up(entries, times, lines, sums)
     k, clean = 1, 0
     while clean < beyond:
         if dirty[k]:
-            kind, a, b, c = _better(entries, k, times, lines, sums)
-            if kind == 0:
-                dirty[k] = False
-            else:
-                if kind != 2:
-                    _flip(entries, a, b)
-                at = a
-                if kind != 1:
-                    _move(entries, a, b, c)
-                    at = c + 1 if c < a else c - (b - a)
-                for m in (a, b, at, at + b - a):
-                    for n in range(max(m - 1, 1), min(m + 2, beyond)):
+            change = _best_change(entries, k, times, lines, sums)
+            first, last, at = change.first, change.last, change.first
+            if change.is_flip:
+                _flip(entries, first, last)
+            if change.is_move:
+                _move(entries, first, last, change.behind)
+                at = change.behind + 1 if change.behind < first else change.behind - (last - first)
+            if change.is_flip or change.is_move:
+                for changed in (first, last, at, at + last - first):
+                    for n in range(max(changed - 1, 1), min(changed + 2, beyond)):
                         dirty[n] = True
                 _add_up(entries, times, lines, sums)
                 clean = 0
                 continue
+            dirty[k] = False
         clean += 1
         k = k + 1 if k < beyond - 1 else 1
-    return sums[0][beyond - 1] + times[entries[0] ^ 1, entries[1]] + times[entries[beyond - 1] ^ 1, entries[beyond]]
+    return sums[0][beyond - 1] + times[_other(entries[0]), entries[1]] + times[_other(entries[-2]), entries[-1]]
 
 
 @njit(cache=True, error_model="numpy")
@@ -293,9 +333,12 @@ def _next(state):
 
 @njit(cache=True, error_model="numpy")
 def search_order(times, lines, rounds):
-    """Return the ends (n,) at which lines are entered in a quick order, and its cost [s].
+    """Return the ends (n,) at which lines are entered in a quick order, and its time [s].
 
-    `times` (2n + 2, 2n + 2): between ends; the tour's begin and end last. `lines` (2n,): by entry.
+    Iterated local search: a random move or flip within 30 lines, then a descent. It ends after `rounds` changes
+    without a gain.
+
+    `times` (2n + 2, 2n + 2): between ends; the tour's begin and end last. `lines` (2n,): by entry [s].
     """
     count = len(lines) // 2
     best, now = np.empty(count + 2, np.int64), np.empty(count + 2, np.int64)
@@ -306,7 +349,7 @@ def search_order(times, lines, rounds):
     for k in range(count + 2):
         dirty[k] = True
     cost = _descend(best, times, lines, dirty, sums)
-    state = 2463534242
+    state = 2463534242  # Marsaglia's example
     failed = 0
     window = min(count, 30)
     while failed < rounds and count > 3:
@@ -315,20 +358,20 @@ def search_order(times, lines, rounds):
         state = _next(state)
         low = 1 + state % (count - window + 1)
         state = _next(state)
-        first = low + state % window
+        one = low + state % window
         state = _next(state)
-        second = low + state % window
+        two = low + state % window
         state = _next(state)
-        third = low + state % window
-        i = min(first, second, third)
-        p = max(first, second, third)
-        e = first + second + third - i - p
-        if e < p:
-            _move(now, i, e, p)
+        three = low + state % window
+        first = min(one, two, three)
+        behind = max(one, two, three)
+        last = one + two + three - first - behind
+        if last < behind:
+            _move(now, first, last, behind)
         else:
-            _flip(now, i, p)
-        for m in (i, i + p - e, p + 1):
-            for n in range(max(m - 1, 1), min(m + 1, count + 1)):
+            _flip(now, first, behind)
+        for parted in (first, first + behind - last, behind + 1):
+            for n in range(max(parted - 1, 1), min(parted + 1, count + 1)):
                 dirty[n] = True
         found = _descend(now, times, lines, dirty, sums)
         if found < cost - 1e-9:
