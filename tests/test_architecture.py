@@ -31,10 +31,8 @@ GROUND = {
     *ON_GEOMETRY,
 }
 
-#: From the ground up: a room may import the named ones, listed before it.
-_MISSION = {"autopilot", "mission"}  # what all above a mission know
-_PLANNED = {"forecast", "planning", "scenario", "world", *_MISSION}
-MAY_IMPORT = {
+#: From the ground up: the rooms that each imports, listed before it.
+MAY_IMPORT: dict[str, set[str]] = {
     "compiled": set(),
     "world": {"compiled"},
     "maps": {"world"},
@@ -43,31 +41,37 @@ MAY_IMPORT = {
     "mission": {"autopilot"},
     "scenario": {"autopilot", "maps", "world"},
     "planning": {"compiled", "optimize", "scenario", "world"},
-    "forecast": _PLANNED - {"forecast"},
-    "checks": _PLANNED - {"planning"},
-    "routing": {"compiled", *_PLANNED},
-    "link": {"checks", *_MISSION},
-    "logs": {"link", *_MISSION},
-    "simulator": {"link", *_MISSION},
-    "report": {"logs", *_PLANNED},
-    "flight": {"checks", "link", "report", "routing", *_PLANNED},
+    "forecast": {"autopilot", "mission", "planning", "scenario", "world"},
+    "checks": {"autopilot", "forecast", "mission", "scenario"},
+    "routing": {"autopilot", "compiled", "forecast", "mission", "planning", "scenario", "world"},
+    "link": {"autopilot", "checks", "mission"},
+    "logs": {"autopilot", "link", "mission"},
+    "simulator": {"autopilot", "link", "mission"},
+    "report": {"autopilot", "forecast", "logs", "mission", "planning", "scenario", "world"},
+    "flight": {"autopilot", "checks", "forecast", "link", "mission", "planning", "report", "routing", "scenario"},
+    "vehicles": {"autopilot", "compiled", "forecast", "link", "logs", "mission", "simulator"},
+    "options": {"autopilot", "link", "mission"},
+    "terminal": set(),
+    "cli": {
+        *("autopilot", "checks", "flight", "forecast", "link", "logs", "mission", "options", "report", "scenario"),
+        *("simulator", "terminal"),
+    },
+    "paper": {"cli", "optimize", "options", "planning", "terminal"},
+    "learn": {"autopilot", "forecast", "logs", "options", "terminal"},
+    "fleet": {"options", "terminal"},
+    "survey": {
+        *("checks", "cli", "compiled", "forecast", "maps", "mission", "options", "planning", "report", "routing"),
+        *("scenario", "terminal", "world"),
+    },
+    "studio": {
+        *("autopilot", "checks", "flight", "forecast", "link", "mission", "options", "planning", "report", "scenario"),
+        *("simulator", "survey", "terminal"),
+    },
 }
-#: Plug-ins, found by entry points: nothing else imports them.
-VEHICLES = ("arducopter", "px4_multicopter")
-MAY_IMPORT["vehicles"] = {"compiled", "forecast", "link", "logs", "simulator", *_MISSION}
-_BELOW_THE_CLI = set(MAY_IMPORT) - {"vehicles"}
-#: Options and output that verbs of all rooms share.
-_OF_VERBS = {"options", "terminal"}
-MAY_IMPORT["options"] = {"autopilot", "link", "mission", "optimize"}
-MAY_IMPORT["terminal"] = set()
-MAY_IMPORT["cli"] = _BELOW_THE_CLI - {"optimize", "world"} | _OF_VERBS
-MAY_IMPORT["paper"] = {"optimize", "planning", "cli"} | _OF_VERBS
-MAY_IMPORT["learn"] = _BELOW_THE_CLI - {"link"} | _OF_VERBS
-MAY_IMPORT["fleet"] = _OF_VERBS
-MAY_IMPORT["survey"] = _BELOW_THE_CLI - {"flight"} | {"cli"} | _OF_VERBS
-MAY_IMPORT["studio"] = _BELOW_THE_CLI | {"survey"} | _OF_VERBS
-USE_PUBLIC_API = {"survey", "paper", "learn", "studio", "fleet"}  # they import from `ipoa_mission` where they can
+#: Rooms of plug-ins, found by entry points: no other room imports them.
 PLUG_INS = {"vehicles", "paper", "learn", "survey", "studio", "fleet"}
+VEHICLES = ("arducopter", "px4_multicopter")
+USE_PUBLIC_API = PLUG_INS - {"vehicles"}  # they import from `ipoa_mission` where they can
 
 #: May own a socket, a clock or pymavlink.
 IMPURE = {
@@ -75,9 +79,7 @@ IMPURE = {
     "serial": {"link/channel.py"},
     "pymavlink": {"link/definitions.py"},
 }
-NO_CLOCK = GROUND - {"files"} | set(MAY_IMPORT) - {
-    *("link", "simulator", "report", "flight", "survey", "studio", "paper", "cli", "learn")
-}
+MAY_HAVE_A_CLOCK = {"files", "link", "simulator", "report", "flight", "survey", "studio", "paper", "cli", "learn"}
 
 REPOSITORY = PACKAGE.parent
 FILES = sorted(PACKAGE.rglob("*.py"))
@@ -114,19 +116,23 @@ def allowed(here: str) -> set[str]:
     return {here, "errors"} if here in GROUND else MAY_IMPORT.get(here, set()) | GROUND | {here}
 
 
-def test_rooms_import_only_from_allowed_rooms() -> None:
-    public = {PACKAGE / "__init__.py", PACKAGE / "__main__.py"}
-    inside = [path for path in FILES if path not in public]
+def test_rooms_import_the_listed_rooms() -> None:
     modules = {module(path) for path in FILES}
-    wrong = {
-        f"{path.relative_to(PACKAGE)} imports {name}"
-        for path in inside
-        for name in imports(path)
-        if (name == "ipoa_mission" and room(path) not in USE_PUBLIC_API)
-        or (name in modules and name.count(".") and room_of(name) not in allowed(room(path)))
-    }
-    assert len(inside) > 200
+    found: dict[str, set[str]] = {name: set() for name in MAY_IMPORT}
+    wrong = set()
+    for path in FILES:
+        here = room(path)
+        if here in {"__init__", "__main__"}:
+            continue
+        for name in imports(path):
+            is_public = name == "ipoa_mission" and here not in USE_PUBLIC_API
+            is_inside = name in modules and name.count(".") > 0
+            if is_public or (is_inside and room_of(name) not in allowed(here)):
+                wrong.add(f"{path.relative_to(PACKAGE)} imports {name}")
+            if is_inside and here in found:
+                found[here].add(room_of(name))
     assert not wrong
+    assert {name: rooms - GROUND - {name} for name, rooms in found.items()} == MAY_IMPORT
 
 
 def test_no_room_names_an_autopilot() -> None:
@@ -295,7 +301,7 @@ def test_sockets_serial_ports_and_pymavlink_live_in_one_module_each() -> None:
 
 def test_the_pure_rooms_have_no_clock_and_no_global_randomness() -> None:
     pure = [
-        path for path in FILES if room(path) in NO_CLOCK and not path.stem.startswith("flight_controller")
+        path for path in FILES if room(path) not in MAY_HAVE_A_CLOCK and not path.stem.startswith("flight_controller")
     ]  # of stand-ins
     unsteady = {"time", "datetime", "random", "asyncio", "threading", "subprocess"}
     assert len(pure) > 100
