@@ -3,10 +3,10 @@
 Only this module adds and removes ArduPilot's home: without it, ArduPilot loses the take-off.
 """
 
+import ctypes
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
 
 import numpy as np
 
@@ -130,12 +130,13 @@ def _is_home(item: Item) -> bool:
     return item.command == Command.NAV_WAYPOINT and plain_frame(item.frame) == Frame.GLOBAL
 
 
-def _rounded(kind: type[np.floating], value: float) -> float:
+def _single(value: float) -> float:
+    return ctypes.c_float(value).value  # a tenth of the time of np.float32 and errstate
+
+
+def _half(value: float) -> float:
     with np.errstate(over="ignore"):
-        return float(kind(value))
-
-
-_single = partial(_rounded, np.float32)
+        return float(np.float16(value))
 
 
 def _whole(value: float) -> float:
@@ -173,7 +174,7 @@ KEEP: Mapping[str, Callable[[float], float]] = {
     "d": lambda value: _deg_e7(value) / 1e7,
     "t": _turns,
     "r": _radius,
-    "h": partial(_rounded, np.float16),
+    "h": _half,
 }
 
 
@@ -201,7 +202,7 @@ def _first_difference(sent: Item, got: Item, firmware: Firmware) -> tuple[str, s
         return "frame", str(sent.frame), str(got.frame)
     letters = firmware.kept(sent.command, sent.frame) or "....dd."  # of an unknown command
     for name, letter, was, kept, now in zip(PARAM_NAMES, letters, *map(values_of, (sent, stored, got)), strict=True):
-        if not (_agree(letter, kept, now) or _agree(letter, was, now)):
+        if was != now and not (_agree(letter, kept, now) or _agree(letter, was, now)):
             return name, f"{was:.10g}", f"{now:.10g}"
     is_flown = sent.command not in firmware.fence and sent.command not in firmware.rally
     if is_flown and firmware.keeps_autocontinue and sent.autocontinue != got.autocontinue:
