@@ -216,11 +216,11 @@ def await_home(vehicle: Vehicle, progress: Progress = silent) -> None:
     reason = ""
     try:
         while vehicle.home() is None:
-            reason = "; ".join(("the vehicle has no position yet", *dict.fromkeys(vehicle.state.warnings)))
+            reason = "; ".join(("the vehicle has no position yet", *vehicle.state.warnings.words))
             progress(0.0, reason)
             if vehicle.connection.now() > until_s:
                 raise NotReady(f"not ready after {vehicle.ready_s:.0f} s: {reason}", hint="check its GPS reception")
-            vehicle.state.warnings.clear()
+            vehicle.state.warnings.words.clear()
     except TimeUp as late:
         raise TimeUp(f"{late}: {reason}" if reason else str(late), late.hint) from None
 

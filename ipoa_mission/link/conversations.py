@@ -1,15 +1,14 @@
 """The mission service: `offer` and `fetch` are the two ends of a transfer."""
 
-import struct
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, field
 from functools import partial
 
 from ipoa_mission.errors import MissionError
 from ipoa_mission.link import messages as m
 from ipoa_mission.link.dialogue import Ask, Dialogue, NoAnswer, Pause, SendOnce, Step, T, Tell, TimeUp, hear
 from ipoa_mission.link.mavftp import list_checksum
+from ipoa_mission.link.vehicle_words import VehicleTexts
 from ipoa_mission.mission.item_words import count_words
 from ipoa_mission.mission.items import Item
 from ipoa_mission.progress import Progress, count, silent
@@ -39,72 +38,6 @@ def list_name(kind: int) -> str:
 
 def share_words(done: int, total: int, kind: int) -> str:
     return f"{done} of {count_words(total)} of the {list_name(kind)}"
-
-
-def event_number(name: str) -> int:
-    """Return PX4's number of an EVENT: component id, and lower 24 bits of the name's FNV-1a hash."""
-    value = 0x811C9DC5
-    for byte in name.encode():
-        value = (value ^ byte) * 0x01000193 & 0xFFFFFFFF
-    return 1 << 24 | value & 0xFFFFFF  # of the autopilot
-
-
-#: Of PX4's feasibility check of a multicopter's mission: words and memory layout of the arguments.
-_MISSION_EVENTS = {
-    event_number(f"navigator_mis_{name}"): entry
-    for name, entry in {
-        "takeoff_missing": ("a take-off item is required", "<"),
-        "land_missing": ("a landing item is required", "<"),
-        "takeoff_or_land_missing": ("a take-off or a landing item is missing", "<"),
-        "add_land_or_rm_to": ("there is a take-off but no landing", "<"),
-        "add_to_or_rm_land": ("there is a landing but no take-off", "<"),
-        "takeoff_too_low": ("the take-off must be to more than {0:.1f} m", "<f"),
-        "takeoff_not_first": ("the take-off is not the first item with a position", "<"),
-        "starts_w_landing": ("the mission begins with a landing", "<"),
-        "starts_w_landing2": ("the mission begins with a landing", "<"),
-        "unsup_cmd": ("item {0} has command {1}, which this vehicle cannot fly", "<HH"),
-        "act_index": ("actuator {0} is out of bounds", "<I"),
-        "act_range": ("actuator value {0} is out of bounds", "<I"),
-        "first_wp_too_far": ("the first waypoint is {0} m away, and {1} m is the most", "<II"),
-        "wp_dist_too_far": ("two waypoints are {0} m apart, and {1} m is the most", "<II"),
-        "wp_gate_too_close": ("a waypoint and a gate are too close", "<"),
-        "no_home_rel_alt": ("the vehicle has no home, but altitudes are relative to it", "<"),
-    }.items()
-}
-
-
-def mission_event(name: str, *values: float) -> tuple[int, bytes]:
-    number = event_number(f"navigator_mis_{name}")
-    return number, struct.pack(_MISSION_EVENTS[number][1], *values)
-
-
-def words_of(number: int, arguments: bytes) -> str | None:
-    """MAVLink cuts zeros off `arguments`."""
-    if number not in _MISSION_EVENTS:
-        return None
-    words, layout = _MISSION_EVENTS[number]
-    size = struct.calcsize(layout)
-    return words.format(*struct.unpack(layout, arguments[:size].ljust(size, b"\0")))
-
-
-@dataclass
-class VehicleTexts:
-    least_severity: int = m.INFO
-    words: list[str] = field(default_factory=list)
-
-    def note(self, message: m.Message | None) -> None:
-        match message:
-            case m.Text(severity, text) if severity <= self.least_severity:
-                words = text.rstrip("\t ")  # PX4 marks a repeated event with a tab
-            case m.Event(number, _, arguments):
-                words = words_of(number, arguments) or ""
-            case _:
-                return
-        if words and words not in self.words:
-            self.words = [*self.words[-7:], words]
-
-    def __str__(self) -> str:
-        return "; ".join(self.words)
 
 
 def observed(dialogue: Dialogue[T], note: Callable[[m.Message | None], object]) -> Dialogue[T]:

@@ -89,7 +89,7 @@ def _await_ready(departure: Departure, ready_s: float) -> Dialogue[None]:
     reason = ""
     try:
         while True:
-            state.warnings.clear()
+            state.warnings.words.clear()
             if state.custom_mode != mode or state.replaced_mode is None:
                 runs = state.custom_mode in (None, state.autopilot.modes.mission)
                 state.replaced_mode = state.autopilot.modes.hold if runs else state.custom_mode
@@ -154,8 +154,8 @@ def restore_mode(state: VehicleState, mode: int) -> Dialogue[None]:
 
 
 def _not_ready_reason(state: VehicleState) -> str:
-    if state.warnings:
-        return "; ".join(dict.fromkeys(state.warnings))
+    if state.warnings.words:
+        return str(state.warnings)
     return "its pre-arm checks do not pass, without a reason" if _has_position(state) else "it has no position"
 
 
@@ -184,6 +184,7 @@ def depart(departure: Departure) -> Dialogue[None]:
             state.expect_flown()
             yield from prove(departure.onboard_lists, state)
             may_be_armed = True
+            state.warnings.words.clear()
             result, words = yield from send(Command.COMPONENT_ARM_DISARM, 1.0)
             if result == CommandResult.ACCEPTED:
                 break
@@ -215,7 +216,8 @@ def _begin(departure: Departure) -> Dialogue[None]:
         yield from _order("start the mission", VehicleCommand.MISSION_START)
     mode = state.autopilot.modes.mission
     if not (yield from until(lambda: state.armed is True and state.custom_mode == mode, SHOWN_S)):
-        raise NotReady(f"the vehicle did not begin its mission: {state}", code="mission-not-begun")
+        says = f"; it says: {state.warnings}" if state.warnings.words else ""
+        raise NotReady(f"the vehicle did not begin its mission: {state}{says}", code="mission-not-begun")
 
 
 def _set_first(departure: Departure) -> Dialogue[None]:

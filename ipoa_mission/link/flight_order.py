@@ -12,10 +12,11 @@ from ipoa_mission.autopilot.commands import Command, VehicleCommand
 from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.link import messages as m
 from ipoa_mission.link import orders
-from ipoa_mission.link.conversations import VehicleTexts, listen_for_words
+from ipoa_mission.link.conversations import listen_for_words
 from ipoa_mission.link.dialogue import Dialogue, Exchange, NoAnswer, Pause, RetryPolicy, SendOnce, until
 from ipoa_mission.link.logbook import Logbook
 from ipoa_mission.link.vehicle_state import NotFlown, NotReady, VehicleState
+from ipoa_mission.link.vehicle_words import VehicleTexts
 from ipoa_mission.mission.flight_record import Deviation, DeviationKind, OnDeviation
 
 if TYPE_CHECKING:

@@ -10,9 +10,10 @@ from ipoa_mission.autopilot.commands import VehicleCommand
 from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.link import messages as m
-from ipoa_mission.link.conversations import VehicleTexts, listen_for_words
+from ipoa_mission.link.conversations import listen_for_words
 from ipoa_mission.link.definitions import definition_of
 from ipoa_mission.link.dialogue import Ask, Dialogue, NoAnswer, Pause, SendOnce, hear
+from ipoa_mission.link.vehicle_words import VehicleTexts
 
 M = TypeVar("M", bound=m.Message)
 

@@ -21,6 +21,7 @@ from ipoa_mission.link.dialogue import (
     wait,
 )
 from ipoa_mission.link.messages import WARNING, Ack, Current, Message, MissionState, MissionType, Request, Result
+from ipoa_mission.link.vehicle_words import VehicleTexts
 from ipoa_mission.link.wire import item_of, item_payload
 from ipoa_mission.mission.items import Item
 from ipoa_mission.mission.stored_mission import Difference, compare, first_number
@@ -103,7 +104,7 @@ class Upload:
 
 
 @dataclass
-class MissionReports(conversations.VehicleTexts):
+class MissionReports(VehicleTexts):
     """PX4's reports of its stored mission: ids and number of items prove that no other station replaced it."""
 
     least_severity: int = WARNING

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from ipoa_mission.autopilot.autopilot import Autopilot, VehicleKind, with_article
 from ipoa_mission.errors import MissionError
 from ipoa_mission.link import messages as m
+from ipoa_mission.link.vehicle_words import VehicleTexts, words_in
 
 log = logging.getLogger(__name__)
 ON_GROUND = 1  # MAV_LANDED_STATE
@@ -55,11 +56,12 @@ class VehicleState:
     may_arm: bool | None = None
     battery_left: float | None = None  # share, first battery
     heard: set[type[m.Message]] = field(default_factory=set)
-    warnings: list[str] = field(default_factory=list)
+    warnings: VehicleTexts = field(default_factory=lambda: VehicleTexts(m.WARNING))
     other_kind: VehicleKind | None = None
 
     def note(self, message: m.Message) -> None:
         self.heard.add(type(message))
+        self.warnings.note(message)
         match message:
             case m.SystemStatus(battery_remaining=left) | m.BatteryStatus(id=0, battery_remaining=left) if left >= 0:
                 self.battery_left = left / 100.0
@@ -81,8 +83,6 @@ class VehicleState:
                 self.current = message
             case m.SystemStatus(present, _, health):
                 self.may_arm = bool(health & PREARM_CHECK) if present & PREARM_CHECK else None
-            case m.Text(severity, text) if severity <= m.WARNING:
-                self.warnings = [*self.warnings[-49:], text.rstrip("\t ")]
 
     def expect_flown(self) -> None:
         """Raise NotFlown unless all heartbeats were of one supported vehicle."""
@@ -178,8 +178,9 @@ class ModeWatch:
             self._modes = frozenset()
 
     def note(self, message: m.Message, now_s: float) -> None:
-        if isinstance(message, m.Text) and message.severity <= m.WARNING:
-            self._warnings.append((now_s, message.text.strip()))
+        words = words_in(message)
+        if words:
+            self._warnings.append((now_s, words))
         mode = self.state.custom_mode
         if not self._modes or mode is None or not self.state.armed or not self.state.in_air:
             return

@@ -12,11 +12,12 @@ from ipoa_mission.autopilot.commands import PLAIN_FRAME, Command, Frame
 from ipoa_mission.autopilot.firmware_tables import Firmware
 from ipoa_mission.autopilot.parameters import Parameters
 from ipoa_mission.errors import MissionError
-from ipoa_mission.geodesy import Geodetic, apart
+from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.link import messages as m
 from ipoa_mission.link.codec import EVERYONE, Target
 from ipoa_mission.link.conversations import MissionRefused, fetch, offer
 from ipoa_mission.link.dialogue import Exchange, NoAnswer, Tell
+from ipoa_mission.link.vehicle_words import event
 from ipoa_mission.mission.items import Item
 from ipoa_mission.mission.stored_mission import as_stored, fence_from_wire, home_item, values_of
 from ipoa_mission.simulator.mock_profile import Answer, MockProfile
@@ -330,38 +331,21 @@ def judge(autopilot: Autopilot, firmware: Firmware, item: Item, kind: int, count
     return m.Result.ACCEPTED if refusal is None else m.Result[refusal.result]
 
 
-@dataclass(frozen=True)
-class Infeasible:
-    """`event`: without `navigator_mis_`."""
-
-    words: str
-    event: str
-    values: tuple[float, ...] = ()
-
-
 def infeasibility(
     autopilot: Autopilot, firmware: Firmware, items: Sequence[Item], home: Geodetic, parameters: Parameters
-) -> Infeasible | None:
-    """Return PX4's verdict; None if it can be flown."""
-    first_limit = parameters.get("MIS_DIST_1WP", 10_000.0)
+) -> m.Event | None:
+    """Return PX4's verdict, which it sends as an event alone; None if it can be flown."""
     has_position = False
     for seq, item in enumerate(items):
         if item.command in firmware.never_flown:
-            words = f"Mission rejected: item {seq + 1}: unsupported cmd: {item.command}"
-            return Infeasible(words, "unsup_cmd", (seq + 1, item.command))
+            return event("navigator_mis_unsup_cmd", seq + 1, item.command)
         if seq == 0 and item.command == Command.NAV_LAND:
-            return Infeasible("Mission rejected: starts with landing", "starts_w_landing")
+            return event("navigator_mis_starts_w_landing")
         if item.command == Command.NAV_TAKEOFF:
             if item.height(home) <= 0.0:
-                return Infeasible("Mission rejected: Takeoff altitude below home altitude!", "takeoff_too_low", (0.0,))
+                return event("navigator_mis_takeoff_too_low")
             if has_position:
-                return Infeasible("Mission rejected: takeoff not first waypoint item", "takeoff_not_first")
-        if item.has_position and not has_position:
-            distance = apart(home, Geodetic(item.latitude_deg, item.longitude_deg))
-            if not distance < first_limit:
-                values = (int(min(distance, 4e9)), int(first_limit))
-                words = f"First waypoint too far away: {values[0]}m, {values[1]} max"
-                return Infeasible(words, "first_wp_too_far", values)
+                return event("navigator_mis_takeoff_not_first")
         has_position = has_position or item.frame != Frame.MISSION
     wrong = autopilot.refusals.ends({item.command for item in items}, parameters)
-    return None if wrong is None else Infeasible(f"Mission rejected: {wrong.words}", wrong.result)
+    return None if wrong is None else event(f"navigator_mis_{wrong.result}")

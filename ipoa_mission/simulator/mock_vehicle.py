@@ -10,18 +10,17 @@ from ipoa_mission.autopilot.commands import LAST_NAV, WAYPOINTS, Command
 from ipoa_mission.autopilot.parameters import Parameters
 from ipoa_mission.link import messages as m
 from ipoa_mission.link.codec import EVERYONE, Target
-from ipoa_mission.link.conversations import mission_event
 from ipoa_mission.link.definitions import message_name
 from ipoa_mission.link.messages import CRITICAL, INFO, Message, MissionState, MissionType
 from ipoa_mission.link.vehicle_state import PREARM_CHECK
+from ipoa_mission.link.vehicle_words import words_in
 from ipoa_mission.link.wire import saturated
 from ipoa_mission.mission.items import Item
-from ipoa_mission.simulator.mission_service import Infeasible, MissionService, infeasibility
+from ipoa_mission.simulator.mission_service import MissionService, infeasibility
 from ipoa_mission.simulator.mock_profile import MockProfile
 from ipoa_mission.simulator.simulated_flight import SimulatedFlight
 from ipoa_mission.simulator.situation import FlightMode
 
-ERROR_LEVELS = 0x63  # of an event
 TEXT_BYTES = 50  # of a STATUSTEXT
 #: MAV_SYS_STATUS_SENSOR: gyroscopes, accelerometers, compass, barometer, GPS, fence, AHRS, battery.
 SENSORS = 1 | 2 | 4 | 8 | 32 | 0x100000 | 0x200000 | 0x2000000
@@ -78,7 +77,7 @@ class MockVehicle:
         self.powered_s = powered_s
         self.outbox: list[tuple[Message, Target]] = []
         self.items: tuple[Item, ...] = ()  # without home, and only a complete mission
-        self.infeasible: Infeasible | None = None
+        self.infeasible: m.Event | None = None
         self.idle_mode = self.reported_mode = profile.first_mode  # without a command
         self.mode_before = profile.first_mode  # PX4: before a return or landing
         self.mission_begun = self.mission_runs = False  # ArduPilot: has a current item, and advances
@@ -133,9 +132,8 @@ class MockVehicle:
         if autopilot.protocol_profile.judges_later and items:
             self.infeasible = infeasibility(autopilot, self.profile.firmware, items, self.flight.home, self.parameters)
         if self.infeasible:
-            self.send_text(CRITICAL, f"{self.infeasible.words}\t")  # an event says the same
-            number, arguments = mission_event(self.infeasible.event, *self.infeasible.values)
-            self.send(m.Event(number, ERROR_LEVELS, arguments))
+            self.send_text(CRITICAL, f"{words_in(self.infeasible)}\t")
+            self.send(self.infeasible)
         self.items = () if self.infeasible else items
         self.flight.load(self.items)
         if not items:

@@ -5,16 +5,7 @@ import pytest
 
 from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.errors import MissionError
-from ipoa_mission.link.conversations import (
-    REFUSAL_TIMEOUT_S,
-    MissionRefused,
-    VehicleTexts,
-    clear,
-    download,
-    fetch,
-    list_name,
-    offer,
-)
+from ipoa_mission.link.conversations import REFUSAL_TIMEOUT_S, MissionRefused, clear, download, fetch, list_name, offer
 from ipoa_mission.link.dialogue import SPECIFIED, Dialogue, Exchange, ListAboard, NoAnswer, Tell
 from ipoa_mission.link.messages import (
     Ack,
@@ -30,6 +21,7 @@ from ipoa_mission.link.messages import (
     Text,
 )
 from ipoa_mission.link.upload import ReadBackDiffers
+from ipoa_mission.link.vehicle_words import VehicleTexts
 from ipoa_mission.mission.stored_mission import Difference
 from tests.link_pair import CLIENT, Air, Fate, Vehicle, items_of
 from tests.refused import refuses
@@ -344,11 +336,11 @@ def test_words_on_a_list_agree_in_number(kind: int, name: str) -> None:
 
 def test_only_the_last_words_are_kept() -> None:
     texts = VehicleTexts()
-    for n in range(20):
+    for n in range(30):
         texts.note(Text(4, f"word {n}"))
         texts.note(Text(7, "chatter"))
     texts.note(None)
-    assert texts.words == [f"word {n}" for n in range(12, 20)]
+    assert texts.words == [f"word {n}" for n in range(10, 30)]
 
 
 def test_every_error_is_one_that_the_command_line_can_tell() -> None:

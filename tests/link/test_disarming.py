@@ -8,7 +8,7 @@ from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.errors import MissionError
 from ipoa_mission.link.departure import depart, prepare
 from ipoa_mission.link.dialogue import Cancelled, NoAnswer
-from ipoa_mission.link.messages import CommandLong, Message
+from ipoa_mission.link.messages import CommandLong, Message, Text
 from ipoa_mission.link.vehicle_state import ON_GROUND, NotReady
 from tests.examples import examples
 from tests.link.scripted import ARDUPILOT, ARM, PX4, START, Scripted
@@ -30,8 +30,15 @@ def test_a_mission_that_is_not_begun_disarms_it_too() -> None:
     vehicle = Scripted(ARDUPILOT)
     vehicle.hold(prepare)
     obey = vehicle.obey
-    vehicle.obey = lambda number, params: None if number == START else obey(number, params)  # type: ignore[method-assign]
-    with refuses("mission-not-begun", "", "GUIDED", kind=NotReady):
+
+    def refuse_later(number: int, params: tuple[float, ...]) -> None:
+        if number == START:
+            vehicle.state.note(Text(2, "Auto: mission not started"))
+        else:
+            obey(number, params)
+
+    vehicle.obey = refuse_later  # type: ignore[method-assign]
+    with refuses("mission-not-begun", "", "GUIDED; it says: Auto: mission not started", kind=NotReady):
         vehicle.hold(depart)
     assert not vehicle.armed
 

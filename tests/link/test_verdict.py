@@ -1,9 +1,12 @@
+from dataclasses import replace
+
 import pytest
 
 from ipoa_mission.autopilot.autopilot import Autopilot
-from ipoa_mission.link.conversations import event_number, mission_event, words_of
 from ipoa_mission.link.messages import Ack, Count, Current, Event, ItemAt, Message, Request, RequestList, Text
 from ipoa_mission.link.upload import Upload, upload
+from ipoa_mission.link.vehicle_state import VehicleState
+from ipoa_mission.link.vehicle_words import VehicleTexts, event, event_number, words_in
 from ipoa_mission.mission.items import Item
 from tests.link.scripted_answers import lead
 from tests.link_pair import CLIENT, STRANGER, items_of
@@ -128,10 +131,41 @@ def test_verdict_on_another_mission_then_silence_is_not_verified() -> None:
 
 
 def test_words_of_an_event_have_its_numbers() -> None:
-    assert words_of(*mission_event("takeoff_too_low", 3.0)) == "the take-off must be to more than 3.0 m"
-    number, arguments = mission_event("unsup_cmd", 2, 400)
-    assert words_of(number, arguments) == "item 2 has command 400, which this vehicle cannot fly"
-    assert words_of(number, b"\x02") == "item 2 has command 0, which this vehicle cannot fly"  # zeros are not sent
+    unsupported = event("navigator_mis_unsup_cmd", 2, 400)
+    assert words_in(unsupported) == "Mission rejected: item 2: unsupported cmd: 400"
+    assert words_in(replace(unsupported, arguments=b"\x02")) == "Mission rejected: item 2: unsupported cmd: 0"  # zeros
+    assert words_in(event("navigator_mis_geofence_violation", 7)) == "Geofence violation for waypoint 7"
+
+
+# As recorded from PX4 1.18 in its simulator.
+NO_MISSION = (Text(2, "Mission start denied! No valid mission\t"), Event(23844490, 98))
+NOT_AVAILABLE = (
+    Text(2, "Switching to Mission is currently not available\t"),
+    Event(27280279, 98, b"\x00\x00\x04\x04\x03"),
+)
+
+
+@pytest.mark.parametrize(("text", "its_event"), [NO_MISSION, NOT_AVAILABLE])
+def test_a_reason_counts_once_whether_text_or_event_or_both_come(text: Text, its_event: Event) -> None:
+    for heard in ([text], [its_event], [text, its_event], [its_event, text]):
+        texts = VehicleTexts()
+        for message in heard:
+            texts.note(message)
+        assert str(texts) == text.text.rstrip()
+
+
+def test_events_are_warnings_of_a_vehicle_that_may_not_arm() -> None:
+    state = VehicleState(PX4)
+    for reason in (event("check_modes_global_pos"), Text(2, "Preflight Fail: Global position estimate required")):
+        state.note(reason)
+    assert state.warnings.words == ["Preflight Fail: Global position estimate required"]
+    assert PX4.protocol_profile.arming_words.lasting(str(state.warnings)) == ()
+
+
+def test_an_event_of_low_severity_is_no_reason() -> None:
+    armed_by = Event(26266355, 102, b"\x04")
+    refusal = replace(event("commander_arm_denied_calibrating"), log_levels=0x66)
+    assert [words_in(armed_by, 7), words_in(refusal), words_in(refusal, 6)] == ["", "", "Arming denied: calibrating"]
 
 
 def test_px4s_numbers_of_events_are_hashes_of_their_names() -> None:

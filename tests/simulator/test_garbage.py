@@ -24,7 +24,7 @@ from ipoa_mission.errors import MissionError
 from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.link import messages as m
 from ipoa_mission.link.codec import EVERYONE, Codec, Framer, Target, TlogWriter, frames, read_tlog
-from ipoa_mission.link.conversations import clear, download, event_number
+from ipoa_mission.link.conversations import clear, download
 from ipoa_mission.link.departure import Departure, depart, prepare
 from ipoa_mission.link.dialogue import SPECIFIED, Cancelled, Exchange, TimeUp
 from ipoa_mission.link.mavftp import FileMessage, Opcode, read_file
@@ -32,6 +32,7 @@ from ipoa_mission.link.orders import request_parameters, set_current
 from ipoa_mission.link.signing import Signer
 from ipoa_mission.link.upload import Upload, upload, upload_by_file
 from ipoa_mission.link.vehicle_state import VehicleState
+from ipoa_mission.link.vehicle_words import event_number
 from ipoa_mission.mission.items import Item
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as Mock
 from ipoa_mission.simulator.station import Station

@@ -12,8 +12,8 @@ from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.autopilot.commands import Command
 from ipoa_mission.autopilot.version import Version
 from ipoa_mission.geodesy import Geodetic
-from ipoa_mission.link.conversations import mission_event
 from ipoa_mission.link.messages import MissionType, Result
+from ipoa_mission.link.vehicle_words import event, words_in
 from ipoa_mission.mission.items import Item
 from ipoa_mission.simulator.mission_service import infeasibility, judge
 
@@ -84,7 +84,7 @@ def test_items_are_judged_as_they_were(autopilot: Autopilot, version: Version, i
 
 
 @pytest.mark.parametrize(
-    ("required", "commands", "event"),
+    ("required", "commands", "why"),
     [
         (0, (), None),
         (1, (Command.NAV_LAND,), "takeoff_missing"),
@@ -96,17 +96,15 @@ def test_items_are_judged_as_they_were(autopilot: Autopilot, version: Version, i
         (5, (TAKEOFF, Command.NAV_LAND), None),
     ],
 )
-def test_px4_requires_the_ends_of_its_parameter(
-    required: int, commands: tuple[Command, ...], event: str | None
-) -> None:
+def test_px4_requires_the_ends_of_its_parameter(required: int, commands: tuple[Command, ...], why: str | None) -> None:
     """As FeasibilityChecker of PX4 1.17 and 1.18."""
     order = sorted((*commands, Command.NAV_WAYPOINT), key=[TAKEOFF, Command.NAV_WAYPOINT, Command.NAV_LAND].index)
     items = [item_of(command, frame=3) for command in order]
     parameters = {"MIS_TKO_LAND_REQ": float(required)}
     verdict = infeasibility(PX4, PX4.firmware(), items, Geodetic(*PLACE[:2]), parameters)
-    assert (verdict and verdict.event) == event
-    if event is not None:
-        mission_event(event)  # which the link has words for
+    assert verdict == (why and event(f"navigator_mis_{why}"))
+    wrong = PX4.refusals.ends(set(commands), parameters)
+    assert words_in(verdict) == ("" if wrong is None else f"Mission rejected: {wrong.words}")
 
 
 @pytest.mark.parametrize("height", [-1.0, 0.0, 0.1, 0.5, 1.0, 2.0, 3.0, 5.0, 10.0])
@@ -115,4 +113,4 @@ def test_px4_refuses_a_take_off_that_does_not_climb(height: float) -> None:
     item = item_of(TAKEOFF, place=(*PLACE[:2], height))
     for version in (RELEASED, BETA):
         verdict = infeasibility(PX4, PX4.firmware(version), [item], Geodetic(*PLACE[:2]), {})
-        assert (verdict and verdict.event) == ("takeoff_too_low" if height <= 0.0 else None)
+        assert verdict == (event("navigator_mis_takeoff_too_low") if height <= 0.0 else None)
