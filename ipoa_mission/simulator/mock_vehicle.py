@@ -11,9 +11,8 @@ from ipoa_mission.autopilot.parameters import Parameters
 from ipoa_mission.link import messages as m
 from ipoa_mission.link.codec import EVERYONE, Target
 from ipoa_mission.link.definitions import message_name
-from ipoa_mission.link.messages import CRITICAL, INFO, Message, MissionState, MissionType
+from ipoa_mission.link.messages import INFO, Message, MissionState, MissionType
 from ipoa_mission.link.vehicle_state import PREARM_CHECK
-from ipoa_mission.link.vehicle_words import words_in
 from ipoa_mission.link.wire import saturated
 from ipoa_mission.mission.items import Item
 from ipoa_mission.simulator.mission_service import MissionService, infeasibility
@@ -132,7 +131,6 @@ class MockVehicle:
         if autopilot.protocol_profile.judges_later and items:
             self.infeasible = infeasibility(autopilot, self.profile.firmware, items, self.flight.home, self.parameters)
         if self.infeasible:
-            self.send_text(CRITICAL, f"{words_in(self.infeasible)}\t")
             self.send(self.infeasible)
         self.items = () if self.infeasible else items
         self.flight.load(self.items)
