@@ -287,7 +287,7 @@ class SerialChannel(RealTime):
     def receive(self, until: float) -> list[tuple[bytes, Peer]]:
         data = self._move()
         while not data and (left := until - self.now()) > 0:
-            time.sleep(min(left, 0.002))
+            self._wait(left)
             data = self._move()
         return [(data, "serial")] if data else []
 
@@ -306,6 +306,14 @@ class SerialChannel(RealTime):
             self._write()
             data: bytes = self._port.read(MAX_READ)
         return data
+
+    def _wait(self, seconds: float) -> None:
+        """Wait for bytes, or for room for unsent ones. Windows cannot wait for a port."""
+        if os.name != "posix":
+            time.sleep(min(seconds, 0.002))
+            return
+        with _broken_by_errors():
+            select.select([self._port], [self._port] if self._unsent else [], [], seconds)
 
     def _write(self) -> None:
         """Write only what the line takes at once: else pyserial blocks for ever."""

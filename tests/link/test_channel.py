@@ -1,6 +1,7 @@
 import os
 import select
 import sys
+import threading
 import time
 import tty
 from collections.abc import Callable, Iterator
@@ -59,6 +60,37 @@ def test_frames_pass_both_ways_over_a_serial_line(cable: Cable, serial: SerialCh
     assert list(frames(os.read(cable.vehicle, 1000))) == [AUTOPILOT]
     os.write(cable.vehicle, AUTOPILOT)
     assert serial.receive(serial.now() + 5.0) == [(AUTOPILOT, "serial")]
+
+
+@pytest.mark.skipif(os.name != "posix", reason="Windows cannot wait for a port")
+def test_a_silent_serial_line_is_waited_for_without_polling(
+    cable: Cable, serial: SerialChannel, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    reads = iter(range(1000))
+    read = serial._port.read
+    monkeypatch.setattr(serial._port, "read", lambda most: read(most + 0 * next(reads)))
+    assert serial.receive(serial.now() + 0.3) == []
+    assert next(reads) == 2
+    threading.Timer(0.1, os.write, (cable.vehicle, AUTOPILOT)).start()
+    began = serial.now()
+    assert serial.receive(began + 5.0) == [(AUTOPILOT, "serial")]
+    assert serial.now() - began < 2.0
+
+
+def test_a_serial_line_is_asked_again_and_again_on_windows(
+    cable: Cable, serial: SerialChannel, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("ipoa_mission.link.channel.os", SimpleNamespace(name="nt"))
+    threading.Timer(0.1, os.write, (cable.vehicle, AUTOPILOT)).start()
+    assert serial.receive(serial.now() + 5.0) == [(AUTOPILOT, "serial")]
+
+
+def test_unsent_bytes_leave_while_a_serial_line_is_silent(cable: Cable, serial: SerialChannel) -> None:
+    while not serial._unsent:
+        serial.send(AUTOPILOT * 20, None)
+    os.read(cable.vehicle, 100_000)
+    assert serial.receive(serial.now() + 0.3) == []
+    assert serial._unsent == b""
 
 
 def test_a_blocked_serial_line_loses_whole_frames_and_never_waits(cable: Cable, serial: SerialChannel) -> None:
