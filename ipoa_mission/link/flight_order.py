@@ -222,7 +222,7 @@ class PositionLoss:
 
     @property
     def words(self) -> str:
-        lost_s = self.ended_s + self._age_s * self.is_lost
+        lost_s = self.ended_s + (self._age_s if self.is_lost else 0.0)
         return f"the flight was not compared for {lost_s:.0f} s: no position was heard" if lost_s else ""
 
 

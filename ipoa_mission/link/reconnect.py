@@ -72,7 +72,7 @@ class LinkLoss:
         if not (self._is_open or self.connection.reopens):
             raise lost
         self._reopens_s = self.connection.now()
-        self._since_s = self._reopens_s - SILENT_S * self._is_open
+        self._since_s = self._reopens_s - (SILENT_S if self._is_open else 0.0)
         self._ends_s = min(self._since_s + GIVE_UP_S, until_s)
         self._reported_s = -RETRY_S
         self._why = "" if self._is_open else str(lost)
