@@ -22,6 +22,7 @@ from ipoa_mission.link import wire
 from ipoa_mission.link.definitions import DEFINITIONS, Definition, definition_of, dialect_of
 from ipoa_mission.link.messages import ItemAt, Message, Text
 from ipoa_mission.link.signing import SIGNED, Signer
+from ipoa_mission.mission.item_words import count_words
 
 log = logging.getLogger(__name__)
 MAGIC_1 = 0xFE
@@ -255,7 +256,7 @@ class LostFrames:
 
     def remarks(self, system: int) -> Iterator[str]:
         if self.torn_bytes:
-            yield f"{self.torn_bytes} bytes of the log are no whole messages: it is damaged or cut short"
+            yield f"{count_words(self.torn_bytes, 'byte')} of the log in no whole message: it is damaged or cut short"
         if self.frames[system]:
             there = self.frames[system] + self.there[system]
             yield f"{self.frames[system]} of {there} messages of system {system} are not in the log, by their numbers"

@@ -16,6 +16,7 @@ from ipoa_mission.link.logbook import Logbook
 from ipoa_mission.logs.logged import Begun, Held, Log, Measured, log_format, messages_of
 from ipoa_mission.logs.telemetry_log import read_telemetry_log, vehicle_time
 from ipoa_mission.mission.flight_record import FlightRecord
+from ipoa_mission.mission.item_words import count_words
 from ipoa_mission.mission.items import Item, Mission
 from ipoa_mission.mission.stored_mission import from_wire, home_item
 
@@ -151,7 +152,7 @@ def read_flights(path: str | Path, system: int | None = None) -> FlightLog:
         remarks.append("the log ends in flight: the rest of the flight is unknown")
     remarks += _gaps(log, written is not None)
     if others := len(stretches) - len(flights):
-        remarks.append(f"{others} time{'s' if others > 1 else ''} it was armed without flying its mission")
+        remarks.append(f"{count_words(others, 'time')} it was armed without flying its mission")
     if any(flight.in_mission and not flight.tells_items for flight in whole):
         remarks.append("the log does not report when an item began or was done")
     flight_log = FlightLog(log.autopilot, log.version, whole, tuple(remarks))
@@ -174,14 +175,14 @@ def _gaps(log: Log, is_on_board: bool) -> Iterator[str]:
     else:
         gaps = np.empty(0)
     if gaps.size:
-        yield f"positions are missing {gaps.size} times in flight, for {gaps.max():.1f} s at most"
+        yield f"positions are missing {count_words(gaps.size, 'time')} in flight, for {gaps.max():.1f} s at most"
     degree = np.radians(1.0) * 6.371e6  # [m]
     with np.errstate(invalid="ignore", over="ignore"):
         east = longitude * degree * np.cos(np.radians(latitude))
         places = np.column_stack([latitude * degree, east, height])
         jumps = ~(np.abs(np.diff(places, axis=0)).max(axis=1) <= most)
     if jumps.any():
-        yield f"positions jump {np.count_nonzero(jumps)} times, as no multicopter flies: some are wrong"
+        yield f"positions jump {count_words(int(jumps.sum()), 'time')}, as no multicopter flies: some are wrong"
 
 
 def _nothing_flown(path: str | Path, log: FlightLog) -> MissionError:

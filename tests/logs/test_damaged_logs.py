@@ -28,17 +28,14 @@ Spoil = Callable[[bytes], bytes]
         ("sitl-ardupilot.bin", lambda data: data[:9000] + bytes(300) + data[9300:], "bytes of the log are not whole"),
         ("sitl-ardupilot.bin", lambda data: data[:12000], "the log ends in flight"),
         # holes at whose end another record begins: no byte is left over
-        (
-            "sitl-ardupilot.bin",
-            lambda data: data[:2953] + data[4953:],
-            "positions are missing 1 times in flight, for 8",
-        ),
+        ("sitl-ardupilot.bin", lambda data: data[:2953] + data[4953:], "positions are missing 1 time in flight, for 8"),
         ("sitl-ardupilot.bin", lambda data: data[:1467] + data[3467:], "the log does not name its firmware"),
-        ("twice-ardupilot.bin", lambda data: data[:3611] + data[5611:], "positions are missing 1 times in flight, for"),
+        ("twice-ardupilot.bin", lambda data: data[:3611] + data[5611:], "positions are missing 1 time in flight, for"),
         ("twice-ardupilot.bin", lambda data: data[:3132] + data[4132:], "1 changes of arming are missing, the first"),
         ("sitl-ardupilot.bin", lambda data: data.replace(b"PARM", b"PRAM"), "no records PARM: its parameters are unkn"),
         ("sitl-ardupilot.bin", lambda data: data.replace(b"ModeNum", b"ModeMun"), "records MODE do not have"),
-        ("sitl-ardupilot.tlog", lambda data: data[:-9], "bytes of the log are no whole messages: it is damaged or cut"),
+        ("sitl-ardupilot.tlog", lambda data: data + b"\0", "1 byte of the log in no whole message"),
+        ("sitl-ardupilot.tlog", lambda data: data[:-9], "bytes of the log in no whole message: it is damaged or cut"),
         ("sitl-ardupilot.tlog", lambda data: data[:4000] + data[6000:], "messages of system 1 are not in the log"),
         ("sitl-ardupilot.tlog", lambda data: data[:8000], "the log ends in flight: the rest of the flight is unknown"),
     ],
@@ -56,7 +53,7 @@ def test_a_position_that_is_spoiled_is_said(tmp_path: Path) -> None:
     at = data.index(round(47.3977420 * 1e7).to_bytes(4, "little")[2:], 9000) - 2
     path = tmp_path / "spoiled.bin"
     path.write_bytes(data[:at] + bytes(4) + data[at + 4 :])
-    assert any("positions jump" in remark for remark in read_flights(path).remarks)
+    assert any("positions jump 2 times, as" in remark for remark in read_flights(path).remarks)
 
 
 def test_a_ulog_with_corruption_or_dropouts_is_named(tmp_path: Path) -> None:
