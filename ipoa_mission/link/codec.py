@@ -225,6 +225,8 @@ class TlogWriter:
             self._file: BinaryIO = Path(path).open("wb", buffering=0)  # noqa: SIM115
         except OSError as error:
             raise Unwritable(f"cannot be written: {error.strerror}", place=path) from error
+        except ValueError as error:
+            raise Unwritable("expected a name without a NUL character", place=path) from error
         note_written(Path(path))
 
     def write(self, frame: bytes, unix_s: float) -> None:

@@ -16,7 +16,8 @@ from codecs import BOM_UTF8
 from enum import StrEnum
 from pathlib import Path
 
-from ipoa_mission.errors import BadInput, TooLarge, Unreadable, Unwritable
+from ipoa_mission.errors import BadInput, TooLarge, Unwritable
+from ipoa_mission.files import read_bytes
 
 if sys.platform == "win32":
     import msvcrt
@@ -34,12 +35,8 @@ MAX_SIGNERS = 16
 def read_key(path: str | Path) -> bytes:
     """Warn if others may write the file; raise BadInput."""
     path = Path(path)
-    try:
-        raw = path.read_bytes()
-        mode = path.stat().st_mode
-    except OSError as error:
-        raise Unreadable(f"cannot be read: {error.strerror}", place=path) from error
-    if os.name == "posix" and mode & (stat.S_IWGRP | stat.S_IWOTH):
+    raw = read_bytes(path)
+    if os.name == "posix" and path.stat().st_mode & (stat.S_IWGRP | stat.S_IWOTH):
         log.warning("%s: others than its owner may write this key: chmod 600 %s", path, path)
     return key_of(raw)
 

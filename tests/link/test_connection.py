@@ -283,6 +283,8 @@ def test_a_log_is_read_back_and_a_torn_record_is_passed_over(tmp_path: Path) -> 
         list(read_tlog(tmp_path / "none.tlog"))
     with refuses("unwritable", "folder.tlog"):
         TlogWriter(tmp_path / "no" / "folder.tlog")
+    with refuses("unwritable", "", "NUL"):
+        TlogWriter("no\0name.tlog")
 
 
 def test_a_garbled_peer_does_not_disturb_a_session(run_mock: Callable[..., object]) -> None:
