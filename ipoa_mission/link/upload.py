@@ -5,6 +5,7 @@ from contextlib import suppress
 from dataclasses import dataclass, field
 
 from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.autopilot.version import Version
 from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.link import conversations, mavftp
 from ipoa_mission.link.conversations import list_name, share_words
@@ -65,12 +66,16 @@ class Unplaced(Unflyable, code="unplaced"):
 
 @dataclass(frozen=True)
 class Upload:
-    """Hold a list in wire form; raise BadInput if MAVLink cannot carry it. `numbers`: for the checksum's questions."""
+    """Hold a list in wire form; raise BadInput if MAVLink cannot carry it.
+
+    `numbers`: for the checksum's questions. `version`: of the firmware, whose changes to items are allowed; None: any.
+    """
 
     items: Sequence[Item]
     autopilot: Autopilot
     kind: int = MissionType.MISSION
     numbers: Iterator[int] | None = field(default=None, repr=False, compare=False)
+    version: Version | None = None
     carried: list[Item] = field(init=False, repr=False, compare=False, default_factory=list)  # as MAVLink rounds them
 
     def __post_init__(self) -> None:
@@ -100,7 +105,7 @@ class Upload:
         seq_offset = self.autopilot.seq_offset if self.kind == MissionType.MISSION else 0
         if not self.items and len(stored) <= seq_offset:
             return None
-        return compare(self.carried, stored, self.autopilot)
+        return compare(self.carried, stored, self.autopilot, self.version)
 
 
 @dataclass

@@ -135,7 +135,7 @@ class Vehicle(VehicleSession):
         """Upload and verify `items` of MAV_MISSION_TYPE `kind` in wire form; each Ctrl-C raises Cancelled."""
         with noted_interrupts(), self._in_time():
             self._await_ready()
-            job = Upload(items, self.autopilot, kind, self._checksum_numbers())
+            job = self._job(items, kind)
             self._onboard_lists.pop(kind, None)
             state = UploadState()
             try:
@@ -155,8 +155,7 @@ class Vehicle(VehicleSession):
             fence = stored_mission.fence_from_wire(lists[MissionType.FENCE])
             rally = stored_mission.rally_from_wire(lists[MissionType.RALLY])
             mission = stored_mission.from_wire(lists[MissionType.MISSION], self.autopilot, self.home())
-        jobs = {kind: Upload(lists[kind], self.autopilot, kind, self._checksum_numbers()) for kind in LISTS}
-        self._onboard_lists = {kind: OnboardList(job) for kind, job in jobs.items()}
+        self._onboard_lists = {kind: OnboardList(self._job(lists[kind], kind)) for kind in LISTS}
         self._set_mission(mission)
         return replace(mission, fence=fence, rally=rally, firmware_version=self.firmware_version())
 
@@ -374,6 +373,13 @@ class Vehicle(VehicleSession):
             onboard.note(message, self._logbook.armed)
         self._mode_watch.note(message, self.connection.now())
         self.overhearing(message)
+
+    def _job(self, items: Sequence[Item], kind: int) -> Upload:
+        """An unknown firmware version may change items as any known one does."""
+        numbers = self._checksum_numbers()
+        version = self.version_heard
+        is_known = version is not None and version.series in self.autopilot.tables.series
+        return Upload(items, self.autopilot, kind, numbers, version if is_known else None)
 
     def _checksum_numbers(self) -> Iterator[int] | None:
         if not self.autopilot.protocol_profile.takes_mission_file:

@@ -7,6 +7,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ipoa_mission.autopilot.autopilot import Autopilot, registered
+from ipoa_mission.autopilot.commands import Command
+from ipoa_mission.autopilot.version import Version
 from ipoa_mission.link.channel import Peer
 from ipoa_mission.link.codec import Codec, Target
 from ipoa_mission.link.connect import meet
@@ -17,7 +19,7 @@ from ipoa_mission.link.upload import Upload
 from ipoa_mission.link.vehicle import ConnectionOptions
 from ipoa_mission.link.wire import item_of, item_payload
 from ipoa_mission.mission.items import Item
-from ipoa_mission.mission.stored_mission import compare
+from ipoa_mission.mission.stored_mission import Difference, compare
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as Mock
 from ipoa_mission.simulator.station import Loopback, Station
 from tests.link_pair import HOME, items_of
@@ -104,3 +106,27 @@ def test_a_list_of_another_length_differs() -> None:
     difference = Upload(ITEMS[:-1], Autopilot.PX4).difference(read_back(ITEMS))
     assert difference is not None
     assert difference.field == "number of items"
+
+
+@pytest.mark.parametrize(("version", "is_lost"), [(None, False), (Version(1, 17), False), (Version(1, 18), True)])
+def test_a_param_that_this_firmware_keeps_may_not_be_lost(version: Version | None, is_lost: bool) -> None:
+    """PX4 1.18 keeps the abort altitude of a LAND (param1), which 1.17 drops."""
+    land = Item(Command.NAV_LAND, 3, (12.0, 0.0, 0.0, 0.0), 47.4, 8.5, 0.0)
+    difference = Upload([land], Autopilot.PX4, version=version).difference([replace(land, params=(0.0, 0.0, 0.0, 0.0))])
+    assert (None if difference is None else difference.field) == ("param1" if is_lost else None)
+
+
+def test_an_upload_compares_by_the_firmware_that_was_heard(monkeypatch: pytest.MonkeyPatch) -> None:
+    versions: list[Version | None] = []
+    compared = Upload.difference
+
+    def difference(job: Upload, stored: Sequence[Item]) -> Difference | None:
+        versions.append(job.version)
+        return compared(job, stored)
+
+    monkeypatch.setattr(Upload, "difference", difference)
+    vehicle = meet(Connection(Loopback(Station(Mock(Autopilot.PX4, HOME))), Codec(*US)))
+    vehicle.upload_items(ITEMS, MissionType.MISSION)
+    vehicle.firmware_version()
+    vehicle.upload_items(ITEMS, MissionType.MISSION)
+    assert [version and version.series for version in versions] == [None, (1, 18)]
