@@ -115,7 +115,7 @@ def text_with(mission: Mission, file: MissionFile, path: Path) -> str:
 
 
 def _merged_lines(file: MissionFile, mission: Mission, new: str) -> str:
-    """Return the source with the lines of changed items; comments and blank lines stay before their item."""
+    """Return the source with changed items' lines; comments and blank lines stay before their item."""
     first, *lines = StringIO(file.source, newline="").readlines()
     line_end = first[len(first.rstrip("\r\n")) :]
     rows = list[str]()

@@ -32,8 +32,8 @@ SAME_PLACE = 0.5  # [m]
 def assemble_survey(tour: Tour, task: SurveyTask, seed: int) -> Mission:
     sight = task.sight
     scenario = task.scenario
-    path, begins, ends = _path(tour)
-    points, corners = lift_path(path, sight, scenario.airspace.ground)
+    points, corners = lift_path(tour.path, sight, scenario.airspace.ground)
+    places = np.array(corners)[tour.numbers]
     out = _clear_transit(scenario.start_point, points[0], task, seed)[:-1]
     back = np.zeros((0, 3))
     if np.linalg.norm(scenario.goal_point - scenario.start_point) > SAME_PLACE:
@@ -46,41 +46,22 @@ def assemble_survey(tour: Tour, task: SurveyTask, seed: int) -> Mission:
         back = np.vstack([back, _clear_transit(last_place, home, task, seed)[1:]])
         route = Route(np.vstack([out, points, back]))
         mission = build_mission(route, scenario)
-    numbers = items_of_waypoints(route)[len(out) :]
+    numbers = np.array(items_of_waypoints(route)[len(out) :])[places].tolist()
     added = defaultdict[int, list[Item]](list)  # by the index of the item before
-    for swath, begin, end in zip(tour.swaths, begins, ends, strict=True):
+    for swath, n in zip(tour.swaths, np.flatnonzero(tour.is_on).tolist(), strict=True):
         start_photos, stop_photos = _camera_items(sight.triggering(swath.length)[0], mission)
-        added[numbers[corners[begin]]] += start_photos
-        added[numbers[corners[end]]] += stop_photos
+        added[numbers[n]] += start_photos
+        added[numbers[n + 1]] += stop_photos
     count = sum(map(len, added.values()))
     gimbal = [] if task.section.gimbal is None else _gimbal_items(mission)
     added[0] = gimbal + added[0]
     items = [each for n, item in enumerate(mission.items) for each in (item, *added[n])]
-    first = max(numbers[corners[begins[0]]], 2) + len(gimbal)
-    last = numbers[corners[ends[-1]]] + count + len(gimbal)
+    first = max(numbers[0], 2) + len(gimbal)
+    last = numbers[-1] + count + len(gimbal)
     flown = replace(mission, items=tuple(items))
     if flown.items[first].command != Command.NAV_WAYPOINT:
         return flown
     return replace(flown, complex_items=(_qgroundcontrol_item(flown.items[first : last + 1], tour, task),))
-
-
-def _path(tour: Tour) -> tuple[Plane, list[int], list[int]]:
-    """Return the corners, and the indices of line begins and ends."""
-    path = list[Vector]()
-    begins = list[int]()
-    ends = list[int]()
-
-    def reach(place: Vector) -> int:
-        if not path or (path[-1] != place).any():
-            path.append(place)
-        return len(path) - 1
-
-    for n, swath in enumerate(tour.swaths):
-        for place in tour.transits[n - 1] if n else ():
-            reach(place)
-        begins.append(reach(swath.begin))
-        ends.append(reach(swath.end))
-    return np.array(path), begins, ends
 
 
 def _gimbal_items(mission: Mission) -> list[Item]:

@@ -18,7 +18,6 @@ from ipoa_mission.survey.survey_lines import (
     MAX_UNSEEN,
     GapCloser,
     LineAxes,
-    SensedPath,
     area_seen_from,
     cut_lines,
     line_over,
@@ -26,7 +25,7 @@ from ipoa_mission.survey.survey_lines import (
     polygons_of,
 )
 from ipoa_mission.survey.times import LegTimes
-from ipoa_mission.survey.tour import Swath, Tour
+from ipoa_mission.survey.tour import Tour
 
 Direction: TypeAlias = Literal["best", "crosshatch"] | float | Sequence[float]
 
@@ -64,25 +63,25 @@ def quickest_tour(
         is_last = not passes[1:] and direction != "crosshatch"
         best = problem.quickest_pass(passes.pop(0), begin, end if is_last else None)
         if places:
-            transit = problem.transit(places[-1], best.path.places[0])
-            places += list(transit[1:-1])
+            transit = problem.transit(places[-1], best.tour.places[0])
+            places += [*transit[1:-1]]
             is_on += [False] * (len(transit) - 1)
-        places += best.path.places
-        is_on += best.path.is_on
+        places += [*best.tour.places]
+        is_on += best.tour.is_on.tolist()
         begin = places[-1]
         if direction == "crosshatch":
             direction = "best"
             passes = [[best.degrees + 90.0]]
-    return _tour_of(np.array(places), is_on)
+    return Tour(np.array(places), np.array(is_on))
 
 
 @dataclass(frozen=True, eq=False)
 class _Pass:
-    """Lines (n, 2, 2) and their path; `goals`: detours that close gaps; `unseen`: the excess unseen share."""
+    """Lines (n, 2, 2) and their tour; `goals`: detours that close gaps; `unseen`: the excess unseen share."""
 
     degrees: float
     lines: Points
-    path: SensedPath
+    tour: Tour
     seconds: float
     goals: list[Plane]
     unseen: float
@@ -214,25 +213,23 @@ class CoverProblem:
         entries, seconds = search_order(times, along, rounds)
         if seconds >= NO_WAY:
             raise _no_way_between_parts()
-        path = SensedPath([ends[entries[0]]])
+        places = [ends[entries[0]]]
+        is_on = list[bool]()
         for n, entry in enumerate(entries):
-            if n:
-                corners = transits.corners(int(entries[n - 1]) ^ 1, int(entry))
-                path.places += list(corners[1:])
-                path.is_on += [False] * (len(corners) - 1)
-            path.places.append(ends[entry ^ 1])
-            path.is_on.append(True)
-        return _Pass(degrees, lines, path, self._seconds(path, begin, end), [], 1.0)
+            corners = [*transits.corners(int(entries[n - 1]) ^ 1, int(entry))[1:]] if n else []
+            places += [*corners, ends[entry ^ 1]]
+            is_on += [False] * len(corners) + [True]
+        tour = Tour(np.array(places), np.array(is_on))
+        return _Pass(degrees, lines, tour, self._seconds(tour, begin, end), [], 1.0)
 
     def _closed(self, ordered: _Pass, begin: Vector | None, end: Vector | None) -> _Pass:
-        path = SensedPath([*ordered.path.places], [*ordered.path.is_on])
-        goals, unseen = GapCloser(self.area, self.spacing, self.turns, self.cost).close(path)
-        seconds = self._seconds(path, begin, end)
-        return replace(ordered, path=path, seconds=seconds, goals=goals, unseen=round(unseen, 4))
+        tour, goals, unseen = GapCloser(self.area, self.spacing, self.turns, self.cost).close(ordered.tour)
+        seconds = self._seconds(tour, begin, end)
+        return replace(ordered, tour=tour, seconds=seconds, goals=goals, unseen=round(unseen, 4))
 
-    def _seconds(self, path: SensedPath, begin: Vector | None, end: Vector | None) -> float:
+    def _seconds(self, tour: Tour, begin: Vector | None, end: Vector | None) -> float:
         before, after = ([] if place is None else [np.asarray(place, float)] for place in (begin, end))
-        return self.cost.seconds(np.array([*before, *path.places, *after]))
+        return self.cost.seconds(np.array([*before, *tour.places, *after]))
 
     def _out(self, place: Vector) -> Plane:
         """Return a place, then the nearest free one if the outline covers it, (1 or 2, 2)."""
@@ -279,18 +276,3 @@ def _where_lines_go(area: Any, keep_out: Any, visible: Any, spacing: float, past
         if len(shapely.get_parts(simple)) == len(shapely.get_parts(permitted)) and hidden <= may_hide:
             return simple
     return permitted
-
-
-def _tour_of(places: Plane, is_on: list[bool]) -> Tour:
-    swaths = list[Swath]()
-    transits = list[Plane]()
-    transit = list[Vector]()
-    for n, on in enumerate(is_on):
-        if on:
-            if swaths:
-                transits.append(np.array([swaths[-1].end, *transit, places[n]]))
-            swaths.append(Swath(places[n], places[n + 1]))
-            transit = []
-        elif swaths and n + 1 < len(is_on) and not is_on[n + 1]:
-            transit.append(places[n + 1])
-    return Tour(tuple(swaths), tuple(transits))

@@ -76,8 +76,7 @@ class Coverage(AsFlown):
 def coverage(area: Area, tour: Tour, width: float, keep_out: Any = None) -> Coverage:
     """Return the coverage by a tour; `width` [m] of the sensor, `keep_out` a shapely geometry."""
     can = area.visible(keep_out, width)
-    lines = np.array([swath.ends for swath in tour.swaths]).reshape(-1, 2, 2)
-    seen = area.shape.intersection(union_along(shapely.linestrings(lines), width / 2, ARC))
+    seen = area.shape.intersection(union_along(shapely.linestrings(tour.lines), width / 2, ARC))
     gaps = can.difference(seen)
     visible_m2 = float(can.area)
     share = 1.0 if visible_m2 <= 0.0 else 1.0 - float(gaps.area) / visible_m2

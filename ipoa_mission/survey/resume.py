@@ -34,7 +34,7 @@ def rest_of_tour(
                 transits.append(tour.transits[n - 1] if is_next else transit(swaths[-1].end, piece.begin))
             swaths.append(piece)
             before = n
-    return Tour(tuple(swaths), tuple(transits)) if swaths else None
+    return Tour.of(swaths, transits) if swaths else None
 
 
 @dataclass(frozen=True)

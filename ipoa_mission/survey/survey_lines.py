@@ -1,7 +1,7 @@
 """Lay parallel lines, and close the gaps between by detours."""
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -11,6 +11,7 @@ from shapely.ops import substring
 from ipoa_mission.geometry import Plane, Points, Vector, polyline_length, union_of
 from ipoa_mission.survey.free import FreeSpace
 from ipoa_mission.survey.times import LegTimes
+from ipoa_mission.survey.tour import Tour
 
 ARC = 8  # segments of a quarter circle
 MAX_UNSEEN = 7e-4  # of the area
@@ -113,35 +114,11 @@ def line_over(gap: Any, inner: Any, width: float) -> Plane | None:
 
 @dataclass(frozen=True, eq=False)
 class Detour:
-    """A detour from a leg (-1: before the path, last: after it) by `via`, with `goal`, to its end."""
+    """A detour from a leg of a tour by `via`, with `goal`."""
 
     leg: int
     via: Plane
     goal: Plane
-
-
-@dataclass
-class SensedPath:
-    """Places (n, 2), and whether the sensor is on after each."""
-
-    places: list[Vector]
-    is_on: list[bool] = field(default_factory=list)
-
-    @property
-    def lines(self) -> Points:
-        """Return legs with the sensor on, (n, 2, 2)."""
-        lines = [self.places[n : n + 2] for n, is_on in enumerate(self.is_on) if is_on]
-        return np.array(lines).reshape(-1, 2, 2)
-
-    def insert(self, detour: Detour) -> Plane:
-        """Insert a detour; return its places with both ends on the path."""
-        n = detour.leg
-        via = list(detour.via)
-        begin = self.places[max(n, 0) : n + 1]
-        end = self.places[n + 1 : n + 2]
-        self.places[n + 1 : n + 1] = via
-        self.is_on[max(n, 0) : n + 1] = [True] * (len(begin) + len(via) + len(end) - 1)
-        return np.array([*begin, *via, *end])
 
 
 @dataclass(frozen=True, eq=False)
@@ -151,11 +128,8 @@ class GapCloser:
     space: FreeSpace
     cost: LegTimes
 
-    def close(self, route: SensedPath) -> tuple[list[Plane], float]:
-        """Insert detours into `route` past its largest gaps.
-
-        Return the lines (k, 2) and places (1, 2) of detours, and the unseen share beyond the limit.
-        """
+    def close(self, route: Tour) -> tuple[Tour, list[Plane], float]:
+        """Return the route with detours, their lines (k, 2) or places (1, 2), and the unseen share beyond limits."""
         hopeless = list[Any]()
         goals = list[Plane]()
         left = self.area.difference(area_seen_from(route.lines, self.width))
@@ -176,11 +150,12 @@ class GapCloser:
                     hopeless.append(gap)
                 else:
                     goals.append(detour.goal)
-                    seen.append(shapely.LineString(route.insert(detour)).buffer(self.width / 2, quad_segs=ARC))
+                    route, line = route.detour(detour.leg, detour.via)
+                    seen.append(shapely.LineString(line).buffer(self.width / 2, quad_segs=ARC))
             left = left.difference(union_of(seen))
-        return goals, max(float(areas.sum()) / self.area.area - MAX_UNSEEN, 0.0)
+        return route, goals, max(float(areas.sum()) / self.area.area - MAX_UNSEEN, 0.0)
 
-    def _detour(self, route: SensedPath, gap: Any) -> Detour | None:
+    def _detour(self, route: Tour, gap: Any) -> Detour | None:
         around = self._viewpoints(gap)
         lines = [] if around is not None else self._lines(gap)
         if around is None and not lines:
@@ -190,7 +165,7 @@ class GapCloser:
         legs = self._near_legs(route, shapely.get_coordinates(gap.centroid)[0])
         return self._quickest(route, legs, around, lines)
 
-    def _quickest(self, route: SensedPath, legs: list[int], around: Any | None, lines: list[Plane]) -> Detour | None:
+    def _quickest(self, route: Tour, legs: list[int], around: Any | None, lines: list[Plane]) -> Detour | None:
         best = None
         least = np.inf
         for n in legs:
@@ -209,18 +184,18 @@ class GapCloser:
                     least = seconds
         return best
 
-    def _at_least(self, before: list[Vector], via: Plane, after: list[Vector]) -> float:
+    def _at_least(self, before: Plane, via: Plane, after: Plane) -> float:
         legs = np.diff(np.array([*before, via[0]]), axis=0), np.diff(np.array([via[-1], *after]), axis=0)
         return self.cost.seconds(via) + float(np.linalg.norm(np.concatenate(legs), axis=1).sum()) / self.cost.speed
 
-    def _round_corners(self, before: list[Vector], via: Plane, after: list[Vector]) -> Plane | None:
+    def _round_corners(self, before: Plane, via: Plane, after: Plane) -> Plane | None:
         places = [via]
-        if before:
+        if len(before):
             way_in = self.space.way(before[0], via[0], self.cost)
             if way_in is None:
                 return None
             places.insert(0, way_in[1:-1])
-        if after:
+        if len(after):
             way_out = self.space.way(via[-1], after[0], self.cost)
             if way_out is None:
                 return None
@@ -236,18 +211,17 @@ class GapCloser:
         around = shapely.intersection(shapely.intersection_all(discs), self.space.inner)
         return None if around.is_empty else around
 
-    def _near_legs(self, route: SensedPath, center: Vector) -> list[int]:
+    def _near_legs(self, route: Tour, center: Vector) -> list[int]:
         """Return the legs near a place; -1 and the last index: before and after the path."""
-        places = np.array(route.places)
-        begins = places[:-1]
-        legs = places[1:] - begins
+        begins = route.places[:-1]
+        legs = route.places[1:] - begins
         squares = np.maximum(np.einsum("ij,ij->i", legs, legs), 1e-12)
         share = np.clip(np.einsum("ij,ij->i", center - begins, legs) / squares, 0, 1)
         away = np.linalg.norm(begins + share[:, None] * legs - center, axis=1)
-        away[np.array(route.is_on, bool)] = np.inf  # lines stay straight
+        away[route.is_on] = np.inf  # lines stay straight
         max_legs = 6
         order = np.argsort(away, kind="stable")[:max_legs]
-        return [*(int(n) for n in order if np.isfinite(away[n])), -1, len(places) - 1]
+        return [*(int(n) for n in order if np.isfinite(away[n])), -1, len(route.is_on)]
 
     def _lines(self, gap: Any) -> list[Plane]:
         """Return the line that sees most of a gap, and the edge of a hole if it takes most of the line."""
@@ -270,8 +244,8 @@ class GapCloser:
         quick = [n for n, area in enumerate(left) if area <= min(left) + MIN_SHARE_SEEN * gap.area]
         return [lines[quick[0]]] if quick and left[quick[0]] < (1 - MIN_SHARE_SEEN) * gap.area else []
 
-    def _goals(self, around: Any | None, lines: list[Plane], before: list[Vector], after: list[Vector]) -> list[Plane]:
-        ends = np.array([*before, *after])
+    def _goals(self, around: Any | None, lines: list[Plane], before: Plane, after: Plane) -> list[Plane]:
+        ends = np.concatenate([before, after])
         if lines:
             begun = [_begun_near(line, ends) for line in lines]
             return [each for line in begun for each in (line, line[::-1])]

@@ -4,6 +4,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
+import numpy as np
 import shapely
 
 from ipoa_mission import BadInput, Finding, Forecast, MissionError, NoPath, NotEnoughBattery, Scenario
@@ -31,7 +32,7 @@ from ipoa_mission.survey.flown_coverage import (
 )
 from ipoa_mission.survey.resume import rest_of_tour
 from ipoa_mission.survey.survey_task import SurveyTask, lay_lines, task_of
-from ipoa_mission.survey.tour import Swath, Tour, Unreached, fewest_parts, parts_of_equal_length
+from ipoa_mission.survey.tour import Tour, Unreached, fewest_parts, parts_of_equal_length
 from ipoa_mission.world.obstacles import Obstacle
 
 ROUNDS = 8  # with more clearance, at each speed
@@ -190,11 +191,11 @@ class FlightMaker:
 
     task: SurveyTask
     seed: int
-    _longest: dict[Swath, tuple[Tour, Forecast]] = field(default_factory=dict, init=False, repr=False, compare=False)
+    _longest: dict[bytes, tuple[Tour, Forecast]] = field(default_factory=dict, init=False, repr=False, compare=False)
 
     def __call__(self, tour: Tour) -> Forecast:
-        longest = self._longest.get(tour.swaths[0])
-        if longest is not None and longest[0].swaths == tour.swaths:
+        longest = self._longest.get(tour.places[:2].tobytes())
+        if longest is not None and np.array_equal(longest[0].places, tour.places):
             return longest[1]
         return Forecast(assemble_survey(tour, self.task, self.seed), self.task.scenario)
 
@@ -206,7 +207,7 @@ class FlightMaker:
         has_battery = self.task.scenario.vehicle.battery is not None
         if is_too_long(forecast.mission) or (has_battery and refusal_of(forecast) is not None):
             return False
-        self._longest[tour.swaths[0]] = tour, forecast
+        self._longest[tour.places[:2].tobytes()] = tour, forecast
         return True
 
     @property

@@ -221,7 +221,7 @@ def _corridor_tour(task: SurveyTask, middle: Plane, width: float, begin: Vector)
             return None
         lines.append(corners if n % 2 == 0 else corners[::-1])
     swaths = tuple(Swath(a, b) for line in lines for a, b in pairwise(line))
-    return Tour(swaths, tuple(np.array([before.end, after.begin]) for before, after in pairwise(swaths)))
+    return Tour.of(swaths, [np.array([before.end, after.begin]) for before, after in pairwise(swaths)])
 
 
 def _trim_ends(middle: Plane, by: float) -> Plane:

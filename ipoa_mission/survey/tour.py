@@ -1,13 +1,15 @@
 """Tours of lines, and their split into flights."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ipoa_mission.forecast.contingency.energy_budget import greatest_fitting
-from ipoa_mission.geometry import Plane, Vector, polyline_length
+from ipoa_mission.geometry import Plane, Points, Vector, polyline_length
 
 MAX_PIECES = 64  # of a line
 
@@ -37,25 +39,60 @@ class Swath:
 
 @dataclass(frozen=True, eq=False)
 class Tour:
-    """Lines in flight order; `transits[n]` leads from line n to the next."""
+    """Places (n, 2) in flight order [m]; the sensor `is_on` from each to the next (n - 1,), on a straight line."""
 
-    swaths: tuple[Swath, ...]
-    transits: tuple[Plane, ...]
+    places: Plane
+    is_on: NDArray[np.bool_]
+
+    @classmethod
+    def of(cls, swaths: Sequence[Swath], transits: Sequence[Plane]) -> "Tour":
+        """`transits[n]` leads from line n to the next, both ends included."""
+        places = [*swaths[0].ends]
+        is_on = [True]
+        for transit, swath in zip(transits, swaths[1:], strict=True):
+            corners = [*transit[1:-1], swath.begin]
+            if len(corners) == 1 and (swath.begin == places[-1]).all():
+                corners = []
+            places += [*corners, swath.end]
+            is_on += [False] * len(corners) + [True]
+        return cls(np.array(places), np.array(is_on))
+
+    @property
+    def lines(self) -> Points:
+        """Return ends (k, 2, 2)."""
+        return np.stack([self.places[:-1], self.places[1:]], axis=1)[self.is_on]
+
+    @cached_property
+    def swaths(self) -> tuple[Swath, ...]:
+        return tuple(Swath(*ends) for ends in self.lines)
+
+    @property
+    def transits(self) -> list[Plane]:
+        """Return the ways between lines."""
+        return [self.places[[a + 1, *range(a + 2, b), b]] for a, b in pairwise(np.flatnonzero(self.is_on).tolist())]
 
     @property
     def path(self) -> Plane:
-        """Return all corners, without repeats."""
-        if not self.swaths:
-            return np.empty((0, 2))
-        pieces = [self.swaths[0].ends]
-        for transit, swath in zip(self.transits, self.swaths[1:], strict=True):
-            pieces += [transit, swath.ends]
-        path = np.concatenate(pieces)
-        moves = (np.diff(path, axis=0) != 0.0).any(axis=1)
-        return np.asarray(path[np.concatenate([[True], moves])])
+        """Return the places without repeats."""
+        return np.asarray(self.places[np.diff(self.numbers, prepend=-1) > 0])
+
+    @property
+    def numbers(self) -> NDArray[np.int64]:
+        """Return each place's index in `path`."""
+        moves = (np.diff(self.places, axis=0) != 0.0).any(axis=1)
+        return np.concatenate([[0], np.cumsum(moves)])
 
     def part(self, first: int, last: int) -> "Tour":
-        return Tour(self.swaths[first:last], self.transits[first : last - 1])
+        begin, end = np.flatnonzero(self.is_on)[[first, last - 1]].tolist()
+        return Tour(self.places[begin : end + 2], self.is_on[begin : end + 1])
+
+    def detour(self, leg: int, via: Plane) -> tuple["Tour", Plane]:
+        """Return the tour by `via` from a leg (-1: before the path, last: after it), and those lines."""
+        begin = max(leg, 0)
+        line = np.concatenate([self.places[begin : leg + 1], via, self.places[leg + 1 : leg + 2]])
+        places = np.concatenate([self.places[: leg + 1], via, self.places[leg + 1 :]])
+        is_on = np.concatenate([self.is_on[:begin], np.ones(len(line) - 1, bool), self.is_on[leg + 1 :]])
+        return Tour(places, is_on), line
 
 
 class Unreached(Exception):
@@ -75,12 +112,14 @@ def fewest_parts(tour: Tour, fits: Callable[[Tour], bool], overlap: float, guess
         Unreached: no piece of a line fits.
     """
     rest = tour
-    while rest.swaths:
+    while True:
         count = greatest_fitting(lambda n, rest=rest: fits(rest.part(0, n)), len(rest.swaths), guess)  # type: ignore[misc]
         if count == 0:
             rest = _first_line_cut(rest, fits, overlap)
             continue
         yield rest.part(0, count)
+        if count == len(rest.swaths):
+            return
         rest = rest.part(count, len(rest.swaths))
         guess = count
 
@@ -95,13 +134,13 @@ def _first_line_cut(tour: Tour, fits: Callable[[Tour], bool], overlap: float) ->
         return [Swath(swath.at(begin), swath.at(end)) for begin, end in zip(begins, ends[1:], strict=True)]
 
     def fit(pieces: list[Swath]) -> bool:
-        return all(fits(Tour((piece,), ())) for piece in (pieces[0], pieces[-1]))
+        return all(fits(Tour.of((piece,), ())) for piece in (pieces[0], pieces[-1]))
 
     if not fit(cut(MAX_PIECES)):
         raise Unreached(swath)
     pieces = next(filter(fit, map(cut, range(2, MAX_PIECES + 1))))
-    between = tuple(np.array([before.end, after.begin]) for before, after in pairwise(pieces))
-    return Tour((*pieces, *tour.swaths[1:]), (*between, *tour.transits))
+    between = [np.array([before.end, after.begin]) for before, after in pairwise(pieces)]
+    return Tour.of((*pieces, *tour.swaths[1:]), (*between, *tour.transits))
 
 
 def parts_of_equal_length(tour: Tour, count: int) -> tuple[Tour, ...]:

@@ -50,7 +50,6 @@ def test_unread_parts_stay(tmp_path: Path) -> None:
 
 
 def commented(folder: Path) -> MissionFile:
-    """A list with CRLF, a comment before items 2 and 5, and one after the last."""
     lines = (MISSIONS / "sitl.waypoints").read_text().splitlines()
     lines[6:6] = ["", "# the mast"]
     lines[3:3] = ["  # the north field"]
@@ -59,7 +58,7 @@ def commented(folder: Path) -> MissionFile:
     return opened(path)
 
 
-def test_comments_and_line_ends_of_a_waypoints_file_stay_in_place(tmp_path: Path) -> None:
+def test_comments_and_line_ends_of_an_edited_file_stay(tmp_path: Path) -> None:
     file = commented(tmp_path)
     before, after = file.source.split("\r\n"), moved(file, 4).split("\r\n")
     assert len(before) == len(after)
@@ -67,7 +66,7 @@ def test_comments_and_line_ends_of_a_waypoints_file_stay_in_place(tmp_path: Path
     assert before[changed].startswith("4\t")
 
 
-def test_comments_stay_before_their_items_if_others_are_inserted_or_removed(tmp_path: Path) -> None:
+def test_comments_move_with_their_items(tmp_path: Path) -> None:
     file = commented(tmp_path)
     removed = text_with(without_item(file.mission, 3), file, Path("a")).split("\r\n")
     inserted = text_with(with_inserted(file.mission, 2, file.mission.items[3]), file, Path("a")).split("\r\n")

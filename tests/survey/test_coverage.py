@@ -14,7 +14,7 @@ AREA = Area.of([[[(0.0, 0.0), (100.0, 0.0), (100.0, 20.0), (0.0, 20.0)]]])
 
 def along(*places: tuple[float, float]) -> Tour:
     swaths = [Swath(np.array(a), np.array(b)) for a, b in pairwise(places)]
-    return Tour(tuple(swaths), tuple(np.array([swath.end, swath.end]) for swath in swaths[:-1]))
+    return Tour.of(swaths, [np.array([swath.end, swath.end]) for swath in swaths[:-1]])
 
 
 def test_the_ends_of_a_line_are_round() -> None:

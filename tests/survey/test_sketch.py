@@ -88,7 +88,7 @@ def test_a_line_that_is_left_out_shows_in_the_smallest_overlap(photographed: Sce
     sketch = sketch_survey(photographed)
     rows = sorted({round(float(swath.begin[1]), 3) for swath in sketch.tour.swaths})
     left = [swath for swath in sketch.tour.swaths if round(float(swath.begin[1]), 3) != rows[-3]]
-    smallest = overlaps(sketch, Tour(tuple(left), ())).side
+    smallest = overlaps(sketch, Tour.of(left, [np.array([a.end, b.begin]) for a, b in pairwise(left)])).side
     assert smallest is not None
     assert smallest.share == pytest.approx(1 - (rows[-2] - rows[-4]) / sketch.sight.across, abs=1e-3)
     assert rows[-4] - 1 < smallest.at[1] < rows[-2] + 1
