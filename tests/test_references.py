@@ -48,7 +48,7 @@ def is_defined(module: Path, names: list[str]) -> bool:
     return module.exists()
 
 
-@pytest.mark.parametrize("page", ["life-of-a-plan.md", "glossary.md", "safety.md"])
+@pytest.mark.parametrize("page", ["life-of-a-plan.md", "life-of-a-survey.md", "glossary.md", "safety.md"])
 def test_names_with_their_room_exist(page: str) -> None:
     text = (REPOSITORY / "docs" / page).read_text(encoding="utf-8")
     references = ROOMS.findall(text)
