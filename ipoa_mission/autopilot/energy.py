@@ -3,8 +3,7 @@
     P = (kappa T v + P_profile + D V + m g w) / eta + P_avionics
 
 T balances weight and drag; `v = T / (2 rho A |V + v|)`; P_profile follows from the figure of merit in hover. J. G.
-Leishman, Principles of Helicopter Aerodynamics, 2nd ed. 2006, sections 2.2-2.8, 2.13, 5.3-5.4. With T = m g and no
-tilt: Y. Zeng, J. Xu, R. Zhang, IEEE Trans. Wireless Commun. 18 (2019) 2329, eq. (12).
+Leishman, Principles of Helicopter Aerodynamics, 2nd ed. 2006, sections 2.2-2.8, 2.13, 5.3-5.4.
 
 Not modeled: advance ratio, ground effect, vortex ring state. Descent needs level power.
 """

@@ -189,7 +189,7 @@ class Forecast:
         """Predict the flight until `contingency` is ordered at `time` [s], then that until it disarms.
 
         Raises:
-            MissionError: as `predicted`; or the contingency is not `TIMED`.
+            MissionError: as `predicted`; or it is not `TIMED`.
         """
         if contingency not in TIMED:
             raise NotModeled(f"the duration of {contingency} is not modeled")

@@ -2,5 +2,5 @@
 
 Read `arducopter/vehicle.py` first: it declares all that other rooms ask, and names its parts. `flight_model` predicts
 times by `dynamics`, `flight_controller` flies the same dynamics in the built-in autopilot, `log` reads logs.
-`limits` turns parameters into motion limits. PX4's return is in `limits.Px4Return` and `vehicle.return_route`.
+`limits` turns parameters into motion limits.
 """

@@ -6,5 +6,4 @@
 `contingency_samples` holds its arrays, refined until no shortfall can hide.
 `shortfalls` finds its nearest passings, and return altitudes without one.
 `energy_budget` compares RTL with the battery; `contingencies_now` looks up rows in flight.
-`predict_contingency` times an RTL, `Navigator.return_to` an RTL item of PX4: both use `return_orders`.
 """

@@ -74,7 +74,7 @@ class Itinerary:
         """Return the places of a return back along the mission to over home; None: straight.
 
         Raises:
-            MissionError: it returns to a landing of its own, which is not modeled.
+            MissionError: it returns to a landing of its own.
         """
         by = self.route_of_return(here, self._visited_landing(n, here)).by
         if by is ReturnBy.DIRECT:

@@ -143,12 +143,7 @@ class FlightModel(ABC):
 
     @abstractmethod
     def predicted(self, itinerary: Itinerary, wind: Wind, noise_free: bool) -> Prediction:
-        """Predict the flight, `noise_free` or with the mean of sensor noise.
-
-        Raises:
-            BadInput: an item never ends, or a parameter is invalid.
-            MissionError: the vehicle makes no progress.
-        """
+        """Predict the flight, `noise_free` or with the mean of sensor noise; raises as `Forecast.predicted`."""
 
     def spread(self, itinerary: Itinerary, wind: Wind, predicted: Prediction) -> Points | None:
         """Return the deviation due to this route, beyond the deviation law, (n, 3) as in `Pieces`; None: nowhere."""
@@ -161,11 +156,7 @@ class FlightModel(ABC):
     def predict_contingency(
         self, itinerary: Itinerary, wind: Wind, contingency: Contingency, time: float
     ) -> Prediction:
-        """Predict the flight until a contingency is ordered at `time` [s], then that; `done` has only its end.
-
-        Raises:
-            MissionError: the vehicle makes no progress; or the model has no such flights.
-        """
+        """As `Forecast.predicted_with`; `done` has only the end."""
         raise NotModeled(f"{itinerary.mission.autopilot.model} has no model of returns: their duration is unknown")
 
     def airframe(self, altitude: float) -> SlowedByAir:

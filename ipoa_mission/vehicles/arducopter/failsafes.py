@@ -1,8 +1,7 @@
 """ArduCopter's failsafe actions.
 
 Read in 4.7.0-dev (2598e9d4): ArduCopter/events.cpp, fence.cpp, ekf_check.cpp, crash_check.cpp, avoidance_adsb.cpp,
-AP_BattMonitor, AC_Fence, AP_SmartRTL. On the ground it disarms instead. Not covered: advanced failsafe (AFS_*),
-scripts.
+AP_BattMonitor, AC_Fence, AP_SmartRTL.
 """
 
 from dataclasses import replace

@@ -1,8 +1,7 @@
 """PX4's failsafe actions.
 
 Read in 1.17.0 (d6f12ad1), release/1.18 (05deebf313) and main of 2026-08-13 (bb59c637): commander/failsafe, its
-parameters, navigator. The most severe counts. Fallbacks: hold, RTL, land, descent without position, stopped motors. Not
-covered: VTOL, offboard, seconds after arming.
+parameters, navigator. The most severe counts. Fallbacks: hold, RTL, land, descent without position, stopped motors.
 """
 
 from dataclasses import replace
