@@ -5,6 +5,7 @@ import pytest
 
 from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.autopilot.commands import FLOWN_TO, Command, Frame
+from ipoa_mission.autopilot.returning import FlightStage
 from ipoa_mission.autopilot.version import Version
 from ipoa_mission.checks.check import check, check_mission
 from ipoa_mission.checks.unsafe import begun_at
@@ -262,3 +263,12 @@ def test_waypoint_that_may_be_passed_is_named_by_item_after_jumps() -> None:
     assert [finding.message.partition(":")[0] for finding in errors] == ["items 2 to 3"]
     endless = replace(flown, items=(*flown.items[:4], jump(2, -1), *flown.items[5:]))
     assert "error waypoint-passed 2" in codes_of(check_mission(endless))
+
+
+def test_a_payload_place_after_a_jump_descends_to_the_ground() -> None:
+    delivery = replace(B, command=Command.NAV_PAYLOAD_PLACE, params=(0.0, 0.0, 0.0, 0.0))
+    legs = Forecast(mission(UP, A, delivery, C, jump(3, 1), BACK)).legs
+    after_jump = [leg for leg in legs if leg.jumped_from == 4]
+    assert [leg.stage for leg in after_jump] == [FlightStage.ROUTE, FlightStage.LANDING, FlightStage.LANDING]
+    assert all(leg.alternative and leg.seq == 3 for leg in after_jump)
+    assert after_jump[1].points[-1, 2] == pytest.approx(0.0, abs=0.1)

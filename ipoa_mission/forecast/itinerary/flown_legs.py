@@ -4,7 +4,7 @@ Heights become local `up` with the Earth's curvature. Loops are not unrolled: ea
 """
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -110,25 +110,26 @@ class _LegBuilder:
 
     def legs(self) -> Iterator[Leg]:
         for seq, item in enumerate(self.mission.items, start=1):
-            match item.command:
-                case Command.NAV_TAKEOFF | Command.NAV_VTOL_TAKEOFF:
-                    yield from self._takeoff(seq, item)
-                case Command.NAV_LAND | Command.NAV_VTOL_LAND:
-                    yield from self._landing_legs(seq, item)
-                case Command.NAV_PAYLOAD_PLACE:
-                    yield from self._payload(seq, item)
-                case Command.NAV_LOITER_TURNS if self.circles:
-                    yield from self._circle(seq, item)
-                case Command.DO_CHANGE_SPEED if item.params[0] in HORIZONTAL_SPEEDS and item.params[1] > 0:
-                    self.speed = item.params[1]
-                case Command.NAV_RETURN_TO_LAUNCH:
-                    yield from self._returns(seq)
-                case command if command in JUMPS:
-                    yield from self._jump(seq)
-                case command if command in FLOWN_TO and (target := self.places[seq - 1]) is not None:
-                    yield self._onward(seq, item, target)
+            yield from self._jump(seq) if item.command in JUMPS else self._legs_to(seq, item)
             if item.command in MOVING:
                 self.last = seq
+
+    def _legs_to(self, seq: int, item: Item) -> Iterator[Leg]:
+        match item.command:
+            case Command.NAV_TAKEOFF | Command.NAV_VTOL_TAKEOFF:
+                yield from self._takeoff(seq, item)
+            case Command.NAV_LAND | Command.NAV_VTOL_LAND:
+                yield from self._landing_legs(seq, item)
+            case Command.NAV_PAYLOAD_PLACE:
+                yield from self._payload(seq, item)
+            case Command.NAV_LOITER_TURNS if self.circles:
+                yield from self._circle(seq, item)
+            case Command.DO_CHANGE_SPEED if item.params[0] in HORIZONTAL_SPEEDS and item.params[1] > 0:
+                self.speed = item.params[1]
+            case Command.NAV_RETURN_TO_LAUNCH:
+                yield from self._returns(seq)
+            case command if command in FLOWN_TO and (target := self.places[seq - 1]) is not None:
+                yield self._onward(seq, item, target)
 
     def _onward(self, seq: int, item: Item, target: Vector) -> Leg:
         origin = self.at
@@ -291,22 +292,11 @@ class _LegBuilder:
     def _jump(self, seq: int) -> Iterator[Leg]:
         here, flown_in, curve = self.at, self.flown_in, self.curve
         for index in led_to(self.mission.items, seq - 1, MOVING):
-            item = self.mission.items[index]
-            target = self.places[index]
             if curve is not None and (goal := self.places[curve[0] - 1]) is not None:
                 self.at, self.flown_in = curve[1:]
                 yield replace(self._curve(curve[0], self.mission.items[curve[0] - 1], goal, index), alternative=True)
-            legs: Iterable[Leg] = ()
-            match item.command:
-                case Command.NAV_RETURN_TO_LAUNCH:
-                    legs = self._returns(index + 1)
-                case Command.NAV_LAND:
-                    legs = self._landing_legs(index + 1, item)
-                case Command.NAV_LOITER_TURNS if self.circles:
-                    legs = self._circle(index + 1, item)
-                case _ if target is not None:
-                    legs = [self._onward(index + 1, item, target)]
-            yield from (replace(leg, alternative=True, jumped_from=self.last) for leg in legs)
+            for leg in self._legs_to(index + 1, self.mission.items[index]):
+                yield replace(leg, alternative=True, jumped_from=self.last)
             self.at, self.flown_in, self.curve = here, flown_in, curve
 
     def _vertical(self, seq: int, stage: FlightStage, up: float) -> Leg:
