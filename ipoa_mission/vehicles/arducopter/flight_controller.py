@@ -4,7 +4,7 @@ import math
 import random
 from collections.abc import Callable, Iterator
 
-from ipoa_mission.autopilot.commands import Command, VehicleCommand
+from ipoa_mission.autopilot.commands import LANDINGS, TAKEOFFS, Command, VehicleCommand
 from ipoa_mission.autopilot.parameters import Parameters
 from ipoa_mission.link.messages import CommandResult, MissionType, Result
 from ipoa_mission.mission.items import Item
@@ -54,7 +54,9 @@ class ArduCopterController:
         current = self._situation.current
         after = self._situation.program.items
         ahead = slice(current, current + 3)
-        if self._on_arrival == self._begin_hold and before[ahead] != after[ahead] and current < len(after):
+        if current >= len(after) or before[ahead] == after[ahead] or self._on_arrival != self._finish_item:
+            return
+        if before[current].command in procedures.FLOWN_AS_WAYPOINTS and self._copter.this.kind != Kind.HOLD:
             self._begin_after(current - 1)
 
     def _return(self) -> None:
@@ -62,7 +64,8 @@ class ArduCopterController:
         self._fly(procedures.return_home(self._copter, goal), self._touch)
 
     def climb(self, height: float) -> None:
-        self._take_off(height, self._stay)
+        self._situation.landed = False
+        self._fly(procedures.take_off(self._copter, height), self._stay)
 
     def step(self) -> None:
         lifting = self._situation.armed and self._situation.time_s - self._situation.armed_s >= self._lift_s
@@ -86,29 +89,14 @@ class ArduCopterController:
         self._begin_after(self._situation.current)
 
     def _start(self, index: int, item: Item) -> None:
-        match item.command:
-            case Command.NAV_TAKEOFF | Command.NAV_VTOL_TAKEOFF:
-                self._take_off(self._situation.program.place(index, self._copter.place)[2], self._finish_item)
-            case Command.NAV_DELAY:
-                self._copter.hold(self._copter.wait_at(item))
-                self._legs = iter(())
-                self._on_arrival = self._finish_item
-                self._flying = True
-            case _ if self._situation.landed:
-                self._flying = False
-            case Command.NAV_RETURN_TO_LAUNCH:
-                self._return()
-            case _:
-                self._fly_to(index, item)
-
-    def _fly_to(self, index: int, item: Item) -> None:
-        legs = procedures.legs_of(self._copter, self._situation.program, index, self._copter.place)
-        if legs is not None:
-            self._fly(legs, self._touch if item.command in procedures.LANDINGS else self._finish_item)
-        else:
-            procedures.begin_leg(self._copter, self._situation.program, index, self._copter.place)
-            self._legs = iter(())
-            self._on_arrival = self._begin_hold
+        if item.command == Command.NAV_RETURN_TO_LAUNCH:
+            self._return()
+            return
+        legs = procedures.legs_of(self._copter, self._situation.program, index) or iter(())
+        if item.command in TAKEOFFS:
+            self._situation.landed = False
+        on_arrival = self._touch if item.command in LANDINGS else self._finish_item
+        self._fly(legs, on_arrival, on_ground=item.command == Command.NAV_DELAY)
 
     def _go_on(self) -> None:
         if next(self._legs, self) is self and self._on_arrival is not None:
@@ -116,26 +104,12 @@ class ArduCopterController:
             self._on_arrival = None
             on_arrival()
 
-    def _begin_hold(self) -> None:
-        seconds = self._copter.wait_at(self._situation.program.items[self._situation.current])
-        if seconds > 0:
-            self._copter.hold(seconds)
-            self._on_arrival = self._finish_item
-        else:
-            self._finish_item()
-
-    def _take_off(self, height: float, on_arrival: Callable[[], None]) -> None:
-        self._copter.take_off(height)
-        self._legs = iter(())
-        self._on_arrival = on_arrival
-        self._situation.landed = False
-        self._flying = True
-
-    def _fly(self, legs: Iterator[None], on_arrival: Callable[[], None]) -> None:
-        if not self._situation.landed:
+    def _fly(self, legs: Iterator[None], on_arrival: Callable[[], None], on_ground: bool = False) -> None:
+        self._flying = on_ground or not self._situation.landed
+        if self._flying:
             self._legs = legs
             self._on_arrival = on_arrival
-            next(legs)
+            self._go_on()
 
     def _touch(self) -> None:
         if self._copter.this.kind == Kind.DESCENT:

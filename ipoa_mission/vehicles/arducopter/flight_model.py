@@ -1,4 +1,4 @@
-"""Flight times of ArduCopter 4.x in AUTO, item by item, by its simulated dynamics."""
+"""Flight times of ArduCopter 4.x in AUTO, by its simulated dynamics."""
 
 import math
 from collections.abc import Hashable, Iterator
@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ipoa_mission.autopilot.commands import LAST_NAV, TAKEOFFS, Command
+from ipoa_mission.autopilot.commands import LANDINGS, LAST_NAV, TAKEOFFS, Command
 from ipoa_mission.autopilot.parameters import Parameters
 from ipoa_mission.autopilot.returning import Contingency
 from ipoa_mission.errors import BadInput, EndlessFlight, MissionError
@@ -21,14 +21,13 @@ from ipoa_mission.forecast.timing.flight_model import (
     corner_deg,
 )
 from ipoa_mission.forecast.timing.track import Track
-from ipoa_mission.geometry import Place, Samples
+from ipoa_mission.geometry import Samples
 from ipoa_mission.mission.items import Item
 from ipoa_mission.vehicles.arducopter.dynamics import procedures
 from ipoa_mission.vehicles.arducopter.dynamics.copter import Copter, airframe_of
 from ipoa_mission.vehicles.arducopter.dynamics.legs import limits_along
 from ipoa_mission.vehicles.arducopter.dynamics.motion import ARDUPILOT_SIMULATOR, Airframe, Kind
 from ipoa_mission.vehicles.arducopter.limits import LANDED_S, copter_limits
-from ipoa_mission.vehicles.arducopter.vehicle import ARDUCOPTER
 from ipoa_mission.wind import Wind
 
 
@@ -47,7 +46,7 @@ class TimeUncertainty(NamedTuple):
         """Return how much shorter and longer the first leg of a landing or RTL may be [s]."""
         if item.command == Command.NAV_RETURN_TO_LAUNCH:
             return self.return_leg_early_s, self.return_leg_late_s
-        if item.command in procedures.LANDINGS and item.latitude_deg != 0.0:
+        if item.command in LANDINGS and item.latitude_deg != 0.0:
             return self.landing_leg_s, self.landing_leg_s
         return 0.0, 0.0
 
@@ -184,43 +183,40 @@ class _MissionRun:
         return self.copter.state.time >= self.until or not self.copter.passed
 
     def visit(self, n: int) -> str:
+        """Fly visit n; return why it was slow."""
         visit = self.itinerary.visits[n]
         command = visit.item.command
-        params = visit.item.params
-        legs = procedures.legs_of(self.copter, self.itinerary.program, n, self.here(n))
-        if legs is not None:
-            if command == Command.NAV_LOITER_TO_ALT and visit.seq in self.itinerary.over_terrain:
-                self.remarks.append(f"item {visit.seq}: ArduCopter skips it if it has no terrain data")
-            self.go(legs)
-            return "circle" if command == Command.NAV_LOITER_TURNS else ""
-        if command in TAKEOFFS:
-            self.take_off(self.itinerary.program.place(n, self.here(n))[2])
-        elif command == Command.NAV_LOITER_UNLIM:
-            raise EndlessFlight("loiters without end, so the flight has no time", place=f"item {visit.seq}")
-        elif command == Command.NAV_DELAY:
-            self.hold(self.copter.wait_at(visit.item))
-            return "hold"
-        elif command == Command.DO_CHANGE_SPEED:
-            self.copter.change_speed(int(params[0]), params[1])
-        elif command == Command.NAV_RETURN_TO_LAUNCH:
-            self.go(procedures.return_home(self.copter, self.itinerary.goal_of_return(self.copter.here)))
-        elif command in ARDUCOPTER.guidance.passes_before:
-            return self.fly_to(n)
-        elif command <= LAST_NAV or command in UNTIMED:
-            self.remarks.append(f"item {visit.seq}: command {command} is not modeled and counts as no time")
-        return ""
-
-    def here(self, n: int) -> Place:
-        """Return the stopping place if visit n leaves its place open; slow."""
-        return self.copter.here if self.itinerary.program.leaves_open(n) else (math.nan,) * 3
-
-    def fly_to(self, n: int) -> str:
-        """Fly to visit n and hold; return why it was slow."""
-        program = self.itinerary.program
-        visit = self.itinerary.visits[n]
         copter = self.copter
-        stops = program.onward(n) is None
-        procedures.begin_leg(copter, program, n, self.here(n))
+        if command == Command.DO_CHANGE_SPEED:
+            copter.change_speed(int(visit.item.params[0]), visit.item.params[1])
+            return ""
+        if command == Command.NAV_LOITER_UNLIM:
+            raise EndlessFlight("loiters without end, so the flight has no time", place=f"item {visit.seq}")
+        legs = procedures.legs_of(copter, self.itinerary.program, n)
+        if command == Command.NAV_RETURN_TO_LAUNCH:
+            legs = procedures.return_home(copter, self.itinerary.goal_of_return(copter.here))
+        if legs is None:
+            if command <= LAST_NAV or command in UNTIMED:
+                self.remarks.append(f"item {visit.seq}: command {command} is not modeled and counts as no time")
+            return ""
+        if command == Command.NAV_LOITER_TO_ALT and visit.seq in self.itinerary.over_terrain:
+            self.remarks.append(f"item {visit.seq}: ArduCopter skips it if it has no terrain data")
+        if command in procedures.FLOWN_AS_WAYPOINTS:
+            return self.fly_to(n, legs)
+        if command == Command.NAV_DELAY and not self.airborne:
+            self.wait_on_ground(copter.wait_at(visit.item))
+            return "hold"
+        if command in TAKEOFFS and not self.airborne:
+            self.wait_on_ground(max(self.limits.lift_off_s + self.airframe.lift_delay, 0.0))
+            self.airborne = True
+        self.go(legs)
+        if command == Command.NAV_DELAY:
+            return "hold"
+        return "circle" if command == Command.NAV_LOITER_TURNS else ""
+
+    def fly_to(self, n: int, legs: Iterator[None]) -> str:
+        copter = self.copter
+        next(legs)
         this, following = copter.this, copter.following
         flown_speed = self.run()
         if self.is_aborted:
@@ -233,40 +229,24 @@ class _MissionRun:
             top=self.airframe.top_speed(self.limits.lean) + self.wind.along(this.direction[0], this.direction[1]),
             flown=flown_speed,
             corner=corner_deg(this.origin, this.target, following.target) if following.kind == Kind.STRAIGHT else 0.0,
-            stops=stops,
+            stops=self.itinerary.program.onward(n) is None,
             curved=not is_straight,
         ).why_slow()
-        seconds = copter.wait_at(visit.item) if stops else 0.0
-        if seconds > 0:
-            self.hold(seconds)
-            return "hold"
-        return why
-
-    def hold(self, seconds: float) -> None:
-        if self.airborne:
-            self.copter.hold(seconds)
-            self.run()
-        else:
-            self.wait_on_ground(seconds)
+        self.go(legs)
+        return "hold" if copter.this.kind == Kind.HOLD else why
 
     def wait_on_ground(self, seconds: float) -> None:
         self.copter.wait_on_ground(seconds)
         self.note()
 
-    def take_off(self, height: float) -> None:
-        if not self.airborne:
-            self.wait_on_ground(max(self.limits.lift_off_s + self.airframe.lift_delay, 0.0))
-            self.airborne = True
-        if height > self.copter.here[2]:
-            self.copter.take_off(height)
-            self.run()
-
     def go(self, legs: Iterator[None]) -> None:
+        kind: int = Kind.NOTHING
         for _ in legs:
             self.run()
             if self.is_aborted:
                 return
-        if self.copter.this.kind == Kind.DESCENT:
+            kind = self.copter.this.kind
+        if kind == Kind.DESCENT:
             self.touched = self.copter.state.time
             delay = self.airframe.landing_delay
             self.wait_on_ground(max(LANDED_S + self.copter.limits.spool_up + delay, 0.0))

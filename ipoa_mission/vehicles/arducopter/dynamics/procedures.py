@@ -3,9 +3,10 @@
 import math
 from collections.abc import Iterator
 
-from ipoa_mission.autopilot.commands import Command
+from ipoa_mission.autopilot.commands import WAYPOINTS, Command
 from ipoa_mission.autopilot.returning import HOME
 from ipoa_mission.forecast.itinerary.copter_curves import NEAR_CIRCLE, circle_entry, circle_radius, circle_turn
+from ipoa_mission.forecast.itinerary.itinerary import NO_PLACE
 from ipoa_mission.geometry import Place
 from ipoa_mission.mission.items import Item
 from ipoa_mission.mission.program import Program
@@ -20,13 +21,18 @@ LAND_BELOW = 0.75
 #: RTL's leg to the stopping point is truncated likewise: its mean length [m].
 RETURN_ROUNDING = 0.7 * CENTIMETER
 PLACED = 0.65  # PAYLOAD_PLACE on the ground [s]
-LANDINGS = frozenset({Command.NAV_LAND, Command.NAV_VTOL_LAND})
+FLOWN_AS_WAYPOINTS = WAYPOINTS | {Command.NAV_LOITER_UNLIM, Command.NAV_LOITER_TIME}
 
 
-def legs_of(copter: Copter, program: Program, n: int, here: Place) -> Iterator[None] | None:
-    """Return the legs of a circle, climb, delivery or landing, else None; `here` replaces open coordinates."""
+def legs_of(copter: Copter, program: Program, n: int) -> Iterator[None] | None:
+    """Return the legs of item n, except RTL; None if it is not flown."""
     item = program.items[n]
+    here = copter.here if program.leaves_open(n) else NO_PLACE
     match item.command:
+        case Command.NAV_TAKEOFF | Command.NAV_VTOL_TAKEOFF:
+            return take_off(copter, program.place(n, here)[2])
+        case Command.NAV_DELAY:
+            return delay(copter, item)
         case Command.NAV_LOITER_TURNS:
             return circle(copter, program.place(n, here), item)
         case Command.NAV_LOITER_TO_ALT:
@@ -36,14 +42,32 @@ def legs_of(copter: Copter, program: Program, n: int, here: Place) -> Iterator[N
         case Command.NAV_LAND | Command.NAV_VTOL_LAND:
             is_in_place = (item.latitude_deg, item.longitude_deg) == (0.0, 0.0)
             return land(copter, None if is_in_place else program.place_of(item))
+        case command if command in FLOWN_AS_WAYPOINTS:
+            return waypoint(copter, program, n, here)
     return None
 
 
-def begin_leg(copter: Copter, program: Program, n: int, here: Place) -> None:
-    """Begin the leg to item n, and pass it if the program does; `here` replaces open coordinates."""
+def waypoint(copter: Copter, program: Program, n: int, here: Place) -> Iterator[None]:
+    """Fly to item n and hold, or pass it if the program does; `here` replaces open coordinates."""
     stop = stop_at(program, n, here)
     onward = program.onward(n)
     copter.fly_to(stop, None if onward is None else stop_at(program, onward, stop.place))
+    yield
+    seconds = copter.wait_at(program.items[n])
+    if seconds > 0.0:
+        copter.hold(seconds)
+        yield
+
+
+def delay(copter: Copter, item: Item) -> Iterator[None]:
+    copter.hold(copter.wait_at(item))
+    yield
+
+
+def take_off(copter: Copter, height: float) -> Iterator[None]:
+    if height > copter.here[2]:
+        copter.take_off(height)
+        yield
 
 
 def land(copter: Copter, place: Place | None) -> Iterator[None]:
