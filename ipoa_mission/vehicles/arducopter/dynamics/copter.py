@@ -95,7 +95,8 @@ class Copter:
         self._slowest = SLOWEST if wind.speed > 0 else math.inf
         self.speeds = MotionLimits(limits.speed, limits.climb, limits.descent)
         self._records: dict[int, tuple[CopterLeg, Any]] = {}
-        self.following, self._before = NO_LEG, NO_LEG
+        self._before = NO_LEG
+        self.following = NO_LEG
         self.passed = True
         self._left = 0.0  # of the last planned spline [m/s]
         self.start_at((0.0, 0.0, 0.0))
@@ -180,7 +181,8 @@ class Copter:
 
     def wait_on_ground(self, seconds: float) -> None:
         x, y, z = self.place
-        yaw, self.state = self.state.yaw, _at_rest((x, y, max(z, self._ground.at(x, y))), self.state.time + seconds)
+        yaw = self.state.yaw
+        self.state = _at_rest((x, y, max(z, self._ground.at(x, y))), self.state.time + seconds)
         self.face(yaw)
 
     def face(self, yaw: float) -> None:
@@ -247,7 +249,7 @@ class Copter:
         self.this = this
         self.following = following
         self.passed = False
-        self.state.clock_next = self.state.share = self.state.az = 0.0
+        self.state.clock_next = self.state.spline_u = self.state.az = 0.0
 
     def change_speed(self, kind: int, speed: float) -> None:
         """Execute DO_CHANGE_SPEED: kind 0 and 1 horizontal, 2 climb, 3 descent."""
@@ -276,7 +278,7 @@ class Copter:
         state = self.state
         state.integral = state.setpoint
         state.error = 0j
-        state.rate = 1.0
+        state.clock_rate = 1.0
 
     def orbit(self, center: Place, radius: float, turn: float) -> None:
         self._restart()

@@ -169,11 +169,11 @@ class State:
     heading: complex = 1j  # unit vector of the yaw
     error: complex = 0j  # filtered velocity error, and its integral
     integral: complex = 0j
-    rate: float = 1.0  # of the path's clock
+    clock_rate: float = 1.0  # of the path's time
     clock_before: float = 0.0  # on the previous, this and next leg [s]
     clock: float = 0.0
     clock_next: float = 0.0
-    share: float = 0.0
+    spline_u: float = 0.0  # parameter of a spline, 0 to 1
     bearing: float = 0.0  # from an orbit's center to its start
     spin: float = 0.0  # turn rate [rad/s] and angle turned [rad]
     turned: float = 0.0
@@ -181,6 +181,6 @@ class State:
     speed: float = 0.0
     target: complex = 0j
     target_z: float = 0.0
-    aim: complex = 0j  # target velocity
-    aim_z: float = 0.0
-    push: complex = 0j  # target acceleration
+    vel_desired: complex = 0j  # of the target, as in AC_PosControl
+    vz_desired: float = 0.0
+    accel_desired: complex = 0j

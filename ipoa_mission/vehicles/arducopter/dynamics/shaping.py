@@ -87,7 +87,7 @@ def orbit(state: State, this: CopterLeg, tuning: Tuning) -> bool:
     angle = state.bearing + math.copysign(state.turned, this.turn)
     x, y = this.center.east + way.radius * math.sin(angle), this.center.north + way.radius * math.cos(angle)
     shape_to_place(state, complex(x, y), this.speeds.horizontal, tuning)
-    state.target_z, state.aim_z, state.rate = this.target.up, 0.0, 1.0
+    state.target_z, state.vz_desired, state.clock_rate = this.target.up, 0.0, 1.0
     return state.turned >= abs(this.turn)
 
 
@@ -97,7 +97,7 @@ def level_off(state: State, this: CopterLeg, tuning: Tuning) -> bool:
     shape_to_rest(state, tuning)
     climb_rate = square_root_law(-before, tuning.limits.accel_z, tuning.limits.p_height)
     climb_at(state, min(max(climb_rate, -this.speeds.down), this.speeds.up), tuning)
-    state.rate = 1.0
+    state.clock_rate = 1.0
     passed = before * state.above < 0.0
     state.above = before
     return passed or abs(before) < LEVEL_OFF_TOLERANCE
@@ -108,8 +108,8 @@ def climb_at(state: State, climb_rate: float, tuning: Tuning) -> None:
     gain = tuning.limits.jerk_z / tuning.limits.accel_z
     accel = min(max(gain * (climb_rate - state.vz), -tuning.limits.accel_z), tuning.limits.accel_z)
     state.az += min(max(accel - state.az, -jerk), jerk)
-    state.aim_z = state.vz + state.az * STEP
-    state.target_z = state.z + state.aim_z * STEP
+    state.vz_desired = state.vz + state.az * STEP
+    state.target_z = state.z + state.vz_desired * STEP
 
 
 def square_root_law(error: float, accel: float, gain: float) -> float:
@@ -128,42 +128,42 @@ def shape_to_place(state: State, place: complex, fastest: float, tuning: Tuning)
     velocity = 0j
     far = size(error)
     if far > 0.0:
-        closing = dot(state.aim, error) / far
+        closing = dot(state.vel_desired, error) / far
         speed = min(square_root_law(far, accel, gain), far / STEP)
         if closing > 0.0:
             speed -= closing * (1.0 if far <= accel / (gain * gain) else accel / (speed * gain))
         speed = min(max(speed, -fastest), fastest)
         velocity = error * speed / far
-    shape(state, gain * (velocity - state.aim), tuning)
+    shape(state, gain * (velocity - state.vel_desired), tuning)
 
 
 def shape_to_rest(state: State, tuning: Tuning) -> None:
     advance(state)
-    speed = math.sqrt(square(state.aim))
+    speed = math.sqrt(square(state.vel_desired))
     jerk = tuning.limits.shaping_jerk
     slowed = square_root_law(speed, jerk, jerk / tuning.limits.accel) / speed if speed > 0.0 else 0.0
-    shape(state, -slowed * state.aim, tuning)
+    shape(state, -slowed * state.vel_desired, tuning)
 
 
 def rest_target(state: State, place: Enu) -> None:
     state.target = complex(place.east, place.north)
     state.target_z = place.up
-    state.aim = state.push = 0j
-    state.aim_z = 0.0
+    state.vel_desired = state.accel_desired = 0j
+    state.vz_desired = 0.0
 
 
 def advance(state: State) -> None:
-    state.target += STEP * (state.aim + state.push * STEP / 2)
-    state.aim += state.push * STEP
+    state.target += STEP * (state.vel_desired + state.accel_desired * STEP / 2)
+    state.vel_desired += state.accel_desired * STEP
 
 
 def shape(state: State, target_accel: complex, tuning: Tuning) -> None:
     """Approach this target acceleration; braking takes precedence over turning."""
     most = tuning.limits.accel
     target_accel = within(target_accel, 2.0 * most)
-    speed = math.sqrt(square(state.aim))
+    speed = math.sqrt(square(state.vel_desired))
     if speed > 0.0:
-        way = state.aim / speed
+        way = state.vel_desired / speed
         turned = target_accel * way.conjugate()
         along, across = turned.real, turned.imag
         if along > 0.0:
@@ -175,7 +175,7 @@ def shape(state: State, target_accel: complex, tuning: Tuning) -> None:
             across = min(max(across, -room), room)
         target_accel = complex(along, across) * way
     target_accel = within(target_accel, most)
-    state.push += within(target_accel - state.push, tuning.limits.shaping_jerk * STEP)
+    state.accel_desired += within(target_accel - state.accel_desired, tuning.limits.shaping_jerk * STEP)
 
 
 def within(v: complex, most: float) -> complex:

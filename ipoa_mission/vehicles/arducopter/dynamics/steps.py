@@ -74,21 +74,24 @@ def over(vector: Enu, divisor: float) -> Enu:
 def clock_step(state: State, tuning: Tuning) -> float:
     """Slow the path's clock if the vehicle lags; return its step [s]."""
     rate = 1.0
-    fast = square(state.aim) + state.aim_z**2
+    fast = square(state.vel_desired) + state.vz_desired**2
     if fast > 1e-12:
-        flown = dot(state.velocity, state.aim) + state.rate * state.aim_z**2
-        behind = dot(state.target - state.place, state.aim)
+        flown = dot(state.velocity, state.vel_desired) + state.clock_rate * state.vz_desired**2
+        behind = dot(state.target - state.place, state.vel_desired)
         rate = min(max(0.05 + (flown - tuning.limits.p_position * behind) / fast, 0.0), 1.0)
-    state.rate += (rate - state.rate) * tuning.slowing
-    return state.rate * STEP
+    state.clock_rate += (rate - state.clock_rate) * tuning.slowing
+    return state.clock_rate * STEP
 
 
 def add_leg(state: State, leg: CopterLeg, t: float, way_back: float) -> None:
     """Add a leg's motion to the target's; `way_back` as in `on_way`."""
     a, v, s = along(leg, t)
     place, z, velocity, vz, accel, _ = on_way(leg, a, v, s, way_back)
-    state.target, state.target_z = state.target + place, state.target_z + z
-    state.aim, state.aim_z, state.push = state.aim + velocity, state.aim_z + vz, state.push + accel
+    state.target += place
+    state.target_z += z
+    state.vel_desired += velocity
+    state.vz_desired += vz
+    state.accel_desired += accel
 
 
 def turn_is_gentle(this: CopterLeg, following: CopterLeg, elapsed: float, tuning: Tuning) -> bool:
@@ -127,33 +130,33 @@ def along_legs(state: State, before: CopterLeg, this: CopterLeg, following: Copt
         if state.clock_next > 0.0:
             add_leg(state, following, state.clock_next, 0.0)
             finished = finished or state.clock_next >= rest
-    state.speed = math.sqrt(square(state.aim) + state.aim_z**2)
+    state.speed = math.sqrt(square(state.vel_desired) + state.vz_desired**2)
     return finished
 
 
 def along_spline(state: State, this: CopterLeg, h: float) -> bool:
     """Return whether the spline is over."""
     state.clock += h
-    place, direction, length, top = bend(this, min(state.share, 1.0))
+    place, direction, length, top = bend(this, min(state.spline_u, 1.0))
     left = norm(minus(this.target, place))
     most = along_limit(direction, this.accel)
     top = min(top, math.sqrt(2 * most * left + this.leave**2))
     speed = state.speed
     speed = max(speed - most * h, top) if speed > top else min(speed + most * h, top)
-    if state.share >= 1.0:  # waits for the vehicle
+    if state.spline_u >= 1.0:  # waits for the vehicle
         speed = 0.0
     state.target = complex(place.east, place.north)
     state.target_z = place.up
-    state.aim = complex(speed * direction.east, speed * direction.north)
-    state.aim_z = speed * direction.up
-    state.push = 0j
+    state.vel_desired = complex(speed * direction.east, speed * direction.north)
+    state.vz_desired = speed * direction.up
+    state.accel_desired = 0j
     state.speed = speed
     if length > 1e-6:
-        state.share += speed * h / length
+        state.spline_u += speed * h / length
     else:
         size = 2 * norm(this.cubic[2])
-        state.share += math.sqrt(2 * speed * h / size) if size > 1e-9 else 1.0
-    return state.share >= 1.0
+        state.spline_u += math.sqrt(2 * speed * h / size) if size > 1e-9 else 1.0
+    return state.spline_u >= 1.0
 
 
 def braked(error: float, speed: float, accel: float, gain: float) -> float:
@@ -173,13 +176,13 @@ def upright(state: State, this: CopterLeg, tuning: Tuning) -> bool:
         shape_to_rest(state, tuning)
     else:
         state.target = complex(this.target.east, this.target.north)
-        state.aim = 0j
-        state.push = 0j
-    state.rate = 1.0
+        state.vel_desired = 0j
+        state.accel_desired = 0j
+    state.clock_rate = 1.0
     if this.kind == Kind.HOLD:
         state.clock += STEP
         state.target_z = top
-        state.aim_z = 0.0
+        state.vz_desired = 0.0
         return state.clock >= this.lasts
     gain = tuning.limits.jerk_z / tuning.limits.accel_z
     if this.kind == Kind.CLIMB and tuning.limits.brakes_climb:
@@ -196,8 +199,8 @@ def upright(state: State, this: CopterLeg, tuning: Tuning) -> bool:
         return state.target_z <= top
     slow = 0.1 * this.speeds.up
     if tuning.limits.brakes_climb:
-        return state.target_z >= top - 0.5 * slow * slow / tuning.limits.accel_z and state.aim_z < slow
-    return state.target_z >= this.origin.up + 0.9 * (top - this.origin.up) and state.aim_z < slow
+        return state.target_z >= top - 0.5 * slow * slow / tuning.limits.accel_z and state.vz_desired < slow
+    return state.target_z >= this.origin.up + 0.9 * (top - this.origin.up) and state.vz_desired < slow
 
 
 def control(state: State, tuning: Tuning) -> None:
@@ -206,13 +209,13 @@ def control(state: State, tuning: Tuning) -> None:
     far = size(way)
     if far > limits.accel / limits.p_position**2:
         way *= square_root_law(far, limits.accel, limits.p_position) / (limits.p_position * far)
-    raw_error = state.aim + limits.p_position * way - state.velocity - state.accel * STEP
+    raw_error = state.vel_desired + limits.p_position * way - state.velocity - state.accel * STEP
     gain = tuning.smoothing * (raw_error - state.error)
     error = state.error + gain
-    setpoint = state.push + limits.p_velocity * error + state.integral + limits.d_velocity * gain / STEP
+    setpoint = state.accel_desired + limits.p_velocity * error + state.integral + limits.d_velocity * gain / STEP
     integral = state.integral + limits.i_velocity * error * STEP
     if dot(setpoint, setpoint) > tuning.max_lean**2:
-        setpoint = within_lean(setpoint, state.aim, tuning.max_lean)
+        setpoint = within_lean(setpoint, state.vel_desired, tuning.max_lean)
         grown = math.sqrt(square(integral))
         integrated = math.sqrt(square(state.integral))
         if dot(error, setpoint) > 0.0 and grown > integrated:  # anti-windup
@@ -220,22 +223,22 @@ def control(state: State, tuning: Tuning) -> None:
     state.error, state.integral, state.setpoint = error, integral, setpoint
 
 
-def within_lean(setpoint: complex, aim: complex, most: float) -> complex:
+def within_lean(setpoint: complex, velocity: complex, most: float) -> complex:
     """The part across the path takes precedence."""
-    flat = size(aim)
+    flat = size(velocity)
     if flat < 1e-9:
         return setpoint * (most / size(setpoint))
-    turned = setpoint * (aim / flat).conjugate()
+    turned = setpoint * (velocity / flat).conjugate()
     across = min(max(turned.imag, -most), most)
     room = math.sqrt(most * most - across * across)
-    return complex(min(max(turned.real, -room), room), across) * (aim / flat)
+    return complex(min(max(turned.real, -room), room), across) * (velocity / flat)
 
 
 def move(state: State, tuning: Tuning) -> None:
     state.shaped += (state.setpoint - state.shaped) * tuning.tilt_gain
     state.lean += (state.shaped - state.lean) * tuning.rotor_gain
     turn_yaw(state, tuning)
-    climbed = state.aim_z * state.rate
+    climbed = state.vz_desired * state.clock_rate
     state.vz = climbed + tuning.limits.p_height * (state.target_z - state.z - climbed * STEP)
     slowing, lift = drag(state, tuning)
     state.load = 1.0 - lift / GRAVITY
@@ -246,13 +249,15 @@ def move(state: State, tuning: Tuning) -> None:
 
 
 def turn_yaw(state: State, tuning: Tuning) -> None:
-    fast = square(state.aim)
+    fast = square(state.vel_desired)
     if tuning.slew <= 0.0 or fast <= tuning.turning_from**2:
         return
-    onward = dot(state.heading, state.aim)
+    onward = dot(state.heading, state.vel_desired)
     if onward > 0.0 and fast - onward * onward < 1e-12 * fast:  # aligned
         return
-    error = (math.atan2(state.aim.real, state.aim.imag) - state.yaw + math.pi) % (2.0 * math.pi) - math.pi
+    error = (math.atan2(state.vel_desired.real, state.vel_desired.imag) - state.yaw + math.pi) % (
+        2.0 * math.pi
+    ) - math.pi
     state.yaw += min(max(error, -tuning.slew), tuning.slew)
     state.heading = complex(math.sin(state.yaw), math.cos(state.yaw))
 
@@ -310,7 +315,7 @@ def pass_over_cruise(state: State, this: CopterLeg) -> None:
         or this.turn != 0.0
         or left < SETTLED_S
         or state.clock < this.profile.risen + SETTLED_S
-        or state.rate <= 0.0
+        or state.clock_rate <= 0.0
     ):
         return
     if this.direction.up != 0.0 or abs(state.accel.real) + abs(state.accel.imag) > STEADY:
@@ -318,7 +323,7 @@ def pass_over_cruise(state: State, this: CopterLeg) -> None:
     way = left * along(this, state.clock)[1]
     skipped = complex(way * this.direction.east, way * this.direction.north)
     state.place, state.target = state.place + skipped, state.target + skipped
-    state.time, state.clock = state.time + left / state.rate, state.clock + left
+    state.time, state.clock = state.time + left / state.clock_rate, state.clock + left
 
 
 def fly_leg(
