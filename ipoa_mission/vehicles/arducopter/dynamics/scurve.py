@@ -7,6 +7,7 @@ import math
 from dataclasses import dataclass
 from typing import Annotated, NamedTuple
 
+Triple = tuple[float, float, float]
 Moment = tuple[float, float, float, float]  # time, acceleration, speed, way
 CONSTANT, RISING, FALLING = 0.0, 1.0, 2.0  # jerk over a segment
 MOST_SEGMENTS = 24
@@ -181,21 +182,20 @@ def _append(segments: list[Segment], ramp: Ramp, sign: float, state: Moment) -> 
     ):
         segment = Segment(state[0], lasts, shape, j, *state[1:])
         segments.append(segment)
-        accel, speed, way = _motion_after(segment, lasts)
-        state = (state[0] + lasts, state[1] + accel, state[2] + speed, state[3] + way)
+        state = (state[0] + lasts, *motion_in(segment, lasts))
     return state
 
 
-def _motion_after(segment: Segment, t: float) -> tuple[float, float, float]:
-    j, a, v = segment.jerk, segment.accel, segment.speed
-    accel, speed, way = j * t, a * t + j * t * t / 2, v * t + a * t * t / 2 + j * t**3 / 6
-    if segment.shape == CONSTANT or segment.lasts <= 0:
-        return accel, speed, way
+def motion_in(segment: Segment, t: float) -> Triple:
+    """Return acceleration, speed and way after `t` s: integrals of j t, or of the module's jerk."""
+    j, a, v, way = segment.jerk, segment.accel, segment.speed, segment.way
+    if segment.shape == CONSTANT or segment.lasts <= 0.0:
+        return a + j * t, v + t * (a + j * t / 2), way + t * (v + t * (a / 2 + j * t / 6))
     b = segment.lasts / math.pi
     s = b if segment.shape == RISING else -b
-    half = j / 2
+    sine, cosine, half = math.sin(t / b), math.cos(t / b), j / 2
     return (
-        half * (t - s * math.sin(t / b)),
-        a * t + half * (t * t / 2 + s * b * (math.cos(t / b) - 1)),
-        v * t + a * t * t / 2 + half * (t**3 / 6 + s * b * (b * math.sin(t / b) - t)),
+        a + half * (t - s * sine),
+        v + a * t + half * (t * t / 2 + s * b * (cosine - 1.0)),
+        way + v * t + a * t * t / 2 + half * (t * t * t / 6 + s * b * (b * sine - t)),
     )

@@ -7,8 +7,7 @@ import math
 
 from ipoa_mission.geometry import Enu
 from ipoa_mission.vehicles.arducopter.dynamics.motion import STEP, CopterLeg, State, Tuning
-
-Triple = tuple[float, float, float]
+from ipoa_mission.vehicles.arducopter.dynamics.scurve import Triple, motion_in
 
 
 def along(leg: CopterLeg, t: float) -> Triple:
@@ -21,19 +20,7 @@ def along(leg: CopterLeg, t: float) -> Triple:
         return 0.0, leg.profile.leave, leg.length
     while n > 0 and segments[n].begin > t:
         n -= 1
-    segment = segments[n]
-    t -= segment.begin
-    lasts, j, a, v, way = segment.lasts, segment.jerk, segment.accel, segment.speed, segment.way
-    if segment.shape == 0.0 or lasts <= 0.0:
-        return a + j * t, v + t * (a + j * t / 2), way + t * (v + t * (a / 2 + j * t / 6))
-    b = lasts / math.pi
-    s = b if segment.shape == 1.0 else -b
-    sine, cosine, half = math.sin(t / b), math.cos(t / b), j / 2
-    return (
-        a + half * (t - s * sine),
-        v + a * t + half * (t * t / 2 + s * b * (cosine - 1.0)),
-        way + v * t + a * t * t / 2 + half * (t * t * t / 6 + s * b * (b * sine - t)),
-    )
+    return motion_in(segments[n], t - segments[n].begin)
 
 
 def on_way(
