@@ -84,7 +84,7 @@ def print_flown(flown: FlownJob, written: Sequence[Path]) -> None:
 def _of_plan(job: Job) -> str:
     if job.flight is None:
         return ""
-    guarantee = job.forecast.guarantee_if_known
+    guarantee = (job.begun or job.forecast).guarantee_if_known
     clearance = ""
     if guarantee and guarantee.confidence and guarantee.clearance:
         least = floor_cm(guarantee.clearance.guaranteed)
