@@ -26,7 +26,7 @@ outside-own-fence package-missing page-not-built parameter-kept picture place-bl
 read-back-differs replaced replaced-since ring-misplaced several-vehicles signs-otherwise silence speaks-mavlink1
 stale start-not-reached streams-missing survey-too-long survey-too-low survey-too-near time-missing time-not-covered
 time-up too-large too-many-flights too-narrow unflyable unknown-dialect unknown-name unknown-parameter
-unknown-version unplaced unreachable unreadable unsafe unwritable upload-again usage walled-off way-home-blocked
+unknown-version unreachable unreadable unsafe unwritable upload-again usage walled-off way-home-blocked
 winds-absurd wrong-format wrong-suffix
 """
 LISTED = _LISTED.split()

@@ -28,10 +28,8 @@ from ipoa_mission.mission.items import Item
 from ipoa_mission.mission.stored_mission import Difference, compare, first_number
 from ipoa_mission.progress import Progress, count, silent
 
-#: Without any item: two.
-ATTEMPTS = 12
-#: For PX4's check of a stored mission [s].
-VERDICT_S = 1.5
+ATTEMPTS = 12  # without any item: two
+VERDICT_S = 1.5  # for PX4's check of a stored mission
 REVISION_S = 0.4
 
 
@@ -50,18 +48,12 @@ class Replaced(MissionError, code="replaced"):
 
 
 class Unflyable(MissionError, code="unflyable"):
-    """The vehicle refuses to fly the stored mission; `why` in its words."""
+    """`why`: in the vehicle's words."""
 
     def __init__(self, why: str) -> None:
-        self.why = why
         words = f"the vehicle stored the mission but refuses to fly it: {why or 'no reason was heard'}"
-        super().__init__(words, known={"list_on_vehicle": ListAboard.NEW})
-
-
-class Unplaced(Unflyable, code="unplaced"):
-    def __init__(self) -> None:
-        super().__init__("it has no position yet, without which it accepts none")
-        self.hint = "wait until it has a position (GPS), and upload again"
+        hint = None if why else "wait until it has a position (GPS), and upload again"
+        super().__init__(words, hint=hint, known={"list_on_vehicle": ListAboard.NEW})
 
 
 @dataclass(frozen=True)
@@ -152,6 +144,11 @@ class MissionReports(VehicleTexts):
                 self.latest = number
         super().note(message)
 
+    def reasons(self, job: Upload) -> str:
+        """Leave out reasons against arming."""
+        arming = job.autopilot.protocol_profile.arming_words
+        return "; ".join(words for words in self.words if not arming.reasons(words))
+
     def proves(self, job: Upload) -> bool:
         """Return whether it named our list, and no other, since the read-back."""
         return self.is_named and self.ids == {self.stored_as} and not self._is_another(job)
@@ -232,14 +229,14 @@ def _upload_items(job: Upload, progress: Progress, state: UploadState) -> Dialog
         raise
     if job.autopilot.protocol_profile.judges_later and job.kind == MissionType.MISSION and job.items:
         try:
-            verdict = yield from _verdict(state.reports)
+            verdict = yield from _verdict(job, state.reports, progress)
         except (Cancelled, TimeUp) as aborted:
             aborted.hint = "its check of the mission was not awaited"
             raise
         if not (verdict == MissionState.NO_MISSION and state.reports.agrees(job)):
             yield from _confirm_stored(job, state)
         if verdict == MissionState.NO_MISSION:
-            raise Unflyable(str(state.reports))
+            raise Unflyable(state.reports.reasons(job))
         return state.reports.stored_as if state.reports.proves(job) else 0
     return state.checksum
 
@@ -329,20 +326,24 @@ def _refuse_requests(kind: int) -> Dialogue[None]:
         asks_on = yield from hear(Pause(1.0), lambda heard: isinstance(heard, Request) and heard.kind == kind)
 
 
-def _verdict(reports: MissionReports) -> Dialogue[int]:
-    """Return PX4's last state (0: none). If our list has an id, wait until PX4 names it."""
+def _verdict(job: Upload, reports: MissionReports, progress: Progress) -> Dialogue[int]:
+    """Return PX4's last state (0: none). Wait until PX4 names our list, if it has an id, and judges it."""
     state = 0
-    is_over = reports.stored_as == 0
+    silences = 0
     heard = yield Pause(VERDICT_S)
     while True:
-        if heard is None:
-            if is_over or reports.is_named:
-                return state
-            is_over = True
-            heard = yield Pause(VERDICT_S)
-            continue
         step: Step = None
-        reports.note(heard)
+        if heard is None:
+            is_judged = state != MissionState.NO_MISSION or bool(reports.reasons(job))
+            is_named = reports.stored_as == 0 or reports.is_named
+            if silences == 10 or (is_judged and (is_named or silences > 0)):
+                return state
+            if not is_judged:
+                progress(1.0, "not judged yet: the vehicle needs its home and its fence")
+            silences += 1
+            step = Pause(VERDICT_S)
+        else:
+            reports.note(heard)
         match heard:
             case Current(mission_state=latest) if latest:
                 if state != latest:

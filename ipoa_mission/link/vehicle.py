@@ -34,7 +34,7 @@ from ipoa_mission.link.logbook import Logbook, Observer, watch
 from ipoa_mission.link.messages import Heartbeat, Message, MissionType
 from ipoa_mission.link.onboard_list import OnboardList, ReplacedSince, prove_after_flight, with_lists
 from ipoa_mission.link.reconnect import RETRY_S, SILENT_S, KnownVehicle, LinkLoss
-from ipoa_mission.link.upload import Unflyable, Unplaced, Upload, UploadState, upload
+from ipoa_mission.link.upload import Upload, UploadState, upload
 from ipoa_mission.link.vehicle_state import ModeWatch, NotReady
 from ipoa_mission.mission import stored_mission
 from ipoa_mission.mission.flight_record import FlightRecord
@@ -124,8 +124,7 @@ class Vehicle(VehicleSession):
                 try:
                     self.upload_items(items, kind, progress if kind == MissionType.MISSION else silent)
                 except MissionError as error:
-                    is_unplaced = isinstance(error, Unflyable) and not error.why and self.home() is None
-                    raise with_lists(Unplaced() if is_unplaced else error, kind, list(lists)) from None
+                    raise with_lists(error, kind, list(lists)) from None
             if interrupt.take():
                 words = "cancelled too late: the vehicle holds everything that was sent"
                 raise Cancelled(words, known={"list_on_vehicle": ListAboard.NEW})

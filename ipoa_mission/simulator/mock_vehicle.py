@@ -235,7 +235,7 @@ class MockVehicle:
             return m.Current(seq, total, state, int(self.mode == self.mission_mode), list_id)
         is_active = self.mode in profile.placed_modes - {profile.modes[FlightMode.HOLD]}
         state = MissionState.ACTIVE if is_active else MissionState.NOT_STARTED
-        if self.infeasible:
+        if self.infeasible or self.age < profile.start_up.origin_s:
             state = MissionState.NO_MISSION
         elif is_complete:
             state = MissionState.COMPLETE

@@ -1,5 +1,5 @@
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from dataclasses import replace
 
 import pytest
@@ -12,7 +12,7 @@ from ipoa_mission.link.codec import Codec, Target
 from ipoa_mission.link.connect import meet
 from ipoa_mission.link.connection import Connection
 from ipoa_mission.link.dialogue import SPECIFIED
-from ipoa_mission.link.messages import CommandLong, Count, ItemAt, Message
+from ipoa_mission.link.messages import CRITICAL, CommandLong, Count, ItemAt, Message
 from ipoa_mission.link.orders import CommandRefused
 from ipoa_mission.link.upload import Replaced
 from ipoa_mission.link.vehicle import ConnectionOptions, Vehicle
@@ -76,6 +76,22 @@ def test_one_that_refuses_to_be_armed_until_it_has_a_position_is_flown(autopilot
     assert booting.armings_s[-2] < PLACED_S[autopilot] <= booting.armings_s[-1] < PLACED_S[autopilot] + 10.0
     reason = "Arm: Need Position Estimate" if autopilot is ARDUPILOT else "Arming denied: Resolve system health"
     assert any(stage is Stage.START and f"not armed yet: {reason}" in words for stage, words in conversation.words)
+
+
+@pytest.mark.parametrize(("origin_s", "code"), [(6.0, None), (1e9, "unflyable")])
+def test_px4_judges_a_mission_once_it_has_its_home(origin_s: float, code: str | None) -> None:
+    """8 of 9 uploads right after a boot of PX4 1.17 or 1.18 were taken for refused, and accepted 2 s later."""
+    booting = Booting(PX4)
+    start_up = replace(booting.profile.start_up, origin_s=origin_s)
+    booting.profile = booting.vehicle.profile = replace(booting.profile, start_up=start_up)
+    shown = list[str]()
+    with met(booting) as vehicle:
+        booting.vehicle.send_text(CRITICAL, "Preflight Fail: no heading reference")
+        with nullcontext() if code is None else refuses(code, "", "no reason was heard") as refused:
+            vehicle.upload(suited(vehicle, MISSION), lambda _, words: shown.append(words))
+        assert origin_s < vehicle.connection.now() < 9.0 or code is not None
+    assert any("not judged yet" in words for words in shown)
+    assert refused is None or "position" in str(refused.value.hint)
 
 
 @pytest.mark.parametrize("autopilot", registered())

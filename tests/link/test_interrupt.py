@@ -160,7 +160,7 @@ def test_second_interrupt_in_an_upload_to_ardupilot_names_the_mixture() -> None:
 
 
 def test_second_interrupt_while_px4_judges_names_the_new_list(monkeypatch: pytest.MonkeyPatch) -> None:
-    def end_at_once(reports: object) -> None:
+    def end_at_once(*_: object) -> None:
         raise KeyboardInterrupt
 
     monkeypatch.setattr("ipoa_mission.link.upload._verdict", end_at_once)

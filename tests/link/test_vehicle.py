@@ -14,7 +14,6 @@ from ipoa_mission.link.connect import connect, meet
 from ipoa_mission.link.connection import Connection
 from ipoa_mission.link.dialogue import NoAnswer, TimeUp
 from ipoa_mission.link.messages import AutopilotVersion, Message, MissionType, Request
-from ipoa_mission.link.upload import Unflyable
 from ipoa_mission.link.vehicle_state import NotReady
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as Mock
 from ipoa_mission.simulator.situation import Conditions
@@ -58,22 +57,6 @@ def test_running_order_ends_after_its_time() -> None:
     with pytest.raises(TimeUp):
         vehicle.download()
     assert connection.now() < 3.0
-
-
-def test_unflyable_verdict_without_a_position_does_not_fail_the_upload(monkeypatch: pytest.MonkeyPatch) -> None:
-    vehicle = met(Autopilot.PX4)
-
-    def upload(why: str, home: Geodetic | None) -> None:
-        def unflyable(*_: object) -> None:
-            raise Unflyable(why)
-
-        monkeypatch.setattr(vehicle, "upload_items", unflyable)
-        monkeypatch.setattr(vehicle, "home", lambda: home)
-        vehicle.upload(suited(vehicle, MISSION))
-
-    for why, home, code in (("too far", None, "unflyable"), ("", HOME, "unflyable"), ("", None, "unplaced")):
-        with refuses(code, "", why):
-            upload(why, home)
 
 
 def test_an_arducopter_is_asked_once_whether_it_takes_a_file() -> None:
