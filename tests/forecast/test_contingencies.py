@@ -568,6 +568,6 @@ def test_looks_at_a_few_times_at_once_are_those_at_all(
 
 def test_many_are_braked_as_each_alone() -> None:
     random = np.random.default_rng(3)
-    velocity, accel = 8.0 * random.normal(size=(10, 2)), random.normal(size=(10, 2))
+    velocity, accel = 8.0 * random.normal(size=(10, 2)) @ (1.0, 1.0j), random.normal(size=(10, 2)) @ (1.0, 1.0j)
     alone = [braking_displacement(velocity[n : n + 1], accel[n : n + 1], 2.5, 5.0) for n in range(10)]
-    assert np.array_equal(braking_displacement(velocity, accel, 2.5, 5.0), np.vstack(alone))
+    assert np.array_equal(braking_displacement(velocity, accel, 2.5, 5.0), np.concatenate(alone))

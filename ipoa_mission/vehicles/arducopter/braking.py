@@ -5,29 +5,30 @@ with the path's speed and acceleration, BRAKE with the vehicle's speed.
 """
 
 import math
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ipoa_mission.autopilot.guidance_profile import FlownCircle
 from ipoa_mission.errors import BadInput
-from ipoa_mission.geometry import Plane
 from ipoa_mission.vehicles.arducopter.dynamics.motion import STEP
 from ipoa_mission.vehicles.arducopter.limits import CENTIMETER, CopterLimits
 
 
-def braking_displacement(velocity: Plane, accel: Plane, most_accel: float, jerk: float) -> Plane:
-    """Return the displacement to rest of velocities and accelerations, (n, 2) each [m]."""
+def braking_displacement(velocity: NDArray[Any], accel: NDArray[Any], most_accel: float, jerk: float) -> NDArray[Any]:
+    """Return the displacement to rest [m] of velocities and accelerations, (n,) each, real or complex."""
     at_rest_s = 12.0
     gain = jerk / most_accel
     linear = jerk / gain**2  # [m/s]
-    displacement = np.zeros((len(velocity), 2))
+    most_change = jerk * STEP
+    displacement = 0.0 * velocity
     for _ in range(round(at_rest_s / STEP)):
-        speed = np.sqrt((velocity**2).sum(axis=1))
+        speed = np.abs(velocity)
         brakes = np.where(speed <= linear, gain * speed, np.sqrt(2 * jerk * np.maximum(speed - linear / 2, 0.0)))
-        share = np.minimum(brakes, most_accel) / np.maximum(speed, 1e-9)
-        change = -velocity * share[:, None] - accel
-        size = np.sqrt((change**2).sum(axis=1))[:, None]
-        accel = accel + np.where(size > jerk * STEP, change * (jerk * STEP) / np.maximum(size, 1e-12), change)
+        change = -velocity * (np.minimum(brakes, most_accel) / np.maximum(speed, 1e-9)) - accel
+        size = np.abs(change)
+        accel = accel + np.where(size > most_change, change * most_change / np.maximum(size, 1e-12), change)
         displacement += velocity * STEP
         velocity = velocity + accel * STEP
     return displacement

@@ -271,8 +271,8 @@ class ArduCopter(Autopilot):
             displacement[:, 2] = run_on_s * climb
             return displacement
         p = PARAMETER_TABLE.complete(parameters)
-        level = velocity[:, :2]
-        level_accel = accel[:, :2]
+        level = velocity[:, :2] @ (1.0, 1.0j)
+        level_accel = accel[:, :2] @ (1.0, 1.0j)
         braking = p["WPNAV_ACCEL"] / 100
         braking_z = p["WPNAV_ACCEL_Z"] / 100
         if contingency is Contingency.HOLD:
@@ -280,10 +280,9 @@ class ArduCopter(Autopilot):
             braking = braking_z = 7.5  # BRAKE_MODE_DECEL_RATE [m/s^2]
         level_lead_s = 0.25  # of the target's horizontal speed, as flown
         offset = braking_displacement(level + level_lead_s * level_accel, level_accel, braking, p["PSC_JERK_XY"])
-        upright = np.column_stack([climb, 0.0 * climb])
         lag_s = 0.08  # as flown
-        rise = braking_displacement(upright, 0.0 * upright, braking_z, p["PSC_JERK_Z"])[:, 0] + lag_s * climb
-        return np.column_stack([offset, rise])
+        rise = braking_displacement(climb, 0.0 * climb, braking_z, p["PSC_JERK_Z"]) + lag_s * climb
+        return np.column_stack([offset.real, offset.imag, rise])
 
     def sinking_brake(self, parameters: Parameters) -> returning.SinkingBrake:
         limits = copter_limits(parameters)
