@@ -27,6 +27,10 @@ class Parameter(NamedTuple):
     def spelled(self, value: float) -> float:
         return value / self.unit
 
+    def si(self, value: float) -> float:
+        """Divide by 100 as the firmware does: 0.01 is rounded."""
+        return value / (1.0 / self.unit)
+
 
 def defaults(rows: Iterable[Parameter]) -> dict[str, float]:
     return {row.name: row.default for row in rows if row.default is not None}
@@ -81,6 +85,15 @@ class ParameterTable:
 
     def complete(self, parameters: Parameters) -> dict[str, float]:
         return {**self.moving, **self.by_old_names(parameters)}
+
+    def si(self, parameters: Parameters) -> dict[str, float]:
+        """Return this table's parameters in m, s and degrees."""
+        known = self.complete(parameters)
+        return {name: row.si(known[name]) for name, row in self.by_name.items() if name in known}
+
+    def meant(self, meaning: str, complete: Parameters) -> float:
+        row = self.by_meaning[meaning]
+        return row.si(complete[row.name])
 
     def overridden(self, parameters: Parameters, by: Parameters) -> dict[str, float]:
         replaced = self.by_old_names(dict.fromkeys(by, 0.0)).keys()

@@ -101,15 +101,14 @@ class SinkingBrake(NamedTuple):
 
 class SlowedBy(NamedTuple):
     names: tuple[str, ...]
-    unit: float  # [m]
     most: float  # as documented [m]
     decided_by: tuple[str, ...]  # all that affect the touchdown speed
     spared_by: str = ""  # range finder's parameter: heights count from the ground
 
     def raised(self, table: ParameterTable, parameters: Parameters, ground: float) -> Parameters:
-        p = table.complete(parameters)
+        p = table.si(parameters)
         higher = math.ceil(ground - 0.05)  # whole meters, with rounding
-        return {name: round(min(p[name] * self.unit + higher, self.most) / self.unit, 6) for name in self.names}
+        return {name: round(table.by_name[name].spelled(min(p[name] + higher, self.most)), 6) for name in self.names}
 
 
 class SlowStretch(NamedTuple):

@@ -198,7 +198,7 @@ class Toy(Autopilot):
         lambda *_: Refused("UNSUPPORTED"),
         lambda *_: Refused("UNSUPPORTED"),
     )
-    slowed_by = SlowedBy((), 1.0, 0.0, ())
+    slowed_by = SlowedBy((), 0.0, ())
     own_fence_by = ("TOY_FENCE",)
     parts: ClassVar[Mapping[str, Any]] = {"FlightModel": Model(), "DeviationLaw": LAW}
 

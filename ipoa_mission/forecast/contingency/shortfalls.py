@@ -102,8 +102,9 @@ def try_return_altitudes(
         returns = sum(short.missing for short in tried[1] if short.part >= ReturnLeg.RETURNS)
         return return_altitude(tried[0]) > allowed, returns, sum(short.missing for short in tried[1])
 
-    by = forecast.mission.autopilot.parameter_table.by_meaning["return height"]
-    now = forecast.mission.autopilot.parameter_table.complete(forecast.mission.parameters)[by.name] * by.unit
+    table = forecast.mission.autopilot.parameter_table
+    by = table.by_meaning["return height"]
+    now = by.si(table.complete(forecast.mission.parameters)[by.name])
     allowed = highest_return(forecast)
     highest = allowed - (return_altitude(forecast) - now)  # PX4 measures from the height of its goal
     others = [(forecast, short)]

@@ -217,10 +217,8 @@ def _braking_lengths(mission: Mission) -> list[float]:
     autopilot, items = mission.autopilot, mission.items
     table = autopilot.parameter_table
     values = mission.complete_parameters
-    cruise = table.by_meaning["cruise speed"]
-    acceleration = table.by_meaning["acceleration"]
-    speed = values[cruise.name] * cruise.unit
-    accel = values[acceleration.name] * acceleration.unit
+    speed = table.meant("cruise speed", values)
+    accel = table.meant("acceleration", values)
     changed = (n for n, item in enumerate(items) if item.command == Command.DO_CHANGE_SPEED)
     changes = {
         n: items[n].params[1] for n in changed if items[n].params[0] in HORIZONTAL_SPEEDS and items[n].params[1] > 0
@@ -264,9 +262,8 @@ def _payload_elsewhere(mission: Mission, program: Program, n: int, next_index: i
     autopilot, item = mission.autopilot, program.items[next_index]
     if item.command != Command.NAV_PAYLOAD_PLACE or not item.has_position:
         return
-    parameters = mission.complete_parameters
-    acceptance = autopilot.parameter_table.by_meaning["acceptance radius"]
+    acceptance = autopilot.parameter_table.meant("acceptance radius", mission.complete_parameters)
     climb = abs(program.place(next_index, NO_PLACE)[2] - program.place(n, NO_PLACE)[2])
-    if climb > parameters[acceptance.name] * acceptance.unit:
+    if climb > acceptance:
         why = "it waits at this height for that of the waypoint before, and never places the payload"
         yield Unknown(next_index + 1, why, "give it the height of the waypoint before, or 0", "never-reached")

@@ -192,7 +192,9 @@ class CopterReturn(NamedTuple):
         p = {**PARAMETER_TABLE.others, **PARAMETER_TABLE.moving, **parameters}
         fence = fence_limits(parameters)
         ceiling = math.inf if fence is None else fence.ceiling.value - p["FENCE_MARGIN"]
-        return cls(p["RTL_ALT"] / 100, max(p["RTL_CLIMB_MIN"] / 100, 0.0), p["RTL_CONE_SLOPE"], ceiling)
+        rows = PARAMETER_TABLE.by_name
+        altitude, climb = (rows[name].si(p[name]) for name in ("RTL_ALT", "RTL_CLIMB_MIN"))
+        return cls(altitude, max(climb, 0.0), p["RTL_CONE_SLOPE"], ceiling)
 
     def height(self, above: float, distance: float, goal_up: float) -> float:
         """Return the height above home [m], from `above` home over a horizontal distance to `goal_up`.
@@ -269,7 +271,7 @@ def copter_limits(parameters: Parameters, version: Version | None = None) -> Cop
     """
     known = PARAMETER_TABLE.complete(parameters)
     PARAMETER_TABLE.expect_positive(known)
-    p = {name: known[name] / (1.0 / row.unit) for name, row in PARAMETER_TABLE.by_name.items() if name in known}
+    p = PARAMETER_TABLE.si(known)
     turning = math.radians(min(p["ATC_RATE_R_MAX"], p["ATC_RATE_P_MAX"]))
     jerk = min(p["WPNAV_JERK"], turning * GRAVITY) if turning > 0 else p["WPNAV_JERK"]
     snap = jerk * math.pi / (2 * max(p["ATC_INPUT_TC"], 0.1))

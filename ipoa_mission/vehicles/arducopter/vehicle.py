@@ -229,7 +229,6 @@ class ArduCopter(Autopilot):
     refusals = Refusals(refused, refused_in_fence, refused_in_rally)
     slowed_by = returning.SlowedBy(
         names=("LAND_ALT_LOW",),
-        unit=0.01,
         most=100.0,
         decided_by=("LAND_ALT_LOW", "LAND_SPEED", "LAND_SPEED_HIGH", "WPNAV_SPEED_DN", "RNGFND1_TYPE"),
         spared_by="RNGFND1_TYPE",
@@ -270,11 +269,11 @@ class ArduCopter(Autopilot):
             run_on_s = 0.95  # as flown; it then comes back
             displacement[:, 2] = run_on_s * climb
             return displacement
-        p = PARAMETER_TABLE.complete(parameters)
+        p = PARAMETER_TABLE.si(parameters)
         level = velocity[:, :2] @ (1.0, 1.0j)
         level_accel = accel[:, :2] @ (1.0, 1.0j)
-        braking = p["WPNAV_ACCEL"] / 100
-        braking_z = p["WPNAV_ACCEL_Z"] / 100
+        braking = p["WPNAV_ACCEL"]
+        braking_z = p["WPNAV_ACCEL_Z"]
         if contingency is Contingency.HOLD:
             level_accel = 0.0 * level_accel
             braking = braking_z = 7.5  # BRAKE_MODE_DECEL_RATE [m/s^2]
@@ -307,12 +306,12 @@ class ArduCopter(Autopilot):
         >>> ArduCopter().slow_stretch({}).touchdown(12.0)
         1.5
         """
-        p = PARAMETER_TABLE.complete(parameters)
+        p = PARAMETER_TABLE.si(parameters)
         if p["RNGFND1_TYPE"] > 0:
             return None
-        low = max(p["LAND_ALT_LOW"] / 100, 1.0)
-        fast = (p["LAND_SPEED_HIGH"] or p["WPNAV_SPEED_DN"]) / 100
-        return returning.SlowStretch(max(p["LAND_SPEED"] / 100, returning.SLOWEST), fast, low, low)
+        low = max(p["LAND_ALT_LOW"], 1.0)
+        fast = p["LAND_SPEED_HIGH"] or p["WPNAV_SPEED_DN"]
+        return returning.SlowStretch(max(p["LAND_SPEED"], returning.SLOWEST), fast, low, low)
 
     def own_fence(self, parameters: Parameters) -> OwnFence | None:
         """Return FENCE_TYPE's limits if FENCE_ACTION does more than report (AC_Fence)."""

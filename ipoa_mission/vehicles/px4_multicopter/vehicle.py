@@ -222,7 +222,6 @@ class Px4Multicopter(Autopilot):
     refusals = Refusals(refused, refused_in_fence, refused_in_rally, _refused_ends)
     slowed_by = returning.SlowedBy(
         names=("MPC_LAND_ALT1", "MPC_LAND_ALT2"),
-        unit=1.0,
         most=122.0,
         decided_by=("MPC_LAND_ALT1", "MPC_LAND_ALT2", "MPC_LAND_SPEED", "MPC_Z_V_AUTO_DN", "MPC_Z_VEL_MAX_DN"),
     )
