@@ -6,7 +6,7 @@ from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from typing import NamedTuple
 
-from ipoa_mission.autopilot.parameters import Parameters
+from ipoa_mission.autopilot.parameters import Parameters, whole
 from ipoa_mission.autopilot.returning import Contingency, FlightStage
 
 Series = tuple[int, int]
@@ -119,8 +119,8 @@ class StationLoss(NamedTuple):
         if lost.action.contingency is Contingency.CONTINUE:
             also = f", {lost.action.words}" if lost.action.words else ""
             return f"without its ground station the vehicle continues ({by}{also})"
-        first = next((int(parameters[name]) for name in self.heeds if name in parameters), station)
-        if not first <= station <= max(first, int(parameters.get(self.heeds_to, first))):
+        first = next((whole(parameters, name) for name in self.heeds if name in parameters), station)
+        if not first <= station <= max(first, whole(parameters, self.heeds_to, first)):
             return f"{by} counts for station {first}, not for this one ({station})"
         seconds = parameters.get(self.timeout, self.default_s)
         return f"{seconds:g} s without its ground station lead to {lost.action} ({by})"

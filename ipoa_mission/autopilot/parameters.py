@@ -1,5 +1,6 @@
 """Defaults, types, units and names of parameters."""
 
+import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
@@ -142,6 +143,14 @@ def parameters_of_fields(record: type) -> Mapping[str, str]:
     """Return the parameter of each field that is annotated with one, as `speed: Annotated[float, "WPNAV_SPEED"]`."""
     hints = get_type_hints(record, include_extras=True)
     return {field: hint.__metadata__[0] for field, hint in hints.items() if get_origin(hint) is Annotated}
+
+
+def whole(parameters: Parameters, name: str, default: float = 0.0) -> int:
+    """Return a parameter of bits or choices; raise BadInput for NaN and infinity."""
+    value = parameters.get(name, default)
+    if not math.isfinite(value):
+        raise BadInput(f"expected a whole number, not {value:g}", place=name)
+    return int(value)
 
 
 def name_values(parameters: Parameters) -> str:

@@ -279,6 +279,16 @@ def test_px4_excepts_modes_of_a_lost_link() -> None:
     assert by("NAV_DLL_ACT", both, PX4, OLD).at(FlightStage.RETURN).contingency is Contingency.HOLD
 
 
+@pytest.mark.parametrize(
+    ("autopilot", "name"), [(PX4, "COM_DLL_EXCEPT"), (PX4, "COM_RCL_EXCEPT"), (AP, "FS_OPTIONS"), (AP, "FENCE_TYPE")]
+)
+@pytest.mark.parametrize("value", [math.nan, math.inf])
+def test_bits_that_are_no_number_are_refused_by_name(autopilot: Autopilot, name: str, value: float) -> None:
+    acts = {"NAV_DLL_ACT": 2.0, "FENCE_ENABLE": 1.0}
+    with refuses("bad-input", name, "expected a whole number"):
+        autopilot.failsafes(acts | {name: value})
+
+
 def test_hold_before_a_failsafe_has_its_duration() -> None:
     """COM_FAIL_ACT_T before what a user may take over; LAND_WITH_DELAY_MS where ArduCopter lands by a failsafe."""
     assert by("NAV_RCL_ACT", {}, PX4).action.after_s == 5.0

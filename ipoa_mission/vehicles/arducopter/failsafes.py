@@ -8,7 +8,7 @@ from dataclasses import replace
 
 from ipoa_mission.autopilot import failsafe
 from ipoa_mission.autopilot.failsafe import GOES_ON, Cause, Failsafe, FailsafeAction, FailsafeProfile, FailsafeRule
-from ipoa_mission.autopilot.parameters import Parameters
+from ipoa_mission.autopilot.parameters import Parameters, whole
 from ipoa_mission.autopilot.returning import Contingency, FlightStage
 from ipoa_mission.vehicles.arducopter.limits import FENCE_SWITCHES, PARAMETER_TABLE, FenceType
 
@@ -123,13 +123,13 @@ def _failsafe(rule: FailsafeRule, parameters: Parameters, series: failsafe.Serie
     landing = action
     continues = replace(GOES_ON, words="by FS_OPTIONS")
     if action.contingency is not Contingency.CONTINUE and rule.cause != Cause.BY_HAND:
-        options = int(parameters.get("FS_OPTIONS", 16.0))
+        options = whole(parameters, "FS_OPTIONS", 16.0)
         if options & {"FS_THR_ENABLE": 1, "FS_GCS_ENABLE": 2}.get(rule.parameter, 0):
             action = landing = continues
         if options & 8 and rule.parameter.startswith(("BATT", "FS_THR_ENABLE", "FS_GCS_ENABLE")):
             landing = replace(LANDS, words="by FS_OPTIONS")
-        types = {**PARAMETER_TABLE.others, **parameters}["FENCE_TYPE"]
-        if rule.cause == Cause.FENCE_BREACHED and int(types) == FenceType.FLOOR:
+        types = whole({**PARAMETER_TABLE.others, **parameters}, "FENCE_TYPE")
+        if rule.cause == Cause.FENCE_BREACHED and types == FenceType.FLOOR:
             landing = replace(GOES_ON, words="a landing disables FENCE_ALT_MIN")
     if rule.cause == Cause.TERRAIN_UNKNOWN:
         landing = replace(GOES_ON, words="a landing needs no terrain data")

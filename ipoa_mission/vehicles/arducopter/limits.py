@@ -20,6 +20,7 @@ from ipoa_mission.autopilot.parameters import (
     Parameters,
     ParameterTable,
     parameters_of_fields,
+    whole,
 )
 from ipoa_mission.autopilot.version import Version
 from ipoa_mission.geometry import GRAVITY, Vector
@@ -172,7 +173,7 @@ def fence_limits(parameters: Parameters) -> OwnFence | None:
     p = {**PARAMETER_TABLE.others, **parameters}
 
     def limit(name: str, bit: FenceType, none: float) -> FenceLimit:
-        return FenceLimit(name, p[name] if int(p["FENCE_TYPE"]) & bit else none)
+        return FenceLimit(name, p[name] if whole(p, "FENCE_TYPE") & bit else none)
 
     return OwnFence(
         limit("FENCE_RADIUS", FenceType.CIRCLE, math.inf),

@@ -14,7 +14,7 @@ from ipoa_mission.autopilot.autopilot import MULTICOPTERS, Autopilot
 from ipoa_mission.autopilot.commands import LANDINGS, WAYPOINTS, Command, Frame
 from ipoa_mission.autopilot.failsafe import OwnFence
 from ipoa_mission.autopilot.firmware_tables import POLYGON, Firmware, FirmwareTables, Refusals, Refused, rows
-from ipoa_mission.autopilot.parameters import Parameters
+from ipoa_mission.autopilot.parameters import Parameters, whole
 from ipoa_mission.autopilot.returning import HOME, Contingency, ReturnBy, ReturnOrder, ReturnRoute, horizontal_distance
 from ipoa_mission.autopilot.version import Version
 from ipoa_mission.geometry import Place, Points, Vector
@@ -75,7 +75,7 @@ def refused_in_rally(firmware: Firmware, command: int, frame: int, values: Seque
 
 def _flies_on(command: int, takes_off: bool, parameters: Mapping[str, float]) -> bool:
     """Bit 2 of MIS_OPTIONS flies on from LAND to a take-off; without it the vehicle disarms."""
-    lands_only = command != Command.NAV_RETURN_TO_LAUNCH and not int(parameters["MIS_OPTIONS"]) & 4
+    lands_only = command != Command.NAV_RETURN_TO_LAUNCH and not whole(parameters, "MIS_OPTIONS") & 4
     return command not in LANDINGS or (takes_off and not lands_only)
 
 

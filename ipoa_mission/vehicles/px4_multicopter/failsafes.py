@@ -8,7 +8,7 @@ from dataclasses import replace
 
 from ipoa_mission.autopilot import failsafe
 from ipoa_mission.autopilot.failsafe import GOES_ON, Cause, Failsafe, FailsafeAction, FailsafeProfile, FailsafeRule
-from ipoa_mission.autopilot.parameters import Parameters
+from ipoa_mission.autopilot.parameters import Parameters, whole
 from ipoa_mission.autopilot.returning import Contingency, FlightStage
 
 V1_18, V1_19 = (1, 18), (1, 19)
@@ -92,7 +92,7 @@ def _failsafe(rule: FailsafeRule, parameters: Parameters, series: failsafe.Serie
     returning = action
     if rule.parameter in EXCEPTION_PARAMETERS and action.contingency is not Contingency.CONTINUE:
         name = EXCEPTION_PARAMETERS[rule.parameter]
-        excepted = int(parameters.get(name, 0.0))
+        excepted = whole(parameters, name)
         continues = replace(GOES_ON, words=f"by {name}")
         if excepted & 1:
             action = continues

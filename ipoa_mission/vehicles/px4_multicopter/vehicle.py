@@ -16,7 +16,7 @@ from ipoa_mission.autopilot.commands import FLOWN_TO, Command, Frame
 from ipoa_mission.autopilot.failsafe import FenceLimit, OwnFence
 from ipoa_mission.autopilot.firmware_tables import POLYGON, Firmware, FirmwareTables, Refusals, Refused, rows
 from ipoa_mission.autopilot.guidance_profile import mode_number
-from ipoa_mission.autopilot.parameters import Parameters
+from ipoa_mission.autopilot.parameters import Parameters, whole
 from ipoa_mission.autopilot.returning import HOME, Contingency, ReturnBy, ReturnOrder, ReturnRoute, horizontal_distance
 from ipoa_mission.autopilot.version import Version
 from ipoa_mission.geometry import Points, Vector
@@ -90,7 +90,7 @@ def _refused_ends(commands: Set[int], parameters: Mapping[str, float]) -> Refuse
     """RTL counts as no landing."""
     takes_off = Command.NAV_TAKEOFF in commands
     lands = Command.NAV_LAND in commands
-    match int(parameters.get("MIS_TKO_LAND_REQ", 0.0)), takes_off, lands:
+    match whole(parameters, "MIS_TKO_LAND_REQ"), takes_off, lands:
         case (1, False, _):
             return Refused("takeoff_missing", words="Takeoff waypoint required.")
         case (3, False, _) | (3, _, False):
