@@ -79,7 +79,7 @@ WORDS = {
 }
 LOOKED_FOR = {
     **{"BATT_CRT_VOLT": 10.0, "BATT_LOW_VOLT": 10.5, "FENCE_ENABLE": 1.0, "BATT_FS_LOW_ACT": 0.0},
-    **{"COM_WIND_MAX": 12.0, "COM_POS_LOW_EPH": 5.0, "SYS_HAS_NUM_GNSS": 1.0, "AVD_ENABLE": 1.0},
+    **{"FD_ACT_EN": 1.0, "COM_WIND_MAX": 12.0, "COM_POS_LOW_EPH": 5.0, "SYS_HAS_NUM_GNSS": 1.0, "AVD_ENABLE": 1.0},
 }
 
 
@@ -151,10 +151,10 @@ TYPES = {
         REAL32: "BATT_CRT_MAH BATT_CRT_VOLT BATT_LOW_MAH BATT_LOW_VOLT FS_EKF_THRESH SRTL_ACCURACY",
     },
     PX4: {
-        INT32: "CBRK_FLIGHTTERM COM_ACT_FAIL_ACT COM_ARM_ODID COM_DLL_EXCEPT COM_FLTT_LOW_ACT COM_FLT_TIME_MAX "
-        "COM_GNSSLOSS_ACT COM_IMB_PROP_ACT COM_LOW_BAT_ACT COM_PARACHUTE COM_POS_FS_ACT COM_POS_LOW_ACT "
-        "COM_RCL_EXCEPT COM_RC_IN_MODE COM_TRAFF_AVOID COM_WIND_MAX_ACT GF_ACTION NAV_DLL_ACT NAV_RCL_ACT "
-        "NAV_TRAFF_AVOID SYS_HAS_NUM_GNSS",
+        INT32: "CBRK_FLIGHTTERM COM_ACT_FAIL_ACT COM_ARM_CHK_ESCS COM_ARM_ODID COM_DLL_EXCEPT COM_FLTT_LOW_ACT "
+        "COM_FLT_TIME_MAX COM_GNSSLOSS_ACT COM_IMB_PROP_ACT COM_LOW_BAT_ACT COM_PARACHUTE COM_POS_FS_ACT "
+        "COM_POS_LOW_ACT COM_RCL_EXCEPT COM_RC_IN_MODE COM_TRAFF_AVOID COM_WIND_MAX_ACT FD_ACT_EN GF_ACTION "
+        "NAV_DLL_ACT NAV_RCL_ACT NAV_TRAFF_AVOID SYS_HAS_NUM_GNSS",
         REAL32: "COM_FAIL_ACT_T COM_POS_LOW_EPH COM_WIND_MAX",
     },
 }
@@ -277,6 +277,16 @@ def test_px4_excepts_modes_of_a_lost_link() -> None:
         Contingency.CONTINUE,
     )
     assert by("NAV_DLL_ACT", both, PX4, OLD).at(FlightStage.RETURN).contingency is Contingency.HOLD
+
+
+def test_motors_are_examined_by_default_until_1_17() -> None:
+    """FD_ACT_EN: 1 in failure_detector_params.c of 1.17, 0 in esc_check_params.yaml of 1.18, where ESCs count too."""
+    lands = {"COM_ACT_FAIL_ACT": 2.0}
+    old, new = (by("COM_ACT_FAIL_ACT", lands, PX4, version).action for version in (OLD, NEW))
+    assert (old.contingency, new.contingency) == (Contingency.LAND, Contingency.CONTINUE)
+    assert new.words == "not checked: needs FD_ACT_EN or COM_ARM_CHK_ESCS above 0"
+    for name in ("FD_ACT_EN", "COM_ARM_CHK_ESCS"):
+        assert by("COM_ACT_FAIL_ACT", lands | {name: 1.0}, PX4, NEW).action.contingency is Contingency.LAND
 
 
 @pytest.mark.parametrize(

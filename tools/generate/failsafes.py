@@ -18,13 +18,13 @@ PAGE = REPOSITORY / "docs" / "failsafes.md"
 HEAD = """\
 # Failsafes
 
-The actions of each vehicle when something fails, and those that can be ordered, as read in its firmware's sources.
-Generated from the code by `python -m tools.generate.failsafes`. In Python: `autopilot.failsafes(parameters, version)`.
+Actions of each vehicle when something fails, or by order, read in its firmware's sources. Written by
+`python -m tools.generate.failsafes`. In Python: `autopilot.failsafes(parameters, version)`.
 
 `rtl` returns by its return parameters, `land` lands in place, `smart_rtl` flies back along the flown path. `hold`
 brakes and stays. `land_start` flies to the mission's own landing, `terminate` stops the motors, `continue` goes on.
-`unknown` is not modeled. If an action is not available, its fallbacks follow; a row names them ("or") where they are
-others. A cause with "needs" is checked only if one of these parameters is above 0.
+`unknown` is not modeled. If an action is not available, its fallbacks follow; a row names others ("or"). A cause with
+"needs" is checked if one of these parameters is above 0.
 """
 NOTES = {
     "ardupilot": """\
@@ -35,16 +35,16 @@ NOTES = {
 * A landing disables the floor of the fence (`FENCE_ALT_MIN`).
 * `smart_rtl` needs `SRTL_POINTS` and `SRTL_ACCURACY` above 0.
 * After a low battery has acted, a critical one acts only if its action is as urgent: 5, 1, 2, 4, 3, 0; then 6 and 7.
-  Actions 6 and 7 rank below 0, so they have no effect after a low battery with action 0.
+  6 and 7 rank below 0: they have no effect after a low battery with action 0.
 * A landing needs no terrain data.
 * Not covered: advanced failsafe (`AFS_*`), scripts.
 """,
     "px4": """\
-* The table is for all stages of a mission. During a return a `rtl` changes nothing, and bit 0 of `COM_RCL_EXCEPT` and
-  `COM_DLL_EXCEPT`, which continues a mission, does not apply (bit 1 does, since 1.18).
+* During a return a `rtl` changes nothing, and bit 0 of `COM_RCL_EXCEPT` and `COM_DLL_EXCEPT`, which continues a
+  mission, does not apply (bit 1 does, since 1.18).
 * Before a `rtl` or `land` it holds for `COM_FAIL_ACT_T`, except for an inaccurate or lost position, or traffic near.
 * Of several causes the most severe action counts.
-* A lost radio control has no effect with `COM_RC_IN_MODE` 4, or if there was none when the vehicle was armed.
+* A lost radio control has no effect with `COM_RC_IN_MODE` 4, or if it was lost at arming.
 * Not covered: VTOL, offboard, the first seconds after arming.
 """,
 }

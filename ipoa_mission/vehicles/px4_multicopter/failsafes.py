@@ -26,6 +26,12 @@ TRAFFIC_ACTIONS = {
     0: GOES_ON, 1: GOES_ON, 2: replace(RETURNS, words="descends to its return height if it is higher"), 3: LANDS,
 }  # fmt: skip
 
+
+def _motor_failed(needs: Parameters) -> FailsafeRule:
+    actions = {0: GOES_ON, 1: HOLDS, 2: LANDS, 3: RETURNS, 4: TERMINATES}
+    return FailsafeRule("motor failed", "COM_ACT_FAIL_ACT", actions, needs=needs)
+
+
 FAILSAFE_RULES = (
     FailsafeRule(Cause.LOW_BATTERY),
     FailsafeRule(
@@ -58,7 +64,8 @@ FAILSAFE_RULES = (
     FailsafeRule("wind too strong", "COM_WIND_MAX_ACT", GRADED_ACTIONS, needs={"COM_WIND_MAX": -1.0}),
     FailsafeRule("flown for too long", usual=RETURNS, needs={"COM_FLT_TIME_MAX": -1.0}),
     FailsafeRule("mission cannot be flown on", usual=RETURNS),
-    FailsafeRule("motor failed", "COM_ACT_FAIL_ACT", {0: GOES_ON, 1: HOLDS, 2: LANDS, 3: RETURNS, 4: TERMINATES}),
+    replace(_motor_failed({"FD_ACT_EN": 1.0}), until=V1_18),
+    replace(_motor_failed({"FD_ACT_EN": 0.0, "COM_ARM_CHK_ESCS": 0.0}), since=V1_18),
     FailsafeRule(
         "propeller out of balance", "COM_IMB_PROP_ACT", {-1: GOES_ON, 0: GOES_ON, 1: RETURNS, 2: LANDS}, until=V1_18,
     ),
