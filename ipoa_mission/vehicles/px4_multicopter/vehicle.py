@@ -28,6 +28,7 @@ from ipoa_mission.vehicles.px4_multicopter.limits import (
     LEAST_HOLD,
     MEASURED,
     PARAMETER_TABLE,
+    Px4Limits,
     Px4Return,
     px4_limits,
 )
@@ -255,26 +256,17 @@ class Px4Multicopter(Autopilot):
         climb = velocity[:, 2]
         speed = np.abs(climb)
         brakes = np.where(climb > 0.0, limits.accel_down, limits.accel_up)
-        distance = _braking_distance(speed, accel[:, 2] * np.sign(climb), brakes, limits.jerk)
+        run_on = _braking_distance(speed, accel[:, 2] * np.sign(climb), brakes, limits.jerk)
         noticed_s = 0.15 - self.braking_delay_s(contingency)  # by the navigator, the setpoint and the rotors
         if contingency in returning.IN_PLACE:
             overshoots_s = self.overshoots_s if contingency is Contingency.HOLD else 0.0
             stops_s = limits.stopping_time(horizontal_speed) + overshoots_s
             displacement[:, :2] = velocity[:, :2] * stops_s[:, None]
-            distance += noticed_s * speed
+            run_on += noticed_s * speed
         else:
-            # It turns home at once, and all axes change their speed in the same time. `back` is the vertical speed of
-            # a return from the end of `distance`. A speed that falls evenly to -back in t runs on by
-            # speed^2 t / (2 (speed + back)); the way home alone lasts `leaves_s`, with the braking before it `turns_s`.
-            half = 2.0 * brakes**2 / limits.jerk
-            fastest = np.where(climb > 0.0, limits.descent, limits.climb)
-            back = np.minimum(np.sqrt(half**2 + 2.0 * brakes * distance) - half, fastest)
-            leaves_s = limits.cruise / limits.accel + limits.accel / limits.jerk
-            run_on_way_home = speed**2 * leaves_s / np.maximum(2.0 * speed + back, 1e-9)
-            turns_s = leaves_s + horizontal_speed / limits.accel
-            evenly = speed**2 * turns_s / np.maximum(2.0 * (speed + back), 1e-9)
-            distance = np.maximum(distance, np.maximum(run_on_way_home, evenly) + noticed_s * speed)
-        displacement[:, 2] = np.copysign(np.maximum(distance, np.abs(displacement[:, 2])), climb)
+            turns_home = _vertical_run_on(limits, horizontal_speed, climb, run_on)
+            run_on = np.maximum(run_on, turns_home + noticed_s * speed)
+        displacement[:, 2] = np.copysign(np.maximum(run_on, np.abs(displacement[:, 2])), climb)
         return displacement
 
     def sinking_brake(self, parameters: Parameters) -> returning.SinkingBrake:
@@ -364,6 +356,23 @@ def _braking_distance(speed: Vector, accel: Vector, brakes: Vector | float, jerk
     turns = np.minimum(turns, (gains + np.sqrt(gains**2 + 2 * jerk * speed)) / jerk)
     turning = turns * (speed + turns * (gains / 2 - jerk * turns / 6))
     return np.asarray(turning + slowed**2 / (2 * brakes))
+
+
+def _vertical_run_on(limits: Px4Limits, horizontal_speed: Vector, climb: Vector, braked: Vector) -> Vector:
+    """Return how far (n,) [m] a climb or descent runs on while it turns home; `braked`: alone [m]."""
+    # All axes change speed in the same time T, the vertical one from v to -r; r can stop within `braked`.
+    speed = np.abs(climb)
+    brakes = np.where(climb > 0.0, limits.accel_down, limits.accel_up)
+    half = 2.0 * brakes**2 / limits.jerk  # as in `speed_to`
+    fastest = np.where(climb > 0.0, limits.descent, limits.climb)
+    rate = np.minimum(np.sqrt(half**2 + 2.0 * brakes * braked) - half, fastest)
+    # The way home alone, limited by jerk: it runs on by v T / 2 for r = 0, and by v T / 3 for r = v.
+    leaves_s = limits.cruise / limits.accel + limits.accel / limits.jerk
+    limited_by_jerk = speed**2 * leaves_s / np.maximum(2.0 * speed + rate, 1e-9)
+    # After level braking, evenly: for v T / (v + r), at half the speed.
+    turns_s = leaves_s + horizontal_speed / limits.accel
+    even = speed**2 * turns_s / np.maximum(2.0 * (speed + rate), 1e-9)
+    return np.maximum(limited_by_jerk, even)
 
 
 PX4_MULTICOPTER = Px4Multicopter()
