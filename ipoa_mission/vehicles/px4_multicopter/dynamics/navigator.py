@@ -225,6 +225,7 @@ def orders_of_itinerary(itinerary: Itinerary, limits: Px4Limits, landing_delay: 
 
 def with_timeouts(orders: Sequence[Order], start: Enu, limits: Px4Limits, landing_delay: float) -> Iterator[Order]:
     """Yield orders flown from `start`, each with its timeout."""
+    # A guard against circling forever, not PX4's: several times the duration of any order that ends.
     slowest = min(limits.climb, limits.descent, limits.takeoff_speed, limits.land_speed, limits.crawl_speed)
     for order in orders:
         distance = math.dist(start[:2], order.goal[:2])
