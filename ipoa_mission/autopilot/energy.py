@@ -104,8 +104,9 @@ class Interval(NamedTuple):
     def plus(self, other: "Interval") -> "Interval":
         return Interval(self.low + other.low, self.likely + other.likely, self.high + other.high)
 
-    def minus(self, other: "Interval") -> "Interval":
-        return Interval(self.low - other.low, self.likely - other.likely, self.high - other.high)
+    def rest_after(self, part: "Interval") -> "Interval":
+        """Return the rest of the same flight, which takes much where its `part` does: low less low."""
+        return Interval(self.low - part.low, self.likely - part.likely, self.high - part.high)
 
     def __str__(self) -> str:
         return f"{self.likely:.1f} ({self.low:.1f} to {self.high:.1f})"
@@ -129,8 +130,9 @@ def shortage(used: Interval, battery: Battery) -> NotEnoughBattery | None:
     if left >= battery.reserve - rounding and least_left >= -rounding:
         return None
     takes = f"takes {used.likely:.1f} Wh" + (f" ({used.low:.1f} to {used.high:.1f})" if used.high > used.low else "")
-    outcome = f"leaves {left:.1%} of {battery.capacity_wh:.4g} Wh" if left > 0 else f"not {battery.capacity_wh:.4g} Wh"
-    outcome = outcome if left < battery.reserve - rounding else f"may take all of {battery.capacity_wh:.4g} Wh"
+    capacity = f"{battery.capacity_wh:.4g} Wh"
+    outcome = f"leaves {left:.1%} of {capacity}" if left > 0 else f"more than the {capacity} of its battery"
+    outcome = outcome if left < battery.reserve - rounding else f"may take all of {capacity}"
     needed = max(used.likely / (1 - battery.reserve), used.high)
     return NotEnoughBattery(
         f"expected a reserve of {battery.reserve:.0%} after landing, but the flight {takes}, {outcome}",

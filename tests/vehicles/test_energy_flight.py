@@ -97,7 +97,10 @@ def test_a_flight_that_keeps_the_reserve_passes() -> None:
 
 @pytest.mark.parametrize(
     ("energy_wh", "words"),
-    [(84.2, "the flight takes 84.2 Wh, leaves 15.8% of 100 Wh"), (130.0, "the flight takes 130.0 Wh, not 100 Wh")],
+    [
+        (84.2, "the flight takes 84.2 Wh, leaves 15.8% of 100 Wh"),
+        (130.0, "the flight takes 130.0 Wh, more than the 100 Wh of its battery"),
+    ],
 )
 def test_a_flight_that_eats_the_reserve_is_refused(energy_wh: float, words: str) -> None:
     short = shortage(used(energy_wh).between, Battery(100.0, 0.2))
@@ -105,3 +108,11 @@ def test_a_flight_that_eats_the_reserve_is_refused(energy_wh: float, words: str)
     assert str(short) == f"battery: expected a reserve of 20% after landing, but {words}"
     assert f"a battery of {energy_wh / 0.8:.1f} Wh" in str(short.hint)
     assert short.exit_code == 1
+
+
+def test_energy_after_a_part_and_that_part_make_the_whole_flight() -> None:
+    """The bounds are of one flight: one that draws more does so before and after."""
+    flight = used(80.0).widened(0.9, 1.5)
+    half = flight.until(1800.0)
+    assert flight.between.rest_after(half) == pytest.approx(half)
+    assert half == pytest.approx((36.0, 40.0, 60.0))

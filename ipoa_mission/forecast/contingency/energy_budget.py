@@ -70,7 +70,7 @@ class Budget:
             return None
         until = self.used.until(time)
         capacity = self.battery.capacity_wh
-        remaining = self.used.between.minus(until)
+        remaining = self.used.between.rest_after(until)
         lands = Interval(*(left - max(wh, 0.0) / capacity for wh in reversed(remaining)))
         planned = 1.0 - until.likely / capacity
         return ReserveNow(time, left, planned, lands, self.battery.reserve)
@@ -81,7 +81,7 @@ class Budget:
         before = Interval(0.0, 0.0, 0.0)
         for item in self.forecast.estimate.items:
             after = self.used.until(item.done_s)
-            items.append(ItemEnergy(item.seq, after.minus(before), self.left(after)))
+            items.append(ItemEnergy(item.seq, after.rest_after(before), self.left(after)))
             before = after
         return tuple(items)
 
