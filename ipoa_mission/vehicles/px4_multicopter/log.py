@@ -15,6 +15,7 @@ from ipoa_mission.files import read_bytes
 from ipoa_mission.geometry import Matrix, Vector
 from ipoa_mission.link.messages import INFO, Current, HomePosition, Message, MissionState, ParamValue, Reached, Text
 from ipoa_mission.logs.logged import Battery, Log, LogFormat, Measured, in_order, presence, version_name
+from ipoa_mission.mission.item_words import count_words
 from ipoa_mission.vehicles.px4_multicopter.vehicle import PX4_MULTICOPTER, Px4Mode
 
 ARMED = 2  # vehicle_status.arming_state
@@ -98,7 +99,7 @@ def _remarks(path: Path, log: Any, topics: Set[str]) -> Iterator[str]:
         yield "the log is damaged"
     if log.dropouts:
         lost_s = sum(dropout.duration for dropout in log.dropouts) / 1e3
-        yield f"PX4 lost log data {len(log.dropouts)} times, {lost_s:.1f} s in all"
+        yield f"PX4 lost log data {count_words(len(log.dropouts), 'time')}, {lost_s:.1f} s in all"
     lacking = sorted({"mission_result", "home_position", VELOCITY} - topics)
     if lacking:
         yield f"the log has no topics {', '.join(lacking)}"
