@@ -8,6 +8,7 @@ import pytest
 
 from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.flight.flight import plan_flight
+from ipoa_mission.forecast.deviation.clearance_guarantee import KeptLimit
 from ipoa_mission.forecast.deviation.kept_limits import (
     NO_DEVIATION,
     clearance_task,
@@ -252,3 +253,13 @@ def test_unsupported_waypoints_are_refused_before_the_deviation_bound(scenario_o
     route = scenario.route.model_copy(update={"mode": "spline"})
     with refuses("bad-input", "route.mode"):
         plan_flight(scenario.model_copy(update={"route": route}))
+
+
+@pytest.mark.parametrize(("limit", "nominal", "guaranteed"), [("ceiling", 130.0, 131.0), ("obstacles", 3.0, 2.5)])
+def test_a_tight_place_forbids_what_is_predicted_beyond_its_limit(
+    limit: str, nominal: float, guaranteed: float
+) -> None:
+    required = 120.0 if limit == "ceiling" else 4.0
+    kept = KeptLimit(limit, required, nominal, guaranteed, "the ground", 3, (0.0, 0.0, 130.0), "via[2]")
+    assert kept.forbids
+    assert not kept._replace(nominal=required).forbids

@@ -156,9 +156,8 @@ def _worst_checks(part: Pieces, task: kept_limits.ClearanceTask, bound: kept_lim
             path = points.copy()
             path[:, 2] += heights
             for check in kept_limits.limits_kept(thinned(path), task.path, wider):
-                known = worst.setdefault((check.limit, check.required), check)
-                if (known.nearest.distance > check.nearest.distance) != check.at_most:
-                    worst[check.limit, check.required] = check
+                key = check.limit, check.required
+                worst[key] = min(worst.get(key, check), check, key=lambda each: each.slack)
     return worst.values()
 
 
