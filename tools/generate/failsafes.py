@@ -35,7 +35,7 @@ NOTES = {
 * A landing disables the floor of the fence (`FENCE_ALT_MIN`).
 * `smart_rtl` needs `SRTL_POINTS` and `SRTL_ACCURACY` above 0.
 * After a low battery has acted, a critical one acts only if its action is as urgent: 5, 1, 2, 4, 3, 0; then 6 and 7.
-  6 and 7 rank below 0: they have no effect after a low battery with action 0.
+  Actions 6 and 7 rank below 0: without effect after a low battery with action 0.
 * A landing needs no terrain data.
 * Not covered: advanced failsafe (`AFS_*`), scripts.
 """,

@@ -366,7 +366,7 @@ def _vertical_run_on(limits: Px4Limits, horizontal_speed: Vector, climb: Vector,
     half = 2.0 * brakes**2 / limits.jerk  # as in `speed_to`
     fastest = np.where(climb > 0.0, limits.descent, limits.climb)
     rate = np.minimum(np.sqrt(half**2 + 2.0 * brakes * braked) - half, fastest)
-    # The way home alone, limited by jerk: it runs on by v T / 2 for r = 0, and by v T / 3 for r = v.
+    # The way home alone is limited by jerk. It runs on by v T / 2 for r = 0, and by v T / 3 for r = v.
     leaves_s = limits.cruise / limits.accel + limits.accel / limits.jerk
     limited_by_jerk = speed**2 * leaves_s / np.maximum(2.0 * speed + rate, 1e-9)
     # After level braking, evenly: for v T / (v + r), at half the speed.
