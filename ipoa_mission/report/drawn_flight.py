@@ -178,9 +178,9 @@ class Extent:
         return tuple(body for body in self.obstacles(airspace) if body.solid)
 
 
-def extent_of(*paths: Points) -> Extent:
+def extent_of(*paths: Plane) -> Extent:
     """Add 18 % of the longer side, at least 15 m; widen the shorter side to 0.62 of the longer."""
-    points = np.vstack(paths)[:, :2]
+    points = np.vstack(paths)
     sides = np.ptp(points, axis=0)
     middle = (points.min(axis=0) + points.max(axis=0)) / 2
     half = sides / 2 + max(15.0, 0.18 * float(sides.max()))

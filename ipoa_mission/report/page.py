@@ -23,7 +23,7 @@ from ipoa_mission.report import drawn_flight
 from ipoa_mission.report.compare import compare_flight, flown_track
 from ipoa_mission.report.drawn_flight import DrawnFlight, ItemLeg, SampledTrack, item_legs, sample_track
 from ipoa_mission.report.panels.contingency_panel import contingency_strip, return_paths
-from ipoa_mission.report.panels.ground_plan import ground_plan, legend
+from ipoa_mission.report.panels.ground_plan import NO_LAYERS, MapLayers, ground_plan, legend
 from ipoa_mission.report.panels.headline import figures, verdict, warnings
 from ipoa_mission.report.panels.profile import distance_profile, height_profile, profile_legend, speed_profile
 from ipoa_mission.report.panels.tables import legs_table, limits_table
@@ -32,11 +32,12 @@ from ipoa_mission.scenario import Scenario
 
 @dataclass(frozen=True)
 class PageNotes:
-    """`findings`: of the check; `panel`: of a survey or flight parts."""
+    """`findings`: of the check; `panel`: of a survey or flight parts; `layers`: of a survey."""
 
     findings: Sequence[Finding]
     remarks: Sequence[str] = ()
     panel: str = ""
+    layers: MapLayers = NO_LAYERS
 
 
 def report_html(
@@ -55,7 +56,8 @@ def report_html(
     comparison = None if flight is None else compare_flight(forecast.estimate, flight)
     drawn = DrawnFlight(scenario, predicted, legs, flown, drawn_flight.shown_deviation_bound(forecast))
     places = np.array([leg.place for leg in legs if leg.place is not None]).reshape(-1, 3)
-    extent = drawn_flight.extent_of(places, predicted.points, *([] if flown is None else [flown.points]))
+    tracks = [track.points for track in (predicted, flown) if track is not None]
+    extent = drawn_flight.extent_of(*(points[:, :2] for points in (places, *tracks, notes.layers.around)))
     has_zones = extent.obstacles(airspace) != extent.buildings(airspace)
     dangers = drawn_flight.find_dangers(predicted, scenario)
     returns = return_paths(forecast)
@@ -68,7 +70,7 @@ def report_html(
         "figures": figures(forecast, float(predicted.along[-1]), waypoints, comparison),
         "warnings": warnings(dangers, notes.findings, [*notes.remarks, *forecast.estimate.remarks], scenario.remarks),
         "survey": notes.panel,
-        "map": ground_plan(drawn, extent),
+        "map": ground_plan(drawn, extent, notes.layers),
         "legend": legend(scenario, extent, flown is not None, bool(returns)),
         "profile": height_profile(drawn),
         "apart": distance_profile(predicted, required),

@@ -127,14 +127,15 @@ class Survey:
 
     def _pages(self, folder: Path) -> dict[Path, str]:
         from ipoa_mission.report.page import PageNotes, report_html
-        from ipoa_mission.survey.survey_report import survey_panel
+        from ipoa_mission.survey.survey_report import survey_layers, survey_panel
 
         panel = survey_panel(self.plan, self.names)
+        layers = survey_layers(self.plan)
         of_flights = {*_messages_of_flights(self.plan, _repairs)}
         of_all = [*_more_flights(self.plan), *(words for words in self.notes if words not in of_flights)]
         pages = dict[Path, str]()
         for name, flight in zip(self.names, self.plan.flights, strict=True):
-            notes = PageNotes(flight.findings, (*_repairs(flight), *of_all), panel)
+            notes = PageNotes(flight.findings, (*_repairs(flight), *of_all), panel, layers)
             pages[folder / f"{name}.html"] = report_html(flight.forecast, notes)
         return pages
 

@@ -4,10 +4,11 @@ from collections.abc import Sequence
 from html import escape
 from typing import Any
 
+import numpy as np
 import shapely
 
 from ipoa_mission import Forecast
-from ipoa_mission.report.panels.ground_plan import line_path, ring_path
+from ipoa_mission.report.panels.ground_plan import MapLayers, line_path, ring_path
 from ipoa_mission.report.panels.tables import scrolled_table
 from ipoa_mission.report.summary import clearance_as_json, findings_as_json, items_as_json, rounded
 from ipoa_mission.survey.survey_plan import SurveyPlan, coverage_lines, flight_table
@@ -68,40 +69,27 @@ def forecast_as_json(forecast: Forecast) -> dict[str, Any]:
 
 def survey_panel(plan: SurveyPlan, names: Sequence[str]) -> str:
     words = ". ".join(coverage_lines(plan))
-    note = escape(f"{words[:1].upper()}{words[1:]}. Shaded: seen; red: gaps; the table has each flight's color.")
-    return f'<section><h2>Survey</h2><p class="note">{note}</p>{_map(plan)}{_table(plan, names)}</section>'
+    note = f"{words[:1].upper()}{words[1:]}. On the map: shaded, what is seen; red, gaps; lines in the flight's color."
+    return f'<section><h2>Survey</h2><p class="note">{escape(note)}</p>{_table(plan, names)}</section>'
 
 
-def _map(plan: SurveyPlan) -> str:
-    west, south, east, north = plan.area.shape.buffer(plan.sight.spacing).bounds
-    margin = 0.03 * (east - west)
-    width = east - west + 2 * margin
-    height = north - south + 2 * margin
-    west -= margin
-    south -= margin
-    frame = shapely.box(west, south, west + width, south + height)
-    outside = shapely.Polygon() if plan.keep_out is None else plan.keep_out.intersection(frame)
-    stroke = max(width, height) / 400
+def survey_layers(plan: SurveyPlan) -> MapLayers:
+    """Draw the area, the parts kept out, seen and missed, and the lines of each flight."""
+    shaded = "fill:currentColor;fill-opacity:.1;fill-rule:evenodd"
+    around = plan.area.shape.buffer(plan.sight.spacing)
+    outside = shapely.Polygon() if plan.keep_out is None else plan.keep_out.intersection(around)
     layers = [
-        f'<path d="{_rings(plan.area.shape)}" fill="currentColor" fill-opacity=".08" stroke="currentColor" '
-        f'stroke-width="{stroke:.2f}" fill-rule="evenodd"/>',
-        f'<path class="zone" d="{_rings(outside)}" style="fill:none;stroke-width:{stroke:.2f}"/>',
+        f'<path style="{shaded};stroke:currentColor" d="{_rings(plan.area.shape)}"/>',
+        f'<path class="zone" style="fill:none" d="{_rings(outside)}"/>',
+        f'<path style="{shaded}" d="{_rings(plan.coverage.seen.simplify(0.1))}"/>',  # [m]
     ]
-    seen = plan.coverage.seen.simplify(stroke / 10)
-    layers.append(f'<path d="{_rings(seen)}" fill="currentColor" fill-opacity=".1" fill-rule="evenodd"/>')
     for n, flight in enumerate(plan.flights):
         lines = "".join(line_path(swath.ends) for swath in flight.tour.swaths)
         transits = "".join(map(line_path, flight.tour.transits))
-        color = f"stroke:{_hue(n)};fill:none"
-        layers.append(f'<path d="{lines}" style="{color};stroke-width:{1.6 * stroke:.2f}"/>')
-        dashes = f"stroke-dasharray:{3 * stroke:.1f}"
-        layers.append(f'<path d="{transits}" style="{color};stroke-width:{0.8 * stroke:.2f};{dashes}"/>')
-    layers.append(f'<path d="{_rings(plan.coverage.gaps)}" style="fill:var(--bad)"/>')
-    return (
-        f'<svg viewBox="0 0 {width:.2f} {height:.2f}" role="img" aria-label="what is seen, north up" '
-        f'style="width:100%;max-height:70vh"><g transform="translate({-west:.3f} {south + height:.3f}) scale(1 -1)">'
-        f"{''.join(layers)}</g></svg>"
-    )
+        layers.append(f'<path style="fill:none;stroke:{_hue(n)}" d="{lines}"/>')
+        layers.append(f'<path style="fill:none;stroke:{_hue(n)};stroke-dasharray:4 3" d="{transits}"/>')
+    layers.append(f'<path style="fill:var(--bad)" d="{_rings(plan.coverage.gaps)}"/>')
+    return MapLayers("".join(layers), np.reshape(around.bounds, (2, 2)))
 
 
 def _hue(flight: int) -> str:

@@ -3,12 +3,12 @@
 import math
 from html import escape
 from itertools import pairwise
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from contourpy import FillType, LineType, contour_generator
 
-from ipoa_mission.geometry import Matrix
+from ipoa_mission.geometry import Matrix, Plane
 from ipoa_mission.report.chart import round_step
 from ipoa_mission.report.drawn_flight import DrawnFlight, Extent, ground_mesh, outline_around
 from ipoa_mission.scenario import Scenario
@@ -17,7 +17,17 @@ from ipoa_mission.world.obstacles import Obstacle
 SHADES = 5  # of the roofs, as in page.css
 
 
-def ground_plan(flight: DrawnFlight, extent: Extent) -> str:
+class MapLayers(NamedTuple):
+    """SVG in meters east and north, below the paths; the map contains the places `around` (n, 2) [m]."""
+
+    svg: str
+    around: Plane
+
+
+NO_LAYERS = MapLayers("", np.zeros((0, 2)))
+
+
+def ground_plan(flight: DrawnFlight, extent: Extent, below: MapLayers) -> str:
     """Draw from above, with the deviation bound of straight flight."""
     airspace = flight.scenario.airspace
     bodies = sorted(extent.obstacles(airspace), key=lambda body: float(body.bounds[1, 2]))
@@ -28,6 +38,7 @@ def ground_plan(flight: DrawnFlight, extent: Extent) -> str:
     layers = [
         _relief(*ground_mesh(airspace, 120, extent)),
         *(_footprint(body, highest) for body in bodies),
+        below.svg,
         f'<path class="deviation" d="{bound}"><title>where flights are</title></path>' if bound else "",
         _line(np.vstack([np.zeros((0, 3)), *(leg.path for _, leg, _ in places)]), "legs"),
         _line(flight.predicted.points, "planned"),
