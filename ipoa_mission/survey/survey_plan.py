@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 import shapely
 
-from ipoa_mission import BadInput, Finding, Forecast, MissionError, NoPath, NotEnoughBattery, Scenario
+from ipoa_mission import BadInput, Finding, Forecast, MissionError, NoPath, Scenario
 from ipoa_mission.centimeters import floor_cm
 from ipoa_mission.checks.check import check
 from ipoa_mission.checks.firmware_check import is_too_long
@@ -32,7 +32,7 @@ from ipoa_mission.survey.flown_coverage import (
 )
 from ipoa_mission.survey.resume import rest_of_tour
 from ipoa_mission.survey.survey_task import SurveyTask, lay_lines, task_of
-from ipoa_mission.survey.tour import Tour, Unreached, fewest_parts, parts_of_equal_length
+from ipoa_mission.survey.tour import Tour, fewest_parts, parts_of_equal_length
 from ipoa_mission.world.obstacles import Obstacle
 
 ROUNDS = 8  # with more clearance, at each speed
@@ -221,16 +221,7 @@ def split_into_flights(tour: Tour, make: FlightMaker, flights: int | None = None
     if flights is not None:
         return _asked_parts(tour, flights)
     guess = make.max_lines if make.task.scenario.vehicle.battery is None else 8
-    try:
-        return tuple(fewest_parts(tour, make.fits, make.task.sight.piece_overlap, guess))
-    except Unreached as error:
-        east, north = error.swath.begin.tolist()
-        raise NotEnoughBattery(
-            f"expected enough charge to reach the line at east {east:.0f}, north {north:.0f} m, and back with the "
-            "reserve, but it is too little",
-            hint="begin nearer, or with a larger battery",
-            place="battery",
-        ) from error
+    return tuple(fewest_parts(tour, make.fits, make.task.sight.piece_overlap, guess))
 
 
 def _asked_parts(tour: Tour, count: int) -> tuple[Tour, ...]:

@@ -8,6 +8,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from ipoa_mission.autopilot.energy import NotEnoughBattery
 from ipoa_mission.forecast.contingency.energy_budget import greatest_fitting
 from ipoa_mission.geometry import Plane, Points, Vector, polyline_length
 
@@ -95,21 +96,13 @@ class Tour:
         return Tour(places, is_on), line
 
 
-class Unreached(Exception):
-    """No piece of a line fits into a flight."""
-
-    def __init__(self, swath: Swath) -> None:
-        super().__init__()
-        self.swath = swath
-
-
 def fewest_parts(tour: Tour, fits: Callable[[Tour], bool], overlap: float, guess: int = 1) -> Iterator[Tour]:
     """Yield the fewest parts that fit; the first is tried with `guess` lines.
 
     Lines that do not fit are cut with `overlap` [m].
 
     Raises:
-        Unreached: no piece of a line fits.
+        NotEnoughBattery: no piece of a line fits.
     """
     rest = tour
     while True:
@@ -137,7 +130,10 @@ def _first_line_cut(tour: Tour, fits: Callable[[Tour], bool], overlap: float) ->
         return all(fits(Tour.of((piece,), ())) for piece in (pieces[0], pieces[-1]))
 
     if not fit(cut(MAX_PIECES)):
-        raise Unreached(swath)
+        east, north = swath.begin.tolist()
+        words = f"expected enough charge to reach the line at east {east:.0f}, north {north:.0f} m, and back with the "
+        hint = "begin nearer, or with a larger battery"
+        raise NotEnoughBattery(f"{words}reserve, but it is too little", hint=hint, place="battery")
     pieces = next(filter(fit, map(cut, range(2, MAX_PIECES + 1))))
     between = [np.array([before.end, after.begin]) for before, after in pairwise(pieces)]
     return Tour.of((*pieces, *tour.swaths[1:]), (*between, *tour.transits))
