@@ -1,27 +1,22 @@
 """Assemble a tour's mission: lines, transits, camera and gimbal commands."""
 
-import json
-import math
 from collections import defaultdict
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 import shapely
 
-from ipoa_mission import Airspace, Command, Forecast, Frame, MissionError, Scenario, plan_path
+from ipoa_mission import Airspace, Command, Forecast, Frame, MissionError, plan_path
 from ipoa_mission.forecast.contingency.shortfalls import clear_in
 from ipoa_mission.forecast.deviation.kept_limits import clearance_task, with_margins
-from ipoa_mission.geometry import Plane, Points, Vector, arc_lengths, union_of
-from ipoa_mission.mission.complex_items import ITEMS, TRANSECTS
-from ipoa_mission.mission.items import ComplexItem, Item, Mission, camera_trigger
+from ipoa_mission.geometry import Points, Vector, arc_lengths, union_of
+from ipoa_mission.mission.items import Item, Mission, camera_trigger
 from ipoa_mission.planning.path_problem import PathProblem, problem_of
 from ipoa_mission.planning.proof import prove
 from ipoa_mission.routing.build import build_mission, items_of_waypoints
 from ipoa_mission.routing.resample import NoRoute, Route, corridor, push_clear
-from ipoa_mission.survey.camera import CameraSection
 from ipoa_mission.survey.free import FreeSpace
-from ipoa_mission.survey.sight import Sight, lift_path
+from ipoa_mission.survey.sight import lift_path
 from ipoa_mission.survey.survey_task import TIGHT_PLACES, SurveyTask
 from ipoa_mission.survey.times import LegTimes
 from ipoa_mission.survey.tour import Tour
@@ -52,16 +47,10 @@ def assemble_survey(tour: Tour, task: SurveyTask, seed: int) -> Mission:
         start_photos, stop_photos = _camera_items(sight.triggering(swath.length)[0], mission)
         added[numbers[n]] += start_photos
         added[numbers[n + 1]] += stop_photos
-    count = sum(map(len, added.values()))
-    gimbal = [] if task.section.gimbal is None else _gimbal_items(mission)
-    added[0] = gimbal + added[0]
+    if task.section.gimbal is not None:
+        added[0] = _gimbal_items(mission) + added[0]
     items = [each for n, item in enumerate(mission.items) for each in (item, *added[n])]
-    first = max(numbers[0], 2) + len(gimbal)
-    last = numbers[-1] + count + len(gimbal)
-    flown = replace(mission, items=tuple(items))
-    if flown.items[first].command != Command.NAV_WAYPOINT:
-        return flown
-    return replace(flown, complex_items=(_qgroundcontrol_item(flown.items[first : last + 1], tour, task),))
+    return replace(mission, items=tuple(items))
 
 
 def _gimbal_items(mission: Mission) -> list[Item]:
@@ -144,76 +133,3 @@ def _with_room(places: Points, task: SurveyTask) -> PathProblem:
     grown = {name: (by, by, by) for name, by in task.growth.items()}
     bodies = tuple(body.grown(*grown[body.name]) if body.name in grown else body for body in air.obstacles)
     return replace(problem, airspace=Airspace(air.bounds, air.terrain, bodies), places=places)
-
-
-def _qgroundcontrol_item(items: tuple[Item, ...], tour: Tour, task: SurveyTask) -> ComplexItem:
-    section = task.section
-    sight = task.sight
-    scenario = task.scenario
-    middles = section.middles(scenario.frame)
-    kind, version = ("CorridorScan", 2) if middles else ("survey", 5)
-    entry: dict[str, Any] = {
-        TRANSECTS: {
-            "CameraCalc": _qgroundcontrol_camera(sight, section.camera),
-            "CameraShots": sight.photos_of(tour),
-            "CameraTriggerInTurnAround": False,
-            "HoverAndCapture": False,
-            ITEMS: [],
-            "Refly90Degrees": False,
-            "TurnAroundDistance": 0,
-            "VisualTransectPoints": [
-                [item.latitude_deg, item.longitude_deg] for item in items if item.command == Command.NAV_WAYPOINT
-            ],
-            "version": 2,
-        },
-        "complexItemType": kind,
-        "type": "ComplexItem",
-        "version": version,
-    }
-    if middles:
-        entry |= {"CorridorWidth": section.width, "EntryPoint": 0, "polyline": _degrees(middles[0], scenario)}
-    else:
-        east, north = (tour.swaths[0].end - tour.swaths[0].begin).tolist()
-        lines = shapely.multilinestrings([[swath.begin, swath.end] for swath in tour.swaths])
-        outer = max(task.area.shape.geoms, key=lambda part: part.intersection(lines).length)
-        entry |= {
-            "angle": round(90.0 - (90.0 - math.degrees(math.atan2(east, north))) % 180.0, 3),
-            "entryLocation": 0,
-            "flyAlternateTransects": False,
-            "polygon": _degrees(shapely.get_coordinates(outer.exterior)[:-1], scenario),
-            "splitConcavePolygons": False,
-        }
-    return ComplexItem(items, json.dumps(entry))
-
-
-def _qgroundcontrol_camera(sight: Sight, camera: CameraSection | None) -> dict[str, Any]:
-    entry: dict[str, Any] = {
-        "AdjustedFootprintFrontal": round(sight.trigger or 0.0, 2),
-        "AdjustedFootprintSide": round(sight.spacing, 3),
-        "CameraName": "Manual (no camera specs)",
-        "DistanceMode": 1,  # above home
-        "DistanceToSurface": round(sight.least, 3),
-        "version": 2,
-    }
-    if camera is None or sight.trigger is None:
-        return entry
-    return entry | {
-        "CameraName": "Custom Camera",
-        "FixedOrientation": False,
-        "FocalLength": camera.focal_length_mm,
-        "FrontalOverlap": round(100.0 * sight.overlaps[0], 3),
-        "ImageDensity": round(100.0 * camera.sensor_mm[0] / camera.pixels[0] * sight.least / camera.focal_length_mm, 6),
-        "ImageHeight": camera.pixels[1],
-        "ImageWidth": camera.pixels[0],
-        "Landscape": True,
-        "MinTriggerInterval": 0,
-        "SensorHeight": camera.sensor_mm[1],
-        "SensorWidth": camera.sensor_mm[0],
-        "SideOverlap": round(100.0 * sight.overlaps[1], 3),
-        "ValueSetIsDistance": True,
-    }
-
-
-def _degrees(places: Plane, scenario: Scenario) -> list[list[float]]:
-    latitude, longitude, _ = scenario.frame.to_geodetic(np.column_stack([places, np.zeros(len(places))]))
-    return [[round(float(a), 7), round(float(b), 7)] for a, b in zip(latitude, longitude, strict=True)]
