@@ -8,7 +8,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from ipoa_mission.autopilot.energy import NotEnoughBattery
+from ipoa_mission import NotEnoughBattery
 from ipoa_mission.forecast.contingency.energy_budget import greatest_fitting
 from ipoa_mission.geometry import Plane, Points, Vector, polyline_length
 
