@@ -5,12 +5,15 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import compress
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
+from typing import Any, NamedTuple, Protocol, TypeAlias
 
 import numpy as np
 import shapely
 from numpy.typing import NDArray
+from pydantic import AwareDatetime
 
+import ipoa_mission.scenario.obstacles as obstacle_sections
+import ipoa_mission.scenario.place_sections as place_sections
 from ipoa_mission.errors import BadInput, InvalidRing
 from ipoa_mission.geodesy import LocalFrame
 from ipoa_mission.geometry import Plane
@@ -20,7 +23,7 @@ from ipoa_mission.maps.buildings import Buildings, MapObstacle, raise_obstacles
 from ipoa_mission.maps.feature import many_objects
 from ipoa_mission.maps.map_window import Box
 from ipoa_mission.maps.passed import PassedOver, count_passed_over
-from ipoa_mission.scenario.map_sections import BuildingsMap, FlightAreaMap, NoFlyMap
+from ipoa_mission.scenario.map_sections import BuildingsMap, FlightAreaMap, MapSection, NoFlyMap
 from ipoa_mission.scenario.obstacles import MARGIN, UNLIMITED_HEIGHT, NoFlyZone, meets, no_fly_prisms, on_lines
 from ipoa_mission.scenario.place_sections import FenceSection, east_north_of
 from ipoa_mission.unread import Unread, gathered
@@ -29,15 +32,30 @@ from ipoa_mission.world.obstacles import Obstacle, RoundZone, Zone
 from ipoa_mission.world.polygon import Polygon, rings_of
 from ipoa_mission.world.terrain import Terrain
 
-if TYPE_CHECKING:
-    from ipoa_mission.scenario.model import Scenario
-
 HOME = shapely.Point(0.0, 0.0)
 WINDOW_MARGIN = 500.0  # growth of the bounds without a second reading [m]
 BEYOND = f"more than {MARGIN:g} m outside the bounds"
 
 
 Reach: TypeAlias = tuple[Plane, float]  # corners, greatest height above ground [m]
+
+
+class Site(Protocol):
+    start: place_sections.Place
+    goal: place_sections.Place
+    via: tuple[place_sections.Place, ...]
+    bounds: place_sections.BoundsSection
+    terrain: place_sections.TerrainSection
+    obstacles: tuple[obstacle_sections.ObstacleSection, ...]
+    maps: tuple[MapSection, ...]
+    fence: tuple[FenceSection, ...]
+    time: AwareDatetime | None
+
+    @property
+    def frame(self) -> LocalFrame: ...
+
+    @property
+    def added_reach(self) -> Reach: ...
 
 
 def allowed_area(fences: Sequence[FenceSection], frame: LocalFrame) -> Any | None:
@@ -100,7 +118,7 @@ class _MapZones(NamedTuple):
 
 
 @many_objects()
-def surroundings_of(scenario: "Scenario") -> Surroundings:
+def surroundings_of(scenario: Site) -> Surroundings:
     frame = scenario.frame
     zones = _read_zones(scenario)
     allowed = allowed_area(scenario.fence, frame)
@@ -136,7 +154,7 @@ def surroundings_of(scenario: "Scenario") -> Surroundings:
     return Surroundings(airspace, (*scenario.fence, *_geofence(zones, no_fly)), passed, unread, remarks)
 
 
-def _read_zones(scenario: "Scenario") -> _MapZones:
+def _read_zones(scenario: Site) -> _MapZones:
     unix_s = None if scenario.time is None else scenario.time.timestamp()
     by_map = dict[int, Zones]()
     no_fly = list[NoFlyZone]()
@@ -161,7 +179,7 @@ def _read_zones(scenario: "Scenario") -> _MapZones:
     return _MapZones(by_map, no_fly, _intersect(areas) if areas else None, is_fenced, other_areas)
 
 
-def _read_buildings(scenario: "Scenario", area: Any | None, allowed: Any | None) -> tuple[dict[int, Buildings], Box]:
+def _read_buildings(scenario: Site, area: Any | None, allowed: Any | None) -> tuple[dict[int, Buildings], Box]:
     """Return buildings by map number, and the bounds, which buildings may extend."""
 
     def read(within: Box) -> dict[int, Buildings]:
@@ -182,7 +200,7 @@ def _read_buildings(scenario: "Scenario", area: Any | None, allowed: Any | None)
     return buildings, bounds
 
 
-def _map_obstacles(scenario: "Scenario", buildings: Mapping[int, Buildings]) -> tuple[tuple[Path, MapObstacle], ...]:
+def _map_obstacles(scenario: Site, buildings: Mapping[int, Buildings]) -> tuple[tuple[Path, MapObstacle], ...]:
     return tuple((scenario.maps[n].file, thing) for n, read in buildings.items() for thing in read.obstacles)
 
 
@@ -210,18 +228,18 @@ def _expect_home_allowed(section: NoFlyMap | FlightAreaMap, zones: tuple[MapArea
                 raise BadInput(words, code="home-outside-fence", place=section.file)
 
 
-def _places(scenario: "Scenario") -> NDArray[np.float64]:
+def _places(scenario: Site) -> NDArray[np.float64]:
     """Return home, places and corners of added tables, (n, 2) [m]."""
     places = (scenario.start, scenario.goal, *scenario.via)
     return np.vstack([(0.0, 0.0), *(place.east_north(scenario.frame) for place in places), scenario.added_reach[0]])
 
 
-def _reach(scenario: "Scenario") -> float:
+def _reach(scenario: Site) -> float:
     return max(scenario.bounds.margin, float(np.linalg.norm(np.ptp(_places(scenario), axis=0))) / 2)
 
 
 def _horizontal_bounds(
-    scenario: "Scenario", area: Any | None, things: Box, boxes: NDArray[np.float64], allowed: Any | None
+    scenario: Site, area: Any | None, things: Box, boxes: NDArray[np.float64], allowed: Any | None
 ) -> Box:
     if area is not None:
         least, most = shapely.bounds(area).reshape(2, 2)
@@ -262,7 +280,7 @@ def _near(
     return [thing for _, thing in compress(obstacles, is_near)], [*compress(no_fly, is_zone_near)], beyond
 
 
-def _up(scenario: "Scenario", terrain: Terrain, corners: Box, obstacles: tuple[Obstacle, ...]) -> tuple[float, float]:
+def _up(scenario: Site, terrain: Terrain, corners: Box, obstacles: tuple[Obstacle, ...]) -> tuple[float, float]:
     places = (scenario.start, scenario.goal, *scenario.via)
     ends = [0.0, *(place.point(scenario.frame, Ground(terrain))[2] for place in places)]
     ground = on_lines(terrain, corners)
