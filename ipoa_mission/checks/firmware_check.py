@@ -370,10 +370,10 @@ def check_passing(forecast: Forecast) -> Iterator[Finding]:
     level = [seq for seq in rises if seq not in climbing]
     hint = f"give each a hold of {hold:g} s (param1): the vehicle stops there and waits for its height"
     if climbing:
-        words = f"{name_items(climbing)}: {mission.autopilot.model} may pass at another height, and fly on without end"
+        words = f"{name_items(climbing)}: {mission.firmware} may pass at another height, and fly on without end"
         yield Finding("waypoint-passed", Severity.ERROR, climbing[0], words, hint)
     if level:
-        words = f"{name_items(level)}: {mission.autopilot.model} does not return to a waypoint that it passed"
+        words = f"{name_items(level)}: {mission.firmware} does not return to a waypoint that it passed"
         yield Finding("waypoint-may-be-passed", Severity.WARNING, level[0], words, hint)
 
 

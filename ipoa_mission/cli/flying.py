@@ -1,7 +1,7 @@
 import logging
 import sys
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -208,11 +208,14 @@ def _fly_stages(
             loaded = procedure.load_mission(vehicle, planned, options)
             flown = procedure.begun_here(vehicle, loaded, first)
             job = replace(job, forecast=loaded, begun=flown)
+            log.info("estimated %.1f s%s", job.estimate.total_s, job.estimate.besides)
             record = procedure.begin_mission(vehicle, loaded, options)
     except MissionError as error:
         state = vehicle.state
         ended = {"completed": False, "armed": state.armed, "in_air": state.in_air, "remarks": remarks}
-        error.known = flight_as_json(job.estimate, vehicle.record(), job.reserves) | ended | error.known
+        error.known = ended | error.known
+        with suppress(MissionError):
+            error.known = flight_as_json(job.estimate, vehicle.record(), job.reserves) | error.known
         raise
     return job, remarks, record
 

@@ -61,9 +61,9 @@ def read_job(source: Path, flown_by: FlownByOptions, ignore: Sequence[str], on_l
     checked = [check(forecast.on(version), ignore, requested.findings) for version in versions]
     warnings = refuse_errors([finding for finding in checked[-1] if all(finding in each for each in checked)])
     refuse_unsound(mission)
-    estimate = forecast.estimate
-    items = f"{count_words(len(mission.items))} for {mission.autopilot}"
-    log.info("%s: %s, estimated %.1f s%s", source, items, estimate.total_s, estimate.besides)
+    log.info("%s: %s for %s", source, count_words(len(mission.items)), mission.autopilot)
+    if not on_link:  # else aboard
+        log.info("estimated %.1f s%s", forecast.estimate.total_s, forecast.estimate.besides)
     return Job(source.stem, forecast, (*requested.remarks, *(finding.message for finding in warnings)), ignore=ignore)
 
 

@@ -267,7 +267,9 @@ def expect_fit(
     there = None
     with suppress(NoAnswer):
         there = vehicle.home()
+    is_other = mission.firmware_version is not None and str(mission.firmware) != str(aboard.firmware)
     return (
+        *([f"the mission was made for {mission.firmware}, and the vehicle has {aboard.firmware}"] if is_other else []),
         *_compare_home(mission, there, anyway),
         *_compare_fence(mission, vehicle, there, anyway, written),
         *(finding.message for finding in findings),

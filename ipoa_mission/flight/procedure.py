@@ -42,10 +42,6 @@ Stages: TypeAlias = Callable[[Stage], AbstractContextManager[Progress]]
 ReportRemark: TypeAlias = Callable[[str], None]
 
 
-def without_remarks(words: str) -> None:
-    """Drop a remark."""
-
-
 def without_progress(stage: Stage) -> AbstractContextManager[Progress]:
     return nullcontext(silent)
 
@@ -57,7 +53,7 @@ class ProcedureOptions:
     ignore: Iterable[str] = ()
     set_params: bool = False
     stages: Stages = without_progress
-    remark: ReportRemark = without_remarks
+    remark: ReportRemark = lambda words: None
     checked: bool = False  # the forecast, in its world
 
 
@@ -134,7 +130,7 @@ def fly_mission(
     anyway: bool = False,
     set_params: bool = False,
     stages: Stages = without_progress,
-    remark: ReportRemark = without_remarks,
+    remark: ReportRemark = lambda words: None,
 ) -> FlightRecord:
     """Upload a mission, prepare, arm and start the vehicle, and watch it until it is on the ground.
 

@@ -12,7 +12,7 @@ from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.link import upload
 from ipoa_mission.link.vehicle import Vehicle
 from ipoa_mission.link.vehicle_state import NotReady
-from ipoa_mission.mission.items import Mission, land, takeoff, waypoint
+from ipoa_mission.mission.items import Mission, change_speed, land, takeoff, waypoint
 from ipoa_mission.mission.mission_io import read_mission, write_mission
 from tests.cli.conftest import ZURICH, Planned, Run, Serve
 
@@ -109,12 +109,34 @@ def test_fly_checks_a_mission_by_the_version_aboard(run: Run, autopilot: Serve) 
     with autopilot(version=Version(1, 17)) as link:
         ended = run(f"fly climb.plan --link {link} --json")
         assert (ended.code, json.loads(ended.out)["completed"]) == (0, True)
-        assert not [words for words in json.loads(ended.out)["remarks"] if "PX4 may pass" in words]
+        assert not [words for words in json.loads(ended.out)["remarks"] if "may pass at another height" in words]
     with autopilot() as link:
         ended = run(f"fly climb.plan --link {link} --json")
     refused = json.loads(ended.out)
     assert (ended.code, "[waypoint-passed]" in refused["error"], refused["codes"]) == (1, True, ["waypoint-passed"])
     assert run("fly climb.plan --link udpin:127.0.0.1:0 --firmware-version 1.18").err.startswith("error: items 2 to 4")
+
+
+def test_error_of_the_version_aboard_outlasts_an_unknown_estimate(run: Run, autopilot: Serve) -> None:
+    """Planned for PX4 1.17: by its forecast 1.18 does not reach item 4."""
+    places = ((47.3980956, 8.5460799, 20.9), (47.3983209, 8.5466224, 26.0), (47.3984378, 8.546907, 25.9))
+    ways = [waypoint(Geodetic(*place[:2], 488.0), place[2], 0.0, 7.0) for place in places]
+    end = Geodetic(47.3985514, 8.5471835, 488.0)
+    items = (takeoff(ZURICH, 15.0), change_speed(8.0), *ways, waypoint(end, 20.0), land(end))
+    write_mission(Mission(ZURICH, items, Autopilot.PX4), "for17.plan")
+    for version in ("", " --firmware-version 1.17"):
+        with autopilot() as link:
+            ended = run(f"fly for17.plan --link {link}{version} --json")
+        assert (ended.code, json.loads(ended.out)["codes"]) == (1, ["waypoint-passed"])
+        assert "items 3 to 6: PX4 1.18 may pass at another height" in ended.err
+
+
+def test_mission_made_for_another_version_is_named(run: Run, autopilot: Serve, hop: Path) -> None:
+    with autopilot(family=Autopilot.ARDUPILOT) as link:
+        ended = run(f"fly {hop} --link {link} --autopilot ardupilot --firmware-version 4.7 --json")
+    assert (
+        "the mission was made for ArduPilot 4.7, and the vehicle has ArduPilot 4.8" in json.loads(ended.out)["remarks"]
+    )
 
 
 def test_fly_over_a_link_keeps_the_log_of_an_earlier_flight(run: Run, autopilot: Serve, hop: Path) -> None:
