@@ -1,9 +1,9 @@
 #!/bin/sh
 # vectorize turns a flight to the north-east at 60 N to 63 degrees.
 #
-# vectorize 0.1.1, toPositions, which gives meters. Guess: 100 m to the north and 100 m to the east are x 100, y 100 m at
-# each latitude. Seen: 126 and 63 m, as the course is that of degrees, while the length is that of meters. At the equator
-# it is right. gps-filter removes its sharp turns by these courses. Exits 1 if that changes.
+# vectorize 0.1.1, toPositions, which gives meters. Guess: 100 m to the north and 100 m to the east are x 100, y 100 m
+# at each latitude. Seen: 126 and 63 m, as the course is that of degrees, while the length is that of meters. At the
+# equator it is right. gps-filter removes its sharp turns by these courses. Exits 1 if that changes.
 set -e
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
