@@ -19,6 +19,7 @@ from ipoa_mission.planning.problem import Candidate, PreparedProblem, follow, vi
 
 STRIDES = np.array([step for step in np.ndindex(3, 3, 3) if step != (1, 1, 1)]) - 1
 ROUNDING = 1e-9  # of costs, relative
+#: Steps to all nodes in the cube of five around a node, nearest first.
 CUBE: NDArray[np.int64] = np.array(sorted(np.ndindex(5, 5, 5), key=lambda at: sum((k - 2) ** 2 for k in at))[1:]) - 2
 
 
@@ -50,6 +51,8 @@ class LatticeDetails(NamedTuple):
     centering_rounds: int = 6
     end_nodes: int = 64  # candidates to begin or end at
     end_samples: int = 8  # to each of them
+    passage_shares: tuple[float, ...] = (0.25, 0.5, 0.75)  # of a route's cost
+    passage_width: float = 0.04  # of such a share, to either side
 
 
 DETAILS = LatticeDetails()
@@ -180,9 +183,11 @@ def _free(way: Points, problem: PreparedProblem) -> bool:
 
 
 def lay_lattice(problem: PreparedProblem, fineness: float = 1.0, strategy: LatticeStrategy = USUAL_LATTICE) -> Lattice:
-    lower, upper = _region(problem)
+    """Return the lattice of a problem's region; nodes in narrow gaps are moved to their middle."""
+    lower, upper = problem.region
     size = upper - lower
     steepest = (problem.rules.climb, problem.rules.descent)
+    # cells are as flat as the flattest climb, so that one step up is flyable: rise = slope * pitch
     flattest = max(min(*steepest, 1.0), strategy.min_slope)
     area = size[0] * size[1]
     pitch = (area * size[2] / flattest / strategy.nodes) ** (1 / 3)
@@ -228,6 +233,7 @@ def find_routes(lattice: Lattice, problem: PreparedProblem, most: int, looking: 
 
 
 def _in_gaps(slack: NDArray[np.float64], spacing: Vector) -> NDArray[np.bool_]:
+    """Return nodes that may be in a gap between obstacles: too near, but farther than their neighbors' mean."""
     between = np.zeros(slack.shape, bool)
     for axis, step in enumerate(spacing):
         padded = np.pad(slack, [(int(k == axis),) * 2 for k in range(3)], mode="edge")
@@ -242,7 +248,7 @@ def _centered(nodes: Points, spacing: Vector, problem: PreparedProblem) -> Point
 
     closer = 3.0 ** np.arange(1, DETAILS.centering_rounds + 1)[:, None, None]
     offsets = np.vstack([np.zeros(3), STRIDES]) * spacing / closer
-    return centered(nodes, offsets, _region(problem), problem.grid, problem.rules)  # type: ignore[no-any-return]
+    return centered(nodes, offsets, problem.region, problem.grid, problem.rules)  # type: ignore[no-any-return]
 
 
 def _mend(routes: list[Points], lattice: Lattice, problem: PreparedProblem) -> list[Points]:
@@ -320,17 +326,17 @@ def _leg_routes(
     look = looking and float(np.linalg.norm(lattice.spacing)) > 2 * problem.limits.obstacle_distance
     nodes = Nodes(lattice.price, lattice.slack, lattice.places, lattice.spacing)
     ratio = lattice.strategy.max_cost_ratio * (1 + ROUNDING)
-    there, before = spread(nodes, lattice.steps(), look, (source, target, ratio), problem.grid, problem.rules)
-    if not np.isfinite(there[target]):
+    cost_from, before = spread(nodes, lattice.steps(), look, (source, target, ratio), problem.grid, problem.rules)
+    if not np.isfinite(cost_from[target]):
         return []
     if most == 1:
         passed = _trace(before, target)[::-1]
         return [np.vstack([start, lattice.places[passed], goal])]
     steps = lattice.steps(backwards=True)
-    back, after = spread(nodes, steps, look, (target, source, ratio), problem.grid, problem.rules)
+    cost_to, after = spread(nodes, steps, look, (target, source, ratio), problem.grid, problem.rules)
     routes = list[Points]()
     courses = np.empty((most, 24, 3))
-    for node in [target, *_passages(there + back, there, lattice)]:
+    for node in [target, *_passages(cost_from, cost_to, lattice)]:
         passed = [*_trace(before, node)[::-1], *_trace(after, node)[1:]]
         points = np.vstack([start, lattice.places[passed], goal])
         traveled = arc_lengths(points)
@@ -345,25 +351,35 @@ def _leg_routes(
     return routes
 
 
-def _passages(through: Vector, there: Vector, lattice: Lattice) -> Iterator[int]:
-    best = through[np.isfinite(through)].min()
-    share = np.divide(there, through, out=np.zeros_like(there), where=np.isfinite(through) & (through > 0))
+def _passages(cost_from: Vector, cost_to: Vector, lattice: Lattice) -> Iterator[int]:
+    """Yield nodes of distinct routes, cheapest first.
+
+    The least cost of a route through a node is its cost from the start plus its cost to the goal. A passage is a local
+    minimum of that cost on the nodes that are a quarter, half or three quarters of it from the start.
+    """
+    through = cost_from + cost_to
+    best = through.min()
+    is_known = np.isfinite(through) & (through > 0)
+    share = np.divide(cost_from, through, out=np.zeros_like(through), where=is_known)
     chosen: list[tuple[float, int]] = []
-    for middle in (0.25, 0.5, 0.75):
-        on_surface = (np.abs(share - middle) < 0.04) & (through < lattice.strategy.max_cost_ratio * best)
-        surface = np.pad(np.where(on_surface, through, np.inf).reshape(lattice.price.shape), 2, constant_values=np.inf)
-        nodes = np.flatnonzero(on_surface)
-        strides = np.array([surface.shape[1] * surface.shape[2], surface.shape[2], 1])
-        at = (np.column_stack(np.unravel_index(nodes, lattice.price.shape)) + 2) @ strides
+    for middle in DETAILS.passage_shares:
+        is_there = np.abs(share - middle) < DETAILS.passage_width
+        is_there &= through < lattice.strategy.max_cost_ratio * best
+        nodes = np.flatnonzero(is_there)
+        costs = np.where(is_there, through, np.inf).reshape(lattice.price.shape)
+        padded = np.pad(costs, 2, constant_values=np.inf)  # as far as the cube reaches
+        strides = np.array([padded.shape[1] * padded.shape[2], padded.shape[2], 1])
+        at = (np.column_stack(np.unravel_index(nodes, costs.shape)) + 2) @ strides
         least = through[nodes]
         for offset in (CUBE @ strides).tolist():
-            kept = surface.take(at + offset) >= least
+            kept = padded.take(at + offset) >= least
             nodes, at, least = nodes[kept], at[kept], least[kept]
         chosen += zip(least.tolist(), nodes.tolist(), strict=True)
     return (node for _, node in sorted(chosen))
 
 
 def _least_around(values: NDArray[Any], reach: int) -> NDArray[Any]:
+    """Return the least value in the cube around each node, up to `reach` steps away."""
     for axis, count in enumerate(values.shape):
         padded = np.pad(values, [(reach * (k == axis),) * 2 for k in range(3)], constant_values=np.inf)
         values = np.minimum.reduce([padded.take(range(k, k + count), axis) for k in range(2 * reach + 1)])
@@ -376,18 +392,3 @@ def _trace(before: NDArray[np.int64], node: int) -> list[int]:
         passed.append(node)
         node = before.item(node)
     return passed
-
-
-def _region(problem: PreparedProblem) -> tuple[Vector, Vector]:
-    """Return the corners of the bounds, cut just above all obstacles and ground."""
-    task, limits = problem.task, problem.limits
-    airspace = task.airspace
-    stops = task.places
-    tops = [obstacle.bounds[1, 2] for obstacle in airspace.obstacles]
-    above = 2 * max(limits.obstacle_distance, problem.rules.d_safe)
-    highest = max([*tops, float(problem.grid.heights.max()), float(stops[:, 2].max())]) + above
-    lower = np.asarray(airspace.bounds.lower, float)
-    upper = np.asarray(airspace.bounds.upper, float)
-    lowest = max(lower[2], float(problem.grid.heights.min()) + min(limits.height_above_ground, 1.0))
-    lower = np.array([lower[0], lower[1], min(lowest, float(stops[:, 2].min()))])
-    return lower, np.array([upper[0], upper[1], min(upper[2], highest)])

@@ -171,6 +171,20 @@ class PreparedProblem:
     def climbs_limited(self) -> bool:
         return min(self.rules.climb, self.rules.descent) < UNLIMITED
 
+    @property
+    def region(self) -> tuple[Vector, Vector]:
+        """Corners of the bounds, cut just above all obstacles and ground."""
+        airspace, stops = self.task.airspace, self.task.places
+        tops = [obstacle.bounds[1, 2] for obstacle in airspace.obstacles]
+        above = 2 * max(self.limits.obstacle_distance, self.rules.d_safe)
+        highest = max([*tops, float(self.grid.heights.max()), float(stops[:, 2].max())]) + above
+        lower = np.array(airspace.bounds.lower, float)
+        upper = np.array(airspace.bounds.upper, float)
+        lowest = max(lower[2], float(self.grid.heights.min()) + min(self.limits.height_above_ground, 1.0))
+        lower[2] = min(lowest, float(stops[:, 2].min()))
+        upper[2] = min(upper[2], highest)
+        return lower, upper
+
     def costs(self, encoding: Encoding) -> Callable[[Candidates], Costs]:
         """Return the cost function of a search: candidates (m, D) to costs (m,) of the changed part."""
         from ipoa_mission.planning._kernels import path_costs  # compiled, or loaded, on first use
