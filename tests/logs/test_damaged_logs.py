@@ -31,7 +31,7 @@ Spoil = Callable[[bytes], bytes]
         ("sitl-ardupilot.bin", lambda data: data[:2953] + data[4953:], "positions are missing 1 time in flight, for 8"),
         ("sitl-ardupilot.bin", lambda data: data[:1467] + data[3467:], "the log does not name its firmware"),
         ("twice-ardupilot.bin", lambda data: data[:3611] + data[5611:], "positions are missing 1 time in flight, for"),
-        ("twice-ardupilot.bin", lambda data: data[:3132] + data[4132:], "1 changes of arming are missing, the first"),
+        ("twice-ardupilot.bin", lambda data: data[:3132] + data[4132:], "the log lacks 1 change of arming, the first"),
         ("sitl-ardupilot.bin", lambda data: data.replace(b"PARM", b"PRAM"), "no records PARM: its parameters are unkn"),
         ("sitl-ardupilot.bin", lambda data: data.replace(b"ModeNum", b"ModeMun"), "records MODE do not have"),
         ("sitl-ardupilot.tlog", lambda data: data + b"\0", "1 byte of the log in no whole message"),

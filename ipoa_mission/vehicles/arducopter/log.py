@@ -19,6 +19,7 @@ from ipoa_mission.geodesy import Geodetic, LocalFrame
 from ipoa_mission.geometry import Matrix, Points, Vector
 from ipoa_mission.link.messages import INFO, Current, HomePosition, Message, ParamValue, Text
 from ipoa_mission.logs.logged import Battery, Begun, Held, Log, LogFormat, Measured, in_order, item_begun, presence
+from ipoa_mission.mission.item_words import count_words
 from ipoa_mission.mission.items import Item
 from ipoa_mission.vehicles.arducopter.vehicle import ARDUCOPTER
 
@@ -176,7 +177,7 @@ def _remarks(gathered: _Gathered, torn: Counter[str]) -> Iterator[str]:
     changes = sorted(gathered.arming)
     twice = [a for a, b in pairwise(changes) if a[1] == b[1] and b[0] - a[0] > 1.0]  # ARM and EV of one arming
     if twice:
-        yield f"{len(twice)} changes of arming are missing, the first after {twice[0][0]:.1f} s"
+        yield f"the log lacks {count_words(len(twice), 'change')} of arming, the first after {twice[0][0]:.1f} s"
 
 
 def _note(gathered: _Gathered, kind: str, values: dict[str, Any]) -> None:
