@@ -44,7 +44,7 @@ PROFILES: Mapping[str, Mapping[str, Any]] = {
 _NAME = r"^[^./\\:*?\"<>|\x00-\x1f\x7f][^/\\:*?\"<>|\x00-\x1f\x7f]*$"
 Made = TypeVar("Made")
 CACHED = ("frame", "known", "_surroundings")
-WORLD = {"home", "start", "goal", "via", "bounds", "terrain", "obstacles", "maps", "fence"}
+WORLD = {"time", "home", "start", "goal", "via", "bounds", "terrain", "obstacles", "maps", "fence"}
 
 
 def _expect_added(value: Any) -> Any:

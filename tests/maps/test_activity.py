@@ -82,6 +82,13 @@ def test_the_time_of_a_flight_says_which_zones_count(tmp_path: Path, time: str, 
     assert [remark for remark in world.remarks if "LS1" in remark] == ([] if remark is None else [remark])
 
 
+def test_a_copy_for_another_time_has_the_zones_of_that_time(tmp_path: Path) -> None:
+    world = read_scenario(scenario(tmp_path, "time = 2026-11-22T09:00:00Z"))
+    assert not world.airspace.obstacles
+    later = world.model_copy(update={"time": datetime(2026, 11, 22, 18, tzinfo=UTC)})
+    assert len(later.airspace.obstacles) == 1
+
+
 @pytest.mark.parametrize("time", ["time = 2026-11-22T10:00:00", "time = 2026-11-22", "time = 'noon'"])
 def test_a_time_without_an_offset_is_refused(tmp_path: Path, time: str) -> None:
     with refuses("bad-input", "time", "2026-11-22T10:00:00Z"):
