@@ -5,8 +5,12 @@ import pytest
 import shapely
 
 from ipoa_mission.errors import BadInput
-from ipoa_mission.geometry import polyline_length
+from ipoa_mission.geometry import Points, polyline_length
+from ipoa_mission.ground import FLAT_GROUND
+from ipoa_mission.survey.resume import rest_of_tour
+from ipoa_mission.survey.sight import Sight
 from ipoa_mission.survey.survey_plan import SurveyPlan, plan_flights, rest_of
+from ipoa_mission.survey.tour import Swath, Tour
 from tests.examples import some
 from tests.refused import refuses
 from tests.survey.test_flights import FIELD, LINES, PHOTOS, TOWER, scenario
@@ -88,3 +92,21 @@ def test_short_lines_round_a_tower_that_were_not_flown_are_left() -> None:
     away = np.hypot(path[:, 0] - 110.0, path[:, 1] - 80.0)
     left = rest_of(plan, [path[away > 25.0]]).tour.swaths  # as if it had gone straight on there
     assert sum(swath.length for swath in left) > 0.9 * sum(lengths[n] for n in short)
+
+
+def test_a_place_between_two_flown_lines_is_not_flown_again() -> None:
+    at = [np.array(place) for place in ([0.0, 0.0], [100.0, 0.0], [110.0, 10.0], [100.0, 20.0], [0.0, 20.0])]
+    swaths = (Swath(at[0], at[1]), Swath(at[2], at[2]), Swath(at[3], at[4]))
+    tour = Tour.of(swaths, [np.array(at[1:3]), np.array(at[2:4])])
+    sight = Sight(least=40.0, band=0.0, spacing=20.0, trigger=None, across=20.0, along=0.0)
+    flat = shapely.get_coordinates(shapely.segmentize(shapely.LineString(tour.path), 1.0))
+    path = np.column_stack([flat, np.full(len(flat), 40.0)])
+
+    def left(flown: Points) -> Tour | None:
+        return rest_of_tour(tour, [flown], sight, FLAT_GROUND, lambda a, b: np.array([a, b]))
+
+    assert left(path) is None
+    passed_by = np.concatenate([path[:101], path[-101:]])
+    rest = left(passed_by)
+    assert rest is not None
+    assert rest.lines.tolist() == [[[110.0, 10.0], [110.0, 10.0]]]
