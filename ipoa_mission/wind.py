@@ -96,6 +96,8 @@ class Wind:
             raise BadInput(f"expected 1 to {MAX_LEVELS} increasing heights, not {list(heights)}")
         if not len(heights) == len(speeds) == len(from_deg):
             raise BadInput(f"expected {len(heights)} speeds and directions, not {len(speeds)} and {len(from_deg)}")
+        if not all(map(math.isfinite, (*heights, *speeds, *from_deg))):
+            raise BadInput(f"expected finite numbers, not {[*heights, *speeds, *from_deg]}")
         winds = [cls(speed, angle) for speed, angle in zip(speeds, from_deg, strict=True)]
         levels = tuple(WindLevel(up, wind.east, wind.north) for up, wind in zip(heights, winds, strict=True))
         strongest = max(winds, key=lambda wind: wind.speed)

@@ -152,6 +152,15 @@ def test_wind_profile_needs_as_many_speeds_and_directions_as_heights() -> None:
         Wind.of_profile([10.0, 20.0, 40.0], [1.0, 2.0], [0.0, 0.0])
 
 
+@pytest.mark.parametrize("wrong", range(3))
+@pytest.mark.parametrize("value", [float("nan"), float("inf")])
+def test_wind_profile_of_other_than_finite_numbers_is_refused(wrong: int, value: float) -> None:
+    numbers = [[10.0], [5.0], [270.0]]
+    numbers[wrong] = [value]
+    with refuses("bad-input", "", f"{value}"):
+        Wind.of_profile(*numbers)
+
+
 @pytest.mark.parametrize("wind", [Wind(6.0, 359.7), Wind.of_profile([10.0, 20.0], [6.0, 7.0], [359.7, 0.2])])
 def test_a_wind_from_just_west_of_north_is_from_0_deg(wind: Wind) -> None:
     assert "360 deg" not in f"{wind}"
