@@ -61,7 +61,6 @@ _EVENTS: Mapping[int, tuple[str, str]] = {
         ("check_modes_global_pos", "Preflight Fail: Global position estimate required", "<"),
         ("check_estimator_missing_data", "Preflight Fail: ekf2 missing data", "<"),
         ("check_estimator_hgt_not_stable", "Preflight Fail: height estimate not stable", "<"),
-        ("check_estimator_heading_not_stable", "Preflight Fail: heading estimate invalid", "<"),
         ("check_estimator_hor_pos_not_stable", "Preflight Fail: horizontal position unstable", "<"),
         ("check_estimator_hor_vel_not_stable", "Preflight Fail: horizontal velocity unstable", "<"),
         ("check_estimator_vert_vel_not_stable", "Preflight Fail: vertical velocity unstable", "<"),

@@ -162,6 +162,22 @@ def test_events_are_warnings_of_a_vehicle_that_may_not_arm() -> None:
     assert PX4.protocol_profile.arming_words.lasting(str(state.warnings)) == ()
 
 
+@pytest.mark.parametrize(
+    "name",
+    [
+        *(f"check_modes_{part}" for part in ("angular_velocity", "attitude", "local_alt", "local_pos", "global_pos")),
+        *(f"check_system_no_{part}_pos" for part in ("global", "home")),
+        *(f"check_estimator_{part}_not_stable" for part in ("hgt", "hor_pos", "hor_vel", "vert_vel")),
+        "check_estimator_missing_data",
+        "check_rc_dl_no_dllink",
+    ],
+)
+def test_a_check_of_an_estimate_passes_with_time(name: str) -> None:
+    words = words_in(event(name))
+    arming_words = PX4.protocol_profile.arming_words
+    assert (arming_words.reasons(words) != (), arming_words.lasting(words)) == (True, ())
+
+
 def test_an_event_of_low_severity_is_no_reason() -> None:
     armed_by = Event(26266355, 102, b"\x04")
     refusal = replace(event("commander_arm_denied_calibrating"), log_levels=0x66)
