@@ -1,3 +1,4 @@
+import math
 from dataclasses import replace
 from pathlib import Path
 
@@ -54,3 +55,12 @@ def test_the_built_in_autopilot_of_a_scenario_is_of_its_version(tmp_path: Path) 
     assert built_in_autopilot(MockOptions(scenario=path), {}).flight.conditions.version == Version(1, 17)
     other = MockOptions(Autopilot.ARDUPILOT, path)
     assert built_in_autopilot(other, {}).flight.conditions.version is None
+
+
+def test_px4_1_18_ignores_parameters_that_it_no_longer_has() -> None:
+    """LNDMC_TRIG_TIME (1 s since 62f5f5267e) and MPC_USE_HTE (always since 0d66981dcc) of release/1.18."""
+    removed = {"LNDMC_TRIG_TIME": 3.0, "MPC_USE_HTE": 0.0}
+    new = px4_limits(removed, Version(1, 18))
+    assert new == px4_limits({}, Version(1, 18))
+    old = px4_limits(removed, Version(1, 17))
+    assert (old.land_detector_s, old.hover_learning) == (3.0, math.inf)

@@ -229,6 +229,8 @@ def px4_limits(parameters: Parameters, version: Version | None = None) -> Px4Lim
     """
     decoupled = (version or MEASURED[-1]).series >= DECOUPLED_SINCE
     p = {**PARAMETER_TABLE.moving, **(DECOUPLED_DEFAULTS if decoupled else {}), **parameters}
+    if decoupled:  # 1.18 has neither (62f5f5267e, 0d66981dcc)
+        p |= {name: PARAMETER_TABLE.moving[name] for name in ("LNDMC_TRIG_TIME", "MPC_USE_HTE")}
     PARAMETER_TABLE.expect_positive(p)
     climb = min(p["MPC_Z_V_AUTO_UP"], p["MPC_Z_VEL_MAX_UP"])
     descent = min(p["MPC_Z_V_AUTO_DN"], p["MPC_Z_VEL_MAX_DN"])
