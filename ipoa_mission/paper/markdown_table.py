@@ -34,10 +34,13 @@ def number(value: float) -> str:
 
 
 def ours_and_print(
-    ours: Sequence[float], printed: Sequence[float], forms: Sequence[Callable[[float], str]]
+    ours: Sequence[float],
+    printed: Sequence[float],
+    form: Callable[[float], str] = number,
+    printed_form: Callable[[float], str] = number,
 ) -> list[str]:
     columns = zip(ours, places(ours), printed, places(printed), strict=True)
-    return [f"{forms[0](o)} ({p}) · {forms[1](t)} ({q})" for o, p, t, q in columns]
+    return [f"{form(o)} ({p}) · {printed_form(t)} ({q})" for o, p, t, q in columns]
 
 
 def per_cent(ours: float, theirs: float) -> str:

@@ -13,10 +13,11 @@ from dataclasses import astuple, dataclass, fields, replace
 from datetime import date
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
-from typing import TextIO, TypeAlias
+from typing import Annotated, TextIO, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import BeforeValidator, TypeAdapter
 from threadpoolctl import threadpool_info, threadpool_limits
 
 from ipoa_mission.errors import MissionError, WrongFormat
@@ -56,12 +57,13 @@ class TrialRow:
     cost: float
     evaluations: int
     seconds: float
-    history: tuple[float, ...]
-    measures: problems.Measures
+    history: Annotated[tuple[float, ...], BeforeValidator(str.split)]
+    measures: Annotated[problems.Measures, BeforeValidator(json.loads)]
     date: str
     versions: str
 
 
+ROW = TypeAdapter(TrialRow)
 Rows: TypeAlias = Mapping[str, Sequence[TrialRow]]
 
 
@@ -221,14 +223,8 @@ def read_rows(path: Path) -> list[TrialRow]:
 
 
 def _rows(path: Path, lines: Sequence[str]) -> Iterator[TrialRow]:
-    for number, cells in enumerate(csv.reader(lines), start=2):
+    for number, cells in enumerate(csv.DictReader(lines, _COLUMNS), start=2):
         try:
-            problem, case, dimension, algorithm, settings, budget, run, *measured = cells
-            cost, evaluations, seconds, history, measures, day, versions = measured
-            trial = Trial(problem, case, int(dimension), algorithm, settings, int(budget), int(run))
-            costs = tuple(float(h) for h in history.split())
-            yield TrialRow(
-                trial, float(cost), int(evaluations), float(seconds), costs, json.loads(measures), day, versions
-            )
+            yield ROW.validate_python(cells | {"trial": cells})
         except ValueError as error:
             raise WrongFormat(f"expected {len(_COLUMNS)} cells of a run: {error}", place=f"{path}:{number}") from error

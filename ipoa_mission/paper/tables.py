@@ -4,7 +4,7 @@ Its maps are unpublished: of Tables 5 to 8 only ranks and ratios compare.
 """
 
 import tomllib
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from importlib.resources import files
 from typing import Any
 
@@ -17,6 +17,7 @@ from ipoa_mission.paper.runs import ALGORITHMS, TrialRow, mean_evaluations, mean
 from ipoa_mission.paper.statistics import compare_pairs, count_signs, holm, places, rank_sum, ranking
 
 FLOOR = 1e-8  # smaller errors count as this, as in the CEC competitions
+HEADS = tuple(name.upper() for name in ALGORITHMS)
 RIVALS_OF_TABLE_4 = ("dbo", "poa", "ssa", "hho", "mpoa")
 #: Printed numbers by table, part (function, experiment or map), and measure. `table_4` has p against
 #: `RIVALS_OF_TABLE_4`.
@@ -32,33 +33,32 @@ def improved(where: str) -> list[dict[str, list[float]]]:
     return [table[obstacles]] if obstacles else [table] if name == "Table 8" else list(table.values())
 
 
+def _spread(costs: NDArray[np.float64]) -> dict[str, float]:
+    return {"best": costs.min(), "mean": costs.mean(), "sd": costs.std(ddof=min(1, len(costs) - 1))}
+
+
 def table_3(rows: Sequence[TrialRow]) -> Table:
-    metrics: dict[str, Callable[[NDArray[np.float64]], float]] = {
-        "best": lambda costs: float(costs.min()),
-        "mean": lambda costs: float(costs.mean()),
-        "sd": lambda costs: float(costs.std(ddof=1)) if len(costs) > 1 else 0.0,
-    }
     lines = []
     firsts = 0
     printed_firsts = 0
     for function, optimum in zip(FUNCTIONS, OPTIMA, strict=True):
-        costs = [results(rows, function, name) + optimum for name in ALGORITHMS]
-        for metric, of in metrics.items():
-            ours = [of(sample) for sample in costs]
+        spreads = [_spread(results(rows, function, name) + optimum) for name in ALGORITHMS]
+        for metric in spreads[0]:
+            ours = [spread[metric] for spread in spreads]
             theirs = PRINTED["table_3"][function][metric]
             least = 0.0 if metric == "sd" else optimum
             ratios = (factor(o - least, t - least) for o, t in zip(ours, theirs, strict=True))
-            cells = ours_and_print(ours, theirs, (number, number))
             firsts += places(ours)[0] == 1
             printed_firsts += places(theirs)[0] == 1
-            lines.append([function, metric, *(" · ".join(both) for both in zip(cells, ratios, strict=True))])
+            cells = zip(ours_and_print(ours, theirs), ratios, strict=True)
+            lines.append([function, metric, *map(" · ".join, cells)])
     means = mean_results(rows, FUNCTIONS)
     widest = np.sqrt(30) * (PRINTED["table_3"]["f7"]["mean"][2] - PRINTED["table_3"]["f7"]["best"][2])
     printed_means = np.array([PRINTED["table_3"][f]["mean"] for f in FUNCTIONS])
     return Table(
         f"Table 3. CEC2022, D = 20, {runs_of(rows)} runs. Each cell: ours (place) · printed (place) · "
         "ratio of the errors (of SD itself).",
-        ["", "", *(name.upper() for name in ALGORITHMS)],
+        ["", "", *HEADS],
         lines,
         [
             f"IPOA is first in {firsts} of 36 here; in print in {printed_firsts} (its text says 25).",
@@ -116,37 +116,22 @@ def contradictions() -> Table:
     lines = []
     for function in FUNCTIONS:
         printed = PRINTED["table_3"][function]
-        mean = printed["mean"]
-        sd = printed["sd"]
-        best = printed["best"]
+        mean = dict(zip(ALGORITHMS, printed["mean"], strict=True))
+        sd = dict(zip(ALGORITHMS, printed["sd"], strict=True))
+        best = dict(zip(ALGORITHMS, printed["best"], strict=True))
+        worst = mean["ipoa"] + sd["ipoa"] * np.sqrt(29)
         for rival, p in zip(RIVALS_OF_TABLE_4, PRINTED["table_4"][function], strict=True):
-            k = ALGORITHMS.index(rival)
-            apart = (mean[k] - mean[0]) / np.sqrt((sd[k] ** 2 + sd[0] ** 2) / 30)
-            worst = mean[0] + sd[0] * np.sqrt(29)
+            apart = (mean[rival] - mean["ipoa"]) / np.sqrt((sd[rival] ** 2 + sd["ipoa"] ** 2) / 30)
             if p > 0.05 and abs(apart) > 6:
-                lines.append(
-                    [
-                        function,
-                        rival.upper(),
-                        f"{number(mean[0])} ± {number(sd[0])}",
-                        f"{number(mean[k])} ± {number(sd[k])}",
-                        f"{apart:.1f}",
-                        f"{p}",
-                        f"{number(worst)} {'<' if worst < best[k] else 'against'} {number(best[k])}",
-                    ]
-                )
+                spreads = [f"{number(mean[name])} ± {number(sd[name])}" for name in ("ipoa", rival)]
+                bounds = f"{number(worst)} {'<' if worst < best[rival] else 'against'} {number(best[rival])}"
+                lines.append([function, rival.upper(), *spreads, f"{apart:.1f}", f"{p}", bounds])
+    heading = "|rival|IPOA, mean ± SD|rival, mean ± SD|standard errors apart|printed p|"
+    heading += "IPOA's worst at most, and the rival's best"
     return Table(
         "Contradictions in print: the printed means differ by more than six standard errors, "
         "but the printed p shows no difference.",
-        [
-            "",
-            "rival",
-            "IPOA, mean ± SD",
-            "rival, mean ± SD",
-            "standard errors apart",
-            "printed p",
-            "IPOA's worst at most, and the rival's best",
-        ],
+        heading.split("|"),
         lines,
         [
             "No number of a sample of thirty is more than √29 standard deviations above its mean. With < in the last "
@@ -159,22 +144,11 @@ def dimension_of_the_print(rows_20: Sequence[TrialRow], rows_10: Sequence[TrialR
     lines = []
     for function, optimum in zip(FUNCTIONS, OPTIMA, strict=True):
         printed = np.array(PRINTED["table_3"][function]["mean"]) - optimum
-        ours = {
-            dimension: np.maximum(mean_results(rows, [function])[0], FLOOR)
-            for dimension, rows in ((20, rows_20), (10, rows_10))
-        }
-        off = {dimension: float(np.mean(np.abs(np.log(means / printed)))) for dimension, means in ours.items()}
-        lines.append(
-            [
-                function,
-                f"{number(printed.min())} to {number(printed.max())}",
-                f"{number(ours[20].min())} to {number(ours[20].max())}",
-                f"{number(ours[10].min())} to {number(ours[10].max())}",
-                f"{off[20]:.2f}",
-                f"{off[10]:.2f}",
-                "D = 20" if off[20] < off[10] else "**D = 10**",
-            ]
-        )
+        at_20, at_10 = (np.maximum(mean_results(rows, [function])[0], FLOOR) for rows in (rows_20, rows_10))
+        ranges = [f"{number(means.min())} to {number(means.max())}" for means in (printed, at_20, at_10)]
+        off_20, off_10 = (float(np.mean(np.abs(np.log(means / printed)))) for means in (at_20, at_10))
+        nearer = "D = 20" if off_20 < off_10 else "**D = 10**"
+        lines.append([function, *ranges, f"{off_20:.2f}", f"{off_10:.2f}", nearer])
     return Table(
         "Which dimension the printed Table 3 shows: least and greatest mean error of the six algorithms, "
         "and the mean of |ln(ours / printed)|.",
@@ -186,15 +160,15 @@ def dimension_of_the_print(rows_20: Sequence[TrialRow], rows_10: Sequence[TrialR
 def table_5(rows: Sequence[TrialRow]) -> Table:
     lines = []
     for experiment, weights in WEIGHTS.items():
-        costs = [results(rows, f"map-8-1/{experiment}", name) for name in ALGORITHMS]
-        for metric, of in (("best", np.min), ("mean", np.mean), ("sd", lambda c: np.std(c, ddof=min(1, len(c) - 1)))):
-            ours = [float(of(c)) for c in costs]
-            cells = ours_and_print(ours, PRINTED["table_5"][experiment][metric], (number, number))
+        spreads = [_spread(results(rows, f"map-8-1/{experiment}", name)) for name in ALGORITHMS]
+        for metric in spreads[0]:
+            ours = [spread[metric] for spread in spreads]
+            cells = ours_and_print(ours, PRINTED["table_5"][experiment][metric])
             lines.append([" / ".join(f"{w:g}" for w in weights), metric, *cells])
     return Table(
         f"Table 5. Cost by weights (length / turning / clearance), map-8-1, {runs_of(rows)} runs. "
         "Each cell: ours (place) · printed (place).",
-        ["weights", "", *(name.upper() for name in ALGORITHMS)],
+        ["weights", "", *HEADS],
         lines,
         [
             "The scales differ: the paper's costs follow from no reading of its eq. (10) and are not reproduced. "
@@ -217,7 +191,7 @@ def _flights(title: str, rows: Sequence[TrialRow], maps: dict[str, dict[str, lis
     for case, printed in maps.items():
         for measure, label in measures.items():
             ours = mean_results(rows, [case], measure)[0].tolist()
-            lines.append([case, label, *ours_and_print(ours, printed[measure], ("{:.1f}".format, "{:g}".format))])
+            lines.append([case, label, *ours_and_print(ours, printed[measure], "{:.1f}".format, "{:g}".format)])
         feasible = mean_results(rows, [case], "feasible")[0]
         lines.append([case, "collision-free", *(f"{share:.0%}" for share in feasible)])
     cases = list(maps)
@@ -234,7 +208,7 @@ def _flights(title: str, rows: Sequence[TrialRow], maps: dict[str, dict[str, lis
     return Table(
         f"{title}. Means of {runs_of(rows)} runs on our seeded maps. "
         "Each cell: ours (place) · printed, on other maps (place).",
-        ["map", "", *(name.upper() for name in ALGORITHMS)],
+        ["map", "", *HEADS],
         lines,
         [
             f"Length of IPOA's paths against each: {gains}.",
@@ -277,7 +251,7 @@ def table_8(rows: Sequence[TrialRow]) -> Table:
     lines.append(["flown", *(f"{sum(_known(rows, n, 'flyable')):.0f} of {count[n]}" for n in ALGORITHMS)])
     return Table(
         f"Table 8. The campus, {runs_of(rows)} runs. Each cell: our mean (place) · printed, on another campus (place).",
-        ["", *(name.upper() for name in ALGORITHMS)],
+        ["", *HEADS],
         lines,
         [
             "A path that touches a building is not flown; times are means of those flown. Clearance is negative inside "
