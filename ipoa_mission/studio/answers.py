@@ -130,14 +130,12 @@ class Terrace(PageMessage):
 
 
 class Tiles(PageMessage, kind="tiles"):
-    """Map tiles; `address` has {z}, {x} and {y}, and is relative if it names no host. `layers`: of vector tiles."""
+    """Map tiles of a server; `address` has {z}, {x} and {y}."""
 
     address: str
     attribution: str
-    min_zoom: int
     max_zoom: int
     vector: bool = False
-    layers: tuple[str, ...] = ()
 
 
 class Heights(PageMessage):

@@ -16,9 +16,7 @@ LIBRARIES = ("starlette", "uvicorn", "websockets", "tomlkit")
 class PageOptions:
     port: Annotated[int, flag("--port", "0: any free port.", "N", min=0, max=65535)] = 0
     browser: Annotated[bool, flag("--browser/--no-browser", "Open the page.")] = True
-    tiles: Annotated[
-        str | None, flag("--tiles", "Map tiles: an address with {z}, {x}, {y}, or an MBTiles file.", "URL|FILE")
-    ] = None
+    tiles: Annotated[str | None, flag("--tiles", "Map tiles: an address with {z}, {x}, {y}.", "URL")] = None
     attribution: Annotated[str | None, flag("--attribution", "Attribution of the map, shown on it.", "WORDS")] = None
     world: ScenarioOption = None
     seed: SeedOption = 0
@@ -50,11 +48,10 @@ def studio(
         words = f"the studio needs {', '.join(missing)}"
         raise MissionError(words, hint="pip install 'ipoa-mission[studio]'", code="package-missing")
     from ipoa_mission.studio.bundle import built_page
-    from ipoa_mission.studio.tiles import open_tiles
-    from ipoa_mission.studio.web_server import ServerOptions, serve
+    from ipoa_mission.studio.web_server import ServerOptions, serve, tiles_at
 
     built = built_page((lambda words: None) if as_json else print_lines)
-    source = None if page.tiles is None else open_tiles(page.tiles, page.attribution)
+    tiles = None if page.tiles is None else tiles_at(page.tiles, page.attribution)
 
     def tell_address(address: str) -> None:
         if as_json:
@@ -62,10 +59,10 @@ def studio(
         else:
             name = "the start page" if file is None else file.name
             print_lines(f"{name} is open at {address}", "Ctrl-C ends it; anyone with this address can plan and fly")
-            if source is not None:
-                print_lines(f"map tiles: {source.origin or source.shown.attribution}")
+            if tiles is not None:
+                print_lines(f"map tiles: {tiles.address}")
         if page.browser:
             webbrowser.open(address)
 
     with suppress(KeyboardInterrupt):  # the regular end
-        serve(file, ServerOptions(built, page.port, page.seed, source), tell_address, page.world)
+        serve(file, ServerOptions(built, page.port, page.seed, tiles), tell_address, page.world)

@@ -2,11 +2,13 @@
 
 import asyncio
 import json
+import re
 import socket
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
+from urllib.parse import urlsplit
 
 import uvicorn
 from pydantic import ValidationError
@@ -20,11 +22,10 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from ipoa_mission import BadInput, MissionError
-from ipoa_mission.studio.answers import Trouble
+from ipoa_mission.studio.answers import Tiles, Trouble
 from ipoa_mission.studio.dropped import LARGEST, keep, use_of
 from ipoa_mission.studio.requests import REQUESTS
 from ipoa_mission.studio.sessions import Host, Lobby, Sessions
-from ipoa_mission.studio.tiles import DEEPEST, TileSource, headers_of
 from ipoa_mission.studio.vocabulary import Window, as_json
 
 POLICY = (
@@ -34,11 +35,32 @@ POLICY = (
 )
 
 
-def policy_for(origin: str | None) -> str:
-    if origin is None:
+def policy_for(tiles: Tiles | None) -> str:
+    """Let the page request tiles of their server, and nothing else of another host."""
+    if tiles is None:
         return POLICY
+    origin = origin_of(tiles.address)
     own_pictures = POLICY.replace("img-src 'self'", f"img-src 'self' {origin}")
     return own_pictures.replace("connect-src 'self'", f"connect-src 'self' {origin}")
+
+
+def origin_of(address: str) -> str:
+    parts = urlsplit(address)
+    return f"{parts.scheme}://{parts.netloc}"
+
+
+def tiles_at(address: str, attribution: str | None = None) -> Tiles:
+    """Return the map tiles of a server; the address has {z}, {x} and {y}, or WMTS' names for them."""
+    for wmts, ours in (("{TileMatrix}", "{z}"), ("{TileCol}", "{x}"), ("{TileRow}", "{y}")):
+        address = address.replace(wmts, ours)
+    parts = urlsplit(address)
+    has_keys = all(key in address for key in ("{z}", "{x}", "{y}"))
+    if not has_keys or not re.fullmatch(r"https?://[A-Za-z0-9.-]+(:\d+)?", origin_of(address)):
+        words = "expected http(s)://HOST/... with {z}, {x} and {y} in it"
+        raise BadInput(words, hint="a server of tiles on this machine serves files", place=f"--tiles: {address}")
+    is_vector = parts.path.rpartition(".")[2].lower() in ("pbf", "mvt")
+    deepest = 14 if is_vector else 22  # zoom; the page enlarges vector tiles beyond
+    return Tiles(address=address, attribution=attribution or parts.netloc, max_zoom=deepest, vector=is_vector)
 
 
 HEADERS = {
@@ -99,7 +121,7 @@ TYPES = {".html": "text/html", ".js": "text/javascript", ".css": "text/css", ".s
 class _Handlers:
     sessions: Sessions
     bundle: Path
-    tiles: TileSource | None
+    tiles: Tiles | None
 
     def _at(self, request: HTTPConnection) -> Host:
         host = self.sessions.at(request.path_params["token"])
@@ -129,21 +151,13 @@ class _Handlers:
         except MissionError as error:
             return JSONResponse({"message": str(error)}, 400)
 
-    def tile(self, request: Request) -> Response:
-        zoom, column, row = (request.path_params[name] for name in ("z", "x", "y"))
-        if self.tiles is None or self.tiles.read is None or zoom > DEEPEST:
-            return PlainTextResponse("Not found", 404)
-        picture = self.tiles.read(zoom, column, row)
-        headers = None if picture is None else headers_of(picture, self.tiles.shown.vector)
-        return Response(status_code=204) if headers is None else Response(picture, headers=headers)
-
     async def talk(self, socket: WebSocket) -> None:
         await socket.accept()
         window: Window = asyncio.Queue()
         host = self._at(socket)
         sending = asyncio.create_task(_send(socket, window))
         if self.tiles is not None:
-            window.put_nowait(as_json(self.tiles.shown))
+            window.put_nowait(as_json(self.tiles))
         host.join(window)
         try:
             while True:
@@ -170,16 +184,15 @@ class _Handlers:
             await running
 
 
-def application(sessions: Sessions, bundle: Path, host: str, tiles: TileSource | None = None) -> Starlette:
+def application(sessions: Sessions, bundle: Path, host: str, tiles: Tiles | None = None) -> Starlette:
     handlers = _Handlers(sessions, bundle, tiles)
     routes: list[BaseRoute] = [
         WebSocketRoute("/talk", handlers.talk),
         Route("/drop/{name}", handlers.drop, methods=["POST"]),
-        Route("/tiles/{z:int}/{x:int}/{y:int}", handlers.tile),
         Route("/", handlers.page),
         Route("/{name}", handlers.page),
     ]
-    policy = policy_for(None if tiles is None else tiles.origin)
+    policy = policy_for(tiles)
     guard = Middleware(Guard, knows=lambda token: sessions.at(token) is not None, host=host, policy=policy)
     return Starlette(routes=[Mount("/{token}", routes=routes)], middleware=[guard], lifespan=handlers.alive)
 
@@ -191,7 +204,7 @@ class ServerOptions:
     bundle: Path
     port: int
     seed: int
-    tiles: TileSource | None = None
+    tiles: Tiles | None = None
 
 
 def serve(

@@ -261,10 +261,9 @@ function showSpace(map: MapLibre, space: boolean): void {
 function showPicture(map: MapLibre, now: Studio): void {
   const tiles = now.tiles;
   if (tiles && !map.getSource("tiles")) {
-    const address = tiles.address.includes("://") ? tiles.address : new URL(".", document.baseURI).href + tiles.address;
-    const zooms = { tiles: [address], minzoom: tiles.min_zoom, maxzoom: tiles.max_zoom };
+    const zooms = { tiles: [tiles.address], maxzoom: tiles.max_zoom };
     map.addSource("tiles", tiles.vector ? { type: "vector", ...zooms } : { type: "raster", tileSize: 256, ...zooms });
-    const layers = tiles.vector ? vectorLayers(tiles) : [{ id: "tiles", type: "raster" as const, source: "tiles", paint: { "raster-fade-duration": 0 } }];
+    const layers = tiles.vector ? vectorLayers() : [{ id: "tiles", type: "raster" as const, source: "tiles", paint: { "raster-fade-duration": 0 } }];
     for (const layer of layers) map.addLayer(layer, "ground");
   }
   const shown = tiles !== null && now.picture;

@@ -1,7 +1,6 @@
 // Vector tiles below the scenario, in a plain style of our own: what a layer is goes by its name, as in the schemas of
 // OpenMapTiles, Shortbread and Protomaps; of one with another name the lines are drawn. Words are set in the browser's font.
 import type { ExpressionSpecification, LayerSpecification } from "maplibre-gl";
-import type { Tiles } from "./messages";
 import { color } from "./colors";
 
 type Sort = "green" | "water" | "waterway" | "road" | "building" | "boundary" | "place" | "street name" | "none";
@@ -23,11 +22,11 @@ const kind: ExpressionSpecification = ["coalesce", ["get", "class"], ["get", "ki
 const name: ExpressionSpecification = ["coalesce", ["get", "name:latin"], ["get", "name"], ""];
 
 /** The layers of the tiles, those that lie lowest first. */
-export function vectorLayers(tiles: Tiles): LayerSpecification[] {
-  const told = tiles.layers ?? [], names = told.length ? told : SORTS.flatMap(([, known]) => known);
+export function vectorLayers(): LayerSpecification[] {
+  const names = SORTS.flatMap(([, known]) => known);
   const sortOf = (layer: string): Sort | undefined => SORTS.find(([, known]) => known.includes(layer))?.[0];
   const order = SORTS.map(([sort]) => sort), rank = (layer: string) => order.indexOf(sortOf(layer) ?? "road");
-  return [...names].sort((one, other) => rank(one) - rank(other)).flatMap(layer => drawn(layer, sortOf(layer)));
+  return names.sort((one, other) => rank(one) - rank(other)).flatMap(layer => drawn(layer, sortOf(layer)));
 }
 
 function drawn(layer: string, sort: Sort | undefined): LayerSpecification[] {
