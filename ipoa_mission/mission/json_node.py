@@ -55,6 +55,13 @@ class Node:
         child = self.get(key)
         return None if child is None or child.value is None else child
 
+    def usual(self, key: str, otherwise: str) -> "Node | None":
+        """Return the value of a key that QGroundControl always writes; without it note what is assumed."""
+        child = self.get(key)
+        if child is None:
+            replace(self, place=f"{self.place}.{key}".lstrip(".")).note(f"missing: {otherwise}")
+        return child
+
     def array(self, length: int | None = None, of: str = "values") -> list["Node"]:
         if not isinstance(self.value, list):
             raise self.wrong("a list" if length is None else f"{length} {of}")

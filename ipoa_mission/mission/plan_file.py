@@ -56,7 +56,7 @@ def parse_plan(path: Path, text: str, autopilot: Autopilot | None = None) -> Mis
     if version := mission.get("version"):
         version.whole("2", 2, 2)
     speed = mission.given("hoverSpeed")
-    kind = mission.get("vehicleType")
+    kind = mission.usual("vehicleType", "taken as a multicopter")
     ground = plan.get("landingGround")
     vehicle_type = QUADROTOR if kind is None else kind.whole("a MAV_TYPE number", 0, 255)
     autopilot = autopilot or autopilot_in(mission["firmwareType"], vehicle_type)
@@ -67,8 +67,8 @@ def parse_plan(path: Path, text: str, autopilot: Autopilot | None = None) -> Mis
         items=items,
         autopilot=autopilot,
         cruise_speed=None if speed is None else _speed(speed),
-        fence=_fence(plan.get("geoFence")),
-        rally=_rally(plan.get("rallyPoints")),
+        fence=_fence(plan.usual("geoFence", "taken as a mission without a fence")),
+        rally=_rally(plan.usual("rallyPoints", NO_RALLY)),
         vehicle_type=vehicle_type,
         landing_ground=None if ground is None else Geodetic(*(ground[key].number() for key in GROUND_KEYS)),
         complex_items=complex_items_in([entry.part_of for entry in listed], items),
@@ -289,7 +289,11 @@ def _check_altitude(node: Node, frame: int, param7: float) -> None:
 
 
 def _fence(node: Node | None) -> tuple[FencePolygon | FenceCircle, ...]:
-    if node is None or not (node.get("polygons") or node.get("circles")):
+    if node is None:
+        return ()
+    polygons = node.usual("polygons", "taken as a fence without polygons")
+    circles = node.usual("circles", "taken as a fence without circles")
+    if not (polygons or circles):
         return ()
     if version := node.get("version"):
         version.whole("1 or 2", 1, 2)
@@ -298,13 +302,13 @@ def _fence(node: Node | None) -> tuple[FencePolygon | FenceCircle, ...]:
     if node.get("breachReturn"):
         node["breachReturn"].note("the return point is dropped")
     fence = list[FencePolygon | FenceCircle]()
-    for part in _parts(node.get("polygons")):
+    for part in _parts(polygons):
         vertices = [vertex.array(2, "numbers (latitude, longitude)") for vertex in part["polygon"].array()]
         if len(vertices) < 3:
             raise part["polygon"].wrong("three vertices or more")
         ring = tuple((latitude.degrees(), longitude.degrees()) for latitude, longitude in vertices)
         fence.append(FencePolygon(ring, part["inclusion"].flag()))
-    for part in _parts(node.get("circles")):
+    for part in _parts(circles):
         latitude, longitude = part["circle"]["center"].array(2, "numbers (latitude, longitude)")
         radius = part["circle"]["radius"]
         if radius.number("a radius in meters") <= 0:
@@ -319,7 +323,7 @@ def _parts(listed: Node | None) -> list[Node]:
 
 
 def _rally(node: Node | None) -> tuple[Geodetic, ...]:
-    points = _parts(node.get("points") if node else None)
+    points = _parts(node.usual("points", NO_RALLY) if node else None)
     nodes = [point.array(3, "numbers (latitude, longitude, altitude)") for point in points]
     return tuple(Geodetic(lat.degrees(), lon.degrees(), alt.number("an altitude in meters")) for lat, lon, alt in nodes)
 
@@ -333,36 +337,20 @@ WITHOUT_EFFECT = {
     "geoFence": {"version", "breachReturn"},
     **{key: {"version"} for key in ("geoFence.polygons[]", "geoFence.circles[]", "rallyPoints")},
 }
-#: QGroundControl always writes these; the assumption without.
-EXPECTED = {
-    "geoFence": "taken as a mission without a fence",
-    "geoFence.polygons": "taken as a fence without polygons",
-    "geoFence.circles": "taken as a fence without circles",
-    "rallyPoints": "taken as a mission without rally points",
-    "rallyPoints.points": "taken as a mission without rally points",
-    "mission.vehicleType": "taken as a multicopter",
-}
+NO_RALLY = "taken as a mission without rally points"
 
 
 def findings_of_keys(plan: Node) -> Iterator[Finding]:
-    missing = {place for place in EXPECTED if _lacks(plan, place)}
-    for unread in gathered(_unread(plan, missing)):
+    for unread in gathered(_unread(plan)):
         words = unread.words.removeprefix(f"{unread.file}: ")
         if unread.may_limit:
             yield Finding("not-read", Severity.ERROR, None, words, unread.remedy)
         else:
             yield Finding("file", Severity.WARNING, None, words)
-    for place in sorted(missing):
-        yield Finding("file", Severity.WARNING, None, f"{place}: missing: {EXPECTED[place]}")
 
 
-def _lacks(plan: Node, place: str) -> bool:
-    parent, _, key = place.rpartition(".")
-    above = plan.value.get(parent) if parent else plan.value
-    return isinstance(above, dict) and key not in above
-
-
-def _unread(plan: Node, missing: set[str]) -> Iterator[Unread]:
+def _unread(plan: Node) -> Iterator[Unread]:
+    has_limits = {"geoFence", "rallyPoints"} <= plan.value.keys()
     for place, (value, asked) in plan.asked.items():
         kind = re.sub(r"\[\d+\]", "[]", place)
         known = asked | WITHOUT_EFFECT.get(kind, set())
@@ -370,7 +358,7 @@ def _unread(plan: Node, missing: set[str]) -> Iterator[Unread]:
             if key in known or example in (None, "", [], {}):
                 continue
             of_a_limit = re.search("fence|rally|zone|polygon|circle|clusion", f"{kind} {key}".lower())
-            may_limit = bool(of_a_limit) or (not kind and bool(missing & {"geoFence", "rallyPoints"}))
+            may_limit = bool(of_a_limit) or (not kind and not has_limits)
             remedy = "spell it as QGroundControl does, or ignore this code where it limits no flight"
             what = f'key "{key}"'
             yield Unread(plan.file, what, place or "the file", json.dumps(example), may_limit=may_limit, remedy=remedy)
