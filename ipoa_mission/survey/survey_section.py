@@ -11,7 +11,7 @@ from ipoa_mission import Scenario
 from ipoa_mission.geodesy import LocalFrame
 from ipoa_mission.geometry import Plane
 from ipoa_mission.scenario.model import AddedSection
-from ipoa_mission.scenario.section import NotNegative, Number, Positive, existing_file
+from ipoa_mission.scenario.section import NotNegative, Number, Positive, existing_file, one_of
 from ipoa_mission.scenario.surroundings import Reach
 from ipoa_mission.survey.camera import GivenCamera
 from ipoa_mission.survey.survey_area import Area, corridor, depth_of, expect_here, read_map, read_polygon, shapes_in
@@ -100,11 +100,10 @@ class SurveySection(AddedSection):
     flights: PositiveInt | None = None
     """Number of flights. Default: the fewest that the battery allows, each with its reserve."""
 
+    _one_area = one_of("area", "polygon", "line")
+
     @model_validator(mode="after")
-    def _one_of_each(self) -> Self:
-        areas = [key for key in ("area", "polygon", "line") if getattr(self, key) is not None]
-        if len(areas) != 1:
-            raise ValueError(f"expected one of area, polygon or line, not {' and '.join(areas) or 'none'}")
+    def _compatible(self) -> Self:
         if self.line is not None and self.width is None:
             raise ValueError("line: needs width")
         if self.polygon is not None and self.width is not None:
