@@ -156,7 +156,7 @@ def expect_home_here(position: Position | None, here: Geodetic) -> None:
         return
     if abs(position.height) > 3.0:  # [m]
         words = f"expected the vehicle on the ground at the height of its home, not at {position.height:+.1f} m"
-        raise NotAtStart(words, hint="heights count from its home: set it here; or begin with --anyway")
+        raise NotAtStart(words, hint="heights count from its home: restart it here; or begin with --anyway")
 
 
 class FastLanding(MissionError, code="fast-landing"):
