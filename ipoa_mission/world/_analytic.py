@@ -117,7 +117,21 @@ def extreme(points, landform, peaks, greatest, enough):
 @njit(cache=True, error_model="numpy")
 def least_heights(legs, landform, peaks, enough):
     """Bound the least height of each of legs (n, 2, 3), (n,), as `extreme`."""
+    bends = _bends(landform, peaks, False)
     heights = np.empty(len(legs))
+    under = (0.0, 0.0)
     for n in range(len(legs)):
-        heights[n] = extreme(legs[n], landform, peaks, False, enough)[0]
+        first = legs[n, 0]
+        last = legs[n, 1]
+        low, high = under
+        if n == 0 or first[0] != legs[n - 1, 1, 0] or first[1] != legs[n - 1, 1, 1]:
+            low, high = _surfaces(landform, peaks, first[0], first[1])
+        under = _surfaces(landform, peaks, last[0], last[1])
+        east = (last[0] - first[0]) ** 2
+        north = (last[1] - first[1]) ** 2
+        above_low = min(first[2] - low, last[2] - under[0]) - (bends[0] * east + bends[1] * north)
+        above_high = min(first[2] - high, last[2] - under[1]) - (bends[2] * east + bends[3] * north)
+        heights[n] = min(above_low, above_high)
+        if not heights[n] >= enough:
+            heights[n] = extreme(legs[n], landform, peaks, False, enough)[0]
     return heights

@@ -6,11 +6,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from ipoa_mission import read_mission, read_scenario
 from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.flight.flight import plan_flight
+from ipoa_mission.forecast.deviation import kept_limits
 from ipoa_mission.forecast.deviation.clearance_guarantee import KeptLimit
 from ipoa_mission.forecast.deviation.kept_limits import (
     NO_DEVIATION,
+    Stretch,
     clearance_task,
     deviation_bound_of,
     limits_kept,
@@ -23,6 +26,7 @@ from ipoa_mission.forecast.timing.track import Pieces
 from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.planning.obstruction import NoPath
+from ipoa_mission.planning.path_problem import PathTask
 from ipoa_mission.planning.planner import Plan
 from ipoa_mission.progress import silent
 from ipoa_mission.routing.seek import plan_with_margins
@@ -153,6 +157,24 @@ def test_limits_lose_the_rim(scenario_of: Callable[[], Scenario]) -> None:
     kept = {check.limit: check.nearest.distance for check in limits_kept(path, scenario, deviation_bound)}
     assert kept["ground"] == pytest.approx(nominal["ground"] - deviation_bound.down)
     assert kept["ceiling"] == pytest.approx(nominal["ceiling"] + deviation_bound.up)
+
+
+@pytest.mark.parametrize("name", ["mountains", "oldtown", "sitl"])
+def test_limits_of_stretches_that_are_not_computed_are_no_worse(
+    monkeypatch: pytest.MonkeyPatch, missions: Path, name: str
+) -> None:
+    scenario = read_scenario(missions / f"{name}.toml")
+    planning = scenario.planning.model_copy(update={"max_height_above_ground": 60.0})
+    limited = scenario.model_copy(update={"planning": planning})
+    mission = read_mission(missions / f"{name}.plan")
+    limits = Forecast(mission, limited).guarantee.limits
+    assert {"ground", "ceiling", "bounds"} <= {kept.limit for kept in limits}
+
+    def unknown(stretches: list[Stretch], task: PathTask) -> dict[str, np.ndarray]:
+        return {"any": np.full(len(stretches), -np.inf)}
+
+    monkeypatch.setattr(kept_limits, "least_slacks", unknown)
+    assert set(Forecast(mission, limited).guarantee.limits) == set(limits)
 
 
 def test_room_grows_what_is_near_but_never_over_a_given_place(scenario_of: Callable[[], Scenario]) -> None:

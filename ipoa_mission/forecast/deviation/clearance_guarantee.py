@@ -145,20 +145,38 @@ def _bound(law: DeviationLaw, chance: float | None) -> kept_limits.DeviationBoun
 
 
 def _worst_checks(part: Pieces, task: kept_limits.ClearanceTask, bound: kept_limits.DeviationBound) -> Iterable[Check]:
-    stretch = 16 if part.spread.any() else len(part.spread)  # pieces in 2 s
-    worst = dict[tuple[str, float], Check]()
-    for first in range(0, len(part.spread), stretch):
-        points = part.points[first : first + stretch + 1]
-        spread = part.spread[first : first + stretch]
+    """Return each limit's check at its worst stretch, by bounds of all others."""
+    stretches = list(_stretches(part, bound))
+    known = dict[int, list[Check]]()
+    for limit, slacks in kept_limits.least_slacks(stretches, task.path).items():
+        least = np.inf
+        for n in np.argsort(slacks, kind="stable").tolist():
+            if slacks[n] >= least:
+                break
+            if n not in known:
+                path, wider = stretches[n]
+                known[n] = list(kept_limits.limits_kept(thinned(path), task.path, wider))
+            least = min([least, *(check.slack for check in known[n] if check.limit == limit)])
+    worst = dict[str, Check]()
+    for n in sorted(known):
+        for check in known[n]:
+            if check.slack < worst.setdefault(check.limit, check).slack:
+                worst[check.limit] = check
+    return worst.values()
+
+
+def _stretches(part: Pieces, bound: kept_limits.DeviationBound) -> Iterator[kept_limits.Stretch]:
+    """Yield the lowest and highest path of each 2 s."""
+    length = 16 if part.spread.any() else len(part.spread)  # pieces
+    for first in range(0, len(part.spread), length):
+        points = part.points[first : first + length + 1]
+        spread = part.spread[first : first + length]
         side, down, up = np.vstack([spread, spread[-1:]]).T
         wider = replace(bound, lateral=bound.lateral + float(side.max()))
         for heights in (-down, up) if spread.any() else (up,):
             path = points.copy()
             path[:, 2] += heights
-            for check in kept_limits.limits_kept(thinned(path), task.path, wider):
-                key = check.limit, check.required
-                worst[key] = min(worst.get(key, check), check, key=lambda each: each.slack)
-    return worst.values()
+            yield path, wider
 
 
 def _tight(task: kept_limits.ClearanceTask) -> tuple[kept_limits.TightPlace, ...]:

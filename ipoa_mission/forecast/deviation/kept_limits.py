@@ -3,15 +3,18 @@
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from typing import TypeAlias
 
 import numpy as np
 import shapely
+from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
 from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.errors import BadInput
 from ipoa_mission.forecast.deviation.law import DeviationLaw, law_of
-from ipoa_mission.geometry import Points, Vector, as_place
+from ipoa_mission.forecast.timing.track import THINNING_TOLERANCE
+from ipoa_mission.geometry import Points, Vector, as_place, leg_lengths
 from ipoa_mission.planning.path_problem import PathTask, place_names, problem_of
 from ipoa_mission.planning.proof import Check, prove_heights
 from ipoa_mission.scenario import Scenario
@@ -93,6 +96,7 @@ class DeviationBound:
 
 
 NO_DEVIATION = DeviationBound(0.0, 0.0, 0.0)
+Stretch: TypeAlias = tuple[Points, DeviationBound]
 
 
 def deviation_bound_of(law: DeviationLaw, chance: float) -> DeviationBound:
@@ -105,18 +109,63 @@ def deviation_bound_of(law: DeviationLaw, chance: float) -> DeviationBound:
 def limits_kept(path: Points, task: PathTask, bound: DeviationBound) -> Iterator[Check]:
     higher = problem_of(task).tightened(bound.down)
     least = task.limits.height_above_ground
-    sides = [np.zeros(3)]
-    if task.airspace.terrain.steepness > 0 and bound.lateral > 0:
-        turns = [2 * math.pi * side / 8 for side in range(8)]
-        sides += [bound.lateral * np.array([math.cos(turn), math.sin(turn), 0.0]) for turn in turns]
-    to_and_fro = [path[:: 1 - 2 * (n % 2)] + side for n, side in enumerate(sides)]  # one line is quicker than nine
-    for check in prove_heights(np.vstack(to_and_fro), higher):
+    for check in prove_heights(_swept(path, task.airspace, bound), higher):
         if check.limit == "ceiling":
             yield replace(check, nearest=check.nearest.minus(-bound.up))
         elif check.limit == "ground" and check.required >= least + bound.down:
             yield replace(check, nearest=check.nearest.minus(bound.down), required=least)
     if (bounds := _bounds_kept(path, task, bound)) is not None:
         yield bounds
+
+
+def _swept(path: Points, airspace: Airspace, bound: DeviationBound) -> Points:
+    """Return a line along the path, and over uneven ground along parallels."""
+    sides = [np.zeros(3)]
+    if airspace.terrain.steepness > 0 and bound.lateral > 0:
+        turns = [2 * math.pi * side / 8 for side in range(8)]
+        sides += [bound.lateral * np.array([math.cos(turn), math.sin(turn), 0.0]) for turn in turns]
+    return np.vstack([path[:: 1 - 2 * (n % 2)] + side for n, side in enumerate(sides)])  # one is quicker than nine
+
+
+def least_slacks(stretches: list[Stretch], task: PathTask) -> dict[str, Vector]:
+    """Return lower bounds of each limit's slack as in `limits_kept`, (n,) [m]."""
+    if len(stretches) == 1:
+        return {"any": np.zeros(1)}
+    airspace = task.airspace
+    points = np.vstack([path for path, _ in stretches])
+    firsts = _firsts([path for path, _ in stretches])
+    lateral, down, up = np.array([(bound.lateral, bound.down, bound.up) for _, bound in stretches]).T
+    steepness = airspace.terrain.steepness
+    stray = 2 * THINNING_TOLERANCE
+    aside = stray + float(leg_lengths(points).max()) / 2  # from the points
+    uneven = stray + steepness * (lateral + aside)
+    heights = points[:, 2] - airspace.ground(points)
+    low = np.minimum.reduceat(heights, firsts) - uneven
+    high = np.maximum.reduceat(heights, firsts) + uneven
+    if steepness > 0:
+        rough = stray * (1 + steepness)
+        near = np.flatnonzero(low <= heights.min() + rough)  # others cannot be the lowest
+        legs = [sliding_window_view(_swept(stretches[n][0], airspace, stretches[n][1]), 2, axis=0) for n in near]
+        starts, ends = np.moveaxis(np.vstack(legs), 2, 0)
+        exact = airspace.terrain.legs_height(starts, ends, float(heights.min()) + 2 * rough)
+        low[near] = np.maximum(low[near], np.minimum.reduceat(exact, _firsts(legs)) - rough)
+    bounds = airspace.bounds
+    inside = np.minimum.reduceat(
+        np.minimum(points - np.asarray(bounds.lower), np.asarray(bounds.upper) - points), firsts
+    )
+    inside -= np.column_stack([lateral, lateral, np.maximum(down, up)]) + stray
+    if bounds.footprint is not None:
+        away = np.maximum.reduceat(bounds.footprint.distance(points[:, :2]), firsts)
+        inside = np.column_stack([inside, -away - lateral - aside])
+    return {
+        "ground": low - down - task.limits.height_above_ground,
+        "ceiling": task.limits.ceiling_above_ground - high - up,
+        "bounds": inside.min(axis=1),
+    }
+
+
+def _firsts(parts: list[Points]) -> NDArray[np.intp]:
+    return np.cumsum([0, *map(len, parts[:-1])])
 
 
 def _bounds_kept(path: Points, task: PathTask, bound: DeviationBound) -> Check | None:
