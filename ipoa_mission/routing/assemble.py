@@ -53,17 +53,22 @@ def choose_route(plan: Plan, scenario: Scenario, mode: str) -> Attempt:
     raise NoRoute(f"the legs between waypoints come too close: {why}", hint, code="legs-too-near")
 
 
-def best_route(plan: Plan, scenario: Scenario, promising: float) -> Attempt:
-    """Return the best route of the scenario's mode, or a quick try if that lacks more than `promising` [m]."""
+def best_route(plan: Plan, scenario: Scenario, promising: float, is_moved: bool = False) -> Attempt:
+    """Return the best route of the mode, or a quick try that lacks more than `promising` [m] or a contingency.
+
+    Along a path that `is_moved` for contingencies, no other is sought while that try lacks one.
+    """
     if scenario.route.mode != "fastest":
         return narrowed_route(plan, scenario, scenario.route.mode)
     quick = _quick_route(plan, scenario)
-    if not quick.is_guaranteed and quick.slack < promising:
+    if (is_moved and quick.short) or (not quick.is_guaranteed and quick.slack < promising):
         return quick
     routes = fastest_routes(plan, scenario)
     for route in routes:
         if route.is_acceptable:
             return route
+        if quick.short:
+            return quick
     first = routes[0]
     return first if first.is_guaranteed else max(quick, first, key=lambda attempt: attempt.merit)
 

@@ -224,7 +224,7 @@ def _move_until_safe(plan: Plan, margins: _Margins, scenario: Scenario) -> tuple
         moved = next(filter(None, (move_aside(latest.plan, world) for world in wider)), None)
         if moved is None:
             break
-        latest = best_route(replace(latest.plan, curve=moved), scenario, EFFORT.hopeless_slack)
+        latest = best_route(replace(latest.plan, curve=moved), scenario, EFFORT.hopeless_slack, is_moved=True)
         in_vain = 0 if latest.slack > best.slack + EFFORT.min_gain else in_vain + 1
         best = max(best, latest, key=lambda attempt: attempt.merit)
     if not best.is_guaranteed and best.slack >= EFFORT.hopeless_slack and scenario.route.mode == "fastest":
