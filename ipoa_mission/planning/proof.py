@@ -134,7 +134,7 @@ def _checks(
     if airspace.obstacles:
         clearance = airspace.obstacle_clearance(legs, within=limits.obstacle_distance + stray + spare)
         yield Check("obstacles", clearance.minus(stray), limits.obstacle_distance)
-    yield Check("bounds", airspace.bounds_margin(legs).minus(stray), 0.0)
+    yield Check("bounds", airspace.bounds_margin(legs, within=stray + spare).minus(stray), 0.0)
     yield from prove_heights(legs, task, stray, spare)
     climbs, descents = steepness
     for limit, angles, most in (("climb", climbs, limits.climb_angle), ("descent", descents, limits.descent_angle)):

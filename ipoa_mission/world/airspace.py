@@ -276,7 +276,8 @@ class Airspace:
             bounds[of_body] = self.obstacles[body].leg_distances(starts[legs[of_body]], ends[legs[of_body]])
         return legs, bodies, bounds
 
-    def bounds_margin(self, points: Points) -> Clearance:
+    def bounds_margin(self, points: Points, within: float = np.inf) -> Clearance:
+        """Return the least margin of the legs between `points`; beyond `within` [m] it is not the least."""
         box = replace(self.bounds, footprint=None)
         margins = self.bounds.box_margin(points)
         spot = int(np.argmin(margins))
@@ -286,7 +287,7 @@ class Airspace:
             return least
         floor = self.bounds.legs_margin(points)
         for leg in np.argsort(floor, kind="stable"):
-            if floor[leg] > least.distance:
+            if floor[leg] > min(least.distance, within):
                 break
             margin = self.bounds.leg_margin(points[leg], points[leg + 1])
             if (margin.distance, leg) < (least.distance, least.leg):
