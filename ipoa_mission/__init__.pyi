@@ -37,7 +37,6 @@ from ipoa_mission.link.connection import SignsOtherwise as SignsOtherwise
 from ipoa_mission.link.connection import SpeaksMavlink1 as SpeaksMavlink1
 from ipoa_mission.link.conversations import KeepsChanging as KeepsChanging
 from ipoa_mission.link.conversations import MissionRefused as MissionRefused
-from ipoa_mission.link.definitions import add_dialect as add_dialect
 from ipoa_mission.link.dialogue import Cancelled as Cancelled
 from ipoa_mission.link.dialogue import NoAnswer as NoAnswer
 from ipoa_mission.link.dialogue import TimeUp as TimeUp

@@ -25,7 +25,7 @@ nothing-left nothing-there option-conflict other-autopilot other-item-current ot
 outside-own-fence package-missing page-not-built parameter-kept picture place-blocked process-killed
 read-back-differs replaced replaced-since ring-misplaced several-vehicles signs-otherwise silence speaks-mavlink1
 stale start-not-reached streams-missing survey-too-long survey-too-low survey-too-near time-missing time-not-covered
-time-up too-large too-many-flights too-narrow unflyable unknown-dialect unknown-name unknown-parameter
+time-up too-large too-many-flights too-narrow unflyable unknown-name unknown-parameter
 unknown-version unreachable unreadable unsafe unwritable upload-again usage walled-off way-home-blocked
 winds-absurd wrong-format wrong-suffix
 """

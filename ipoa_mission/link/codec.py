@@ -12,14 +12,14 @@ from collections import Counter
 from collections.abc import Generator, Iterable, Iterator
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any, BinaryIO, NamedTuple
+from typing import BinaryIO, NamedTuple
 
 from fastcrc.crc16 import mcrf4xx
 
 from ipoa_mission.errors import Unwritable
 from ipoa_mission.files import note_written, read_bytes
 from ipoa_mission.link import wire
-from ipoa_mission.link.definitions import DEFINITIONS, Definition, definition_of, dialect_of
+from ipoa_mission.link.definitions import DEFINITIONS, Definition, definition_of
 from ipoa_mission.link.messages import ItemAt, Message, Text
 from ipoa_mission.link.signing import SIGNED, Signer
 from ipoa_mission.mission.item_words import count_words
@@ -180,10 +180,6 @@ def frame_at(data: bytes, start: int) -> bytes | None:
 
 def number_of(frame: bytes) -> int:
     return frame[5] if is_old(frame) else int.from_bytes(frame[7:10], "little")
-
-
-def as_pymavlink(frame: bytes) -> Any:
-    return dialect_of(number_of(frame)).MAVLink(None).decode(bytearray(frame))
 
 
 def numbered(frame: bytes) -> tuple[tuple[int, int], int]:

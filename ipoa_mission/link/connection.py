@@ -2,7 +2,7 @@
 
 import logging
 import math
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Protocol
@@ -11,7 +11,6 @@ from ipoa_mission.errors import MissionError
 from ipoa_mission.interrupts import noted_interrupts
 from ipoa_mission.link.channel import Channel, Peer
 from ipoa_mission.link.codec import EVERYONE, Codec, Framer, Heard, LongTexts, Target, TlogWriter, is_old, is_signed
-from ipoa_mission.link.definitions import Definition
 from ipoa_mission.link.dialogue import Cancelled, Dialogue, Exchange, NoAnswer, RoundTrip, Silence, T, TimeUp
 from ipoa_mission.link.messages import AUTOPILOT_COMPONENT, NO_AUTOPILOT, Heartbeat, Message
 from ipoa_mission.link.signing import Doubt
@@ -175,32 +174,21 @@ class Connection(MessageLink):
         return self.channel.now()
 
     def send(self, message: Message, target: Target = EVERYONE) -> None:
-        self._send(self.codec.encode(message, target, self.channel.unix_s()), self._routes.to(target))
-
-    def send_payload(self, definition: Definition, payload: bytes) -> None:
-        """Send a payload whose fields contain the target, if any."""
-        self._send(self.codec.frame(definition, payload, self.channel.unix_s()), self._routes.to(EVERYONE))
-
-    def _send(self, frame: bytes, peers: Iterable[Peer]) -> None:
+        frame = self.codec.encode(message, target, self.channel.unix_s())
         if self._log:
             self._log.write(frame, self.channel.unix_s())
-        for peer in peers or (None,):
+        for peer in self._routes.to(target) or (None,):
             self.channel.send(frame, peer)
 
     def receive(self, until: float) -> list[Heard]:
-        """Return messages to us or to everyone; send our heartbeat when due."""
-        return [heard for heard in self.overhear(until) if self.is_for_us(heard)]
-
-    def is_for_us(self, heard: Heard) -> bool:
-        return heard.message is not None and heard.is_for(self.codec.system, self.codec.component)
-
-    def overhear(self, until: float) -> list[Heard]:
-        """Return frames of known peers to anybody; send our heartbeat when due."""
+        """Return messages of known peers to us or to everyone; send our heartbeat when due."""
         now = self.now()
         if now >= self._next_heartbeat:  # MAV_TYPE_GCS
             self._next_heartbeat = now + 1.0
             self.send(Heartbeat(6, NO_AUTOPILOT))
-        return self._hear(self.channel.receive(min(until, self._next_heartbeat)))
+        heard = self._hear(self.channel.receive(min(until, self._next_heartbeat)))
+        us = (self.codec.system, self.codec.component)
+        return [each for each in heard if each.message is not None and each.is_for(*us)]
 
     def _hear(self, received: list[tuple[bytes, Peer]]) -> list[Heard]:
         heard = list[Heard]()

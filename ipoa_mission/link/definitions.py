@@ -1,14 +1,12 @@
-"""MAVLink's messages by number and name: pymavlink's dialects, and newer messages and fields of PX4."""
+"""MAVLink's messages by number and name: pymavlink's ardupilotmega, and newer messages and fields of PX4."""
 
 import struct
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache, cached_property
-from importlib import import_module
 from itertools import chain
 from pathlib import Path
-from pkgutil import iter_modules
-from types import ModuleType, SimpleNamespace
+from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
 from pymavlink.dialects import v20 as dialects
@@ -66,10 +64,10 @@ _PX4_DEFINITIONS = (  # without fields that nobody reads
 )
 
 
-def _definitions(dialect: ModuleType) -> Iterator[Definition]:
+def _definitions() -> Iterator[Definition]:
     # extension fields newer than the stable dialects: 32-bit numbers
     added = {"MISSION_ACK": ("opaque_id",), "MISSION_CURRENT": ("mission_id", "fence_id", "rally_points_id")}
-    for kind in dialect.mavlink_map.values():
+    for kind in ardupilotmega.mavlink_map.values():
         names = tuple(kind.ordered_fieldnames)
         types = dict(zip(kind.fieldnames, kind.fieldtypes, strict=True))
         lengths = tuple(1 if types[name] == "char" else n for name, n in zip(names, kind.lengths, strict=True))
@@ -79,61 +77,8 @@ def _definitions(dialect: ModuleType) -> Iterator[Definition]:
         yield Definition(kind.id, kind.msgname, layout, names + new, lengths + (1,) * len(new), seed)
 
 
-_DIALECTS = [ardupilotmega]
-DEFINITIONS = {definition.number: definition for definition in (*_PX4_DEFINITIONS, *_definitions(ardupilotmega))}
+DEFINITIONS = {definition.number: definition for definition in (*_PX4_DEFINITIONS, *_definitions())}
 _BY_NAME = {definition.name: definition for definition in DEFINITIONS.values()}
-
-
-def add_dialect(dialect: str | ModuleType) -> None:
-    """Add the messages of another dialect.
-
-    Args:
-        dialect: a name of pymavlink's dialects, or a module that it generated.
-
-    Raises:
-        BadInput: there is no such dialect, or one of its numbers has another message.
-
-    Example:
-        >>> from ipoa_mission import add_dialect
-        >>> add_dialect("storm32")
-    """
-    module = _dialect(dialect) if isinstance(dialect, str) else dialect
-    new = list(_definitions(module))
-    for message in new:
-        known = DEFINITIONS.get(message.number, message)
-        if (known.name, known.seed) != (message.name, message.seed):
-            words = f"its message {message.number} is {message.name}, which is {known.name} here"
-            raise BadInput(words, place="dialect")
-    for message in new:
-        _BY_NAME.setdefault(message.name, DEFINITIONS.setdefault(message.number, message))
-    if module not in _DIALECTS:
-        _DIALECTS.append(module)
-
-
-def dialect_of(number: int) -> Any:
-    for module in _DIALECTS:
-        if number in module.mavlink_map:
-            return module
-    raise BadInput("expected one of a dialect that is in use", code="unknown-dialect", place=f"message {number}")
-
-
-def payload_of(message: Any) -> tuple[Definition, bytes]:
-    number = getattr(message, "get_msgId", lambda: None)()
-    definition = None if number is None else DEFINITIONS.get(int(number))
-    if definition is None or definition.name != message.get_type():
-        words = f"expected one of pymavlink's, not {type(message).__name__}"
-        raise BadInput(words, hint="add_dialect(NAME) makes another dialect known", place="message")
-    fields = {name: getattr(message, name) for name in definition.names if hasattr(message, name)}
-    return definition, definition.pack({k: v.encode() if isinstance(v, str) else v for k, v in fields.items()})
-
-
-def _dialect(name: str) -> ModuleType:
-    try:
-        return import_module(f"pymavlink.dialects.v20.{name}")
-    except ImportError:
-        names = ", ".join(sorted(module.name for module in iter_modules(dialects.__path__)))
-        words = f"expected one of pymavlink's, not {name!r}"
-        raise BadInput(words, hint=names, code="unknown-dialect", place="dialect") from None
 
 
 def definition_of(name: str) -> Definition:

@@ -4,16 +4,14 @@ import math
 from collections.abc import Iterable, Iterator
 from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass, replace
-from typing import Any, Self
+from typing import Self
 
 from ipoa_mission.autopilot.autopilot import VehicleKind
 from ipoa_mission.autopilot.version import Version
-from ipoa_mission.errors import BadInput
 from ipoa_mission.link import messages as m
-from ipoa_mission.link.codec import Heard, Target, as_pymavlink
+from ipoa_mission.link.codec import Heard, Target
 from ipoa_mission.link.connection import Connection, Listening, MessageLink, run_dialogue
 from ipoa_mission.link.conversations import observed
-from ipoa_mission.link.definitions import payload_of
 from ipoa_mission.link.dialogue import SPECIFIED, Dialogue, RetryPolicy, RoundTrip, T
 from ipoa_mission.link.orders import request_version
 from ipoa_mission.link.vehicle_state import VehicleState
@@ -100,28 +98,6 @@ class VehicleSession:
     def firmware_version(self) -> Version | None:
         with self._in_time():
             return Version.of_flight_sw(self._read_version().flight_sw_version)
-
-    def send(self, message: Any) -> None:
-        """Send a message of pymavlink to its own target; raise BadInput for an unknown dialect."""
-        self._own_connection().send_payload(*payload_of(message))
-
-    def messages(self, seconds: float, *names: str) -> list[Any]:
-        """Return the vehicle's messages as pymavlink's; `names`: only those."""
-        connection = self._own_connection()
-        messages = []
-        until = connection.now() + seconds
-        while connection.now() < until:
-            for heard in [frame for frame in connection.overhear(until) if frame.system == self.system]:
-                messages += [as_pymavlink(heard.raw)] if heard.raw else []
-                if heard.message is not None and connection.is_for_us(heard):
-                    self._overhear(heard.message)
-        return [message for message in messages if not names or message.get_type() in names]
-
-    def _own_connection(self) -> Connection:
-        if not isinstance(self.connection, Connection):
-            words = "messages of pymavlink's: expected a link of our own, not MAVSDK's"
-            raise BadInput(words, code="backend-cannot")
-        return self.connection
 
     def _run_order(self, dialogue: Dialogue[T]) -> T:
         """Run a dialogue that may change the vehicle; raise NotFlown."""

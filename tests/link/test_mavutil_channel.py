@@ -1,17 +1,15 @@
 import socket
 from types import SimpleNamespace
-from typing import Any
 
 import pytest
-from pymavlink.dialects.v20 import ardupilotmega
 
 from ipoa_mission.autopilot.autopilot import Autopilot
-from ipoa_mission.errors import BadInput
-from ipoa_mission.link import definitions
 from ipoa_mission.link.channel import MavutilChannel
+from ipoa_mission.link.codec import Codec, Target
 from ipoa_mission.link.connect import connect, meet, open_connection
-from ipoa_mission.link.definitions import add_dialect
-from ipoa_mission.link.messages import Heartbeat, Message
+from ipoa_mission.link.dialogue import wait
+from ipoa_mission.link.messages import CommandAck, Heartbeat, Message
+from ipoa_mission.simulator.station import Loopback
 from tests.link.suited import met
 from tests.link.test_strangers import Net, connection_on, station
 from tests.refused import refuses
@@ -46,18 +44,10 @@ def test_a_line_is_laid_on_what_is_open_and_not_opened_anew() -> None:
 def test_wrong_connections_are_bad_input() -> None:
     with refuses("bad-input", "connect"):
         MavutilChannel(object())
-    vehicle: Any = met(Autopilot.PX4)
-    vehicle.connection = object()
-    with refuses("backend-cannot", kind=BadInput):
-        vehicle.messages(1.0)
 
 
-def test_messages_of_pymavlinks_are_said_and_heard() -> None:
+def test_the_version_is_asked_for_once_and_then_known() -> None:
     vehicle = met(Autopilot.PX4)
-    vehicle.send(ardupilotmega.MAVLink_param_request_read_message(1, 1, b"MPC_XY_CRUISE", -1))
-    heard = vehicle.messages(2.0)
-    assert {"HEARTBEAT", "PARAM_VALUE"} <= {message.get_type() for message in heard}
-    assert {message.get_type() for message in vehicle.messages(2.0, "HEARTBEAT")} == {"HEARTBEAT"}
     assert vehicle.version_heard is None
     assert vehicle.firmware_version() == vehicle.version_heard != None  # noqa: E711  # asked, and then heard
 
@@ -66,35 +56,27 @@ def test_only_the_requested_of_two_vehicles_on_a_link_is_heard() -> None:
     vehicle = meet(connection_on(Net(one=station(), other=station(Autopilot.ARDUPILOT, 2))), 2)
     heard: list[Message] = []
     vehicle.overhearing = heard.append
-    assert {message.get_srcSystem() for message in vehicle.messages(3.0)} == {2}
+    vehicle._run(wait(3.0))
     assert {message.autopilot for message in heard if isinstance(message, Heartbeat)} == {
         Autopilot.ARDUPILOT.mav_autopilot
     }
 
 
-def test_a_message_to_another_station_is_returned_and_not_noted(monkeypatch: pytest.MonkeyPatch) -> None:
-    sender = ardupilotmega.MAVLink(None, srcSystem=1, srcComponent=1)
-    answer = ardupilotmega.MAVLink_param_value_message(b"RTL_ALT", 1500.0, 9, 1, 0).pack(sender)
-    clock = iter((0.0, 0.5, 2.0))
-    frame = SimpleNamespace(system=1, raw=answer, message=object())
+def test_a_message_to_another_station_is_not_noted() -> None:
     vehicle = met(Autopilot.PX4)
-    monkeypatch.setattr(vehicle.connection, "now", lambda: next(clock))
-    monkeypatch.setattr(vehicle.connection, "overhear", lambda until: [frame])
-    monkeypatch.setattr(vehicle.connection, "is_for_us", lambda heard: False)
+    channel = getattr(vehicle.connection, "channel", None)
+    assert isinstance(channel, Loopback)
+    autopilot = Codec(1, 1)
+    for command, station_system in ((16, 200), (17, 245)):
+        answer = autopilot.encode(CommandAck(command, 0), Target(station_system, 190), 0.0)
+        channel._back.push(answer, channel.now())
     noted: list[Message] = []
     vehicle.overhearing = noted.append
-    (message,) = vehicle.messages(1.0)
-    assert (message.get_type(), noted) == ("PARAM_VALUE", [])
+    vehicle._run(wait(0.5))
+    assert [message.command for message in noted if isinstance(message, CommandAck)] == [17]
 
 
 def test_a_system_of_mavsdks_is_borrowed(monkeypatch: pytest.MonkeyPatch) -> None:
     system = SimpleNamespace(get_system_id=lambda: 7)
     monkeypatch.setattr("ipoa_mission.link.mavsdk_backend.borrow", lambda system, log: (system, log))
     assert connect(system, log="x.tlog") == (system, "x.tlog")
-
-
-def test_a_dialect_is_added_once() -> None:
-    add_dialect("ardupilotmega")
-    in_use = list(definitions._DIALECTS)
-    add_dialect(ardupilotmega)
-    assert in_use == definitions._DIALECTS
