@@ -140,28 +140,35 @@ class Copter:
         Raises:
             MissionError: the copter does not reach the end.
         """
-        skipped = 0.0
-        if self.this.kind == Kind.HOLD and self.this.lasts > SETTLED:
-            skipped = self.this.lasts - SETTLED
-            self.this = self.this._replace(lasts=SETTLED)
-        room = int((60 + 4 * self._least_time() + self.this.length / self._slowest) / (STEP * SAMPLE_STEPS))
-        breaks = until < self.state.time + room * STEP * SAMPLE_STEPS
-        room = max(int((until - self.state.time) / (STEP * SAMPLE_STEPS)), 0) if breaks else room
-        samples = np.empty((room, 7))
-        all_legs = (self._before, self.this, self.following)
-        made = self._records
-        self._records = {id(leg): made.get(id(leg)) or (leg, records([leg], CopterLeg)) for leg in all_legs}
-        before, this, following = (self._records[id(leg)][1] for leg in all_legs)
+        skipped_s = self._skip_settled_hold()
+        sample_s = STEP * SAMPLE_STEPS
+        most = int((60 + 4 * self._least_time() + self.this.length / self._slowest) / sample_s)
+        ends_early = until < self.state.time + most * sample_s
+        if ends_early:
+            most = max(int((until - self.state.time) / sample_s), 0)
+        samples = np.empty((most, 7))
+        legs_flown = (self._before, self.this, self.following)
+        known = self._records
+        self._records = {id(leg): known.get(id(leg)) or (leg, records([leg], CopterLeg)) for leg in legs_flown}
+        before, this, following = (self._records[id(leg)][1] for leg in legs_flown)
         states = records([self.state], State)
-        used = compiled(fly_leg)(states, before, this, following, self._tuning, samples)
+        taken = compiled(fly_leg)(states, before, this, following, self._tuning, samples)
         self.state = State(*states[0].item())
-        if used == NO_ROOM and breaks:
+        if taken == NO_ROOM and ends_early:
             return samples
-        if used < 0:
-            raise MissionError(self._lost(used), hint=TOO_WINDY if self._wind.speed > 0 else NO_END, code="unreachable")
-        self.state.time += skipped
+        if taken < 0:
+            hint = TOO_WINDY if self._wind.speed > 0 else NO_END
+            raise MissionError(self._lost(taken), hint=hint, code="unreachable")
+        self.state.time += skipped_s
         self.passed = True
-        return samples[:used]
+        return samples[:taken]
+
+    def _skip_settled_hold(self) -> float:
+        if self.this.kind != Kind.HOLD or self.this.lasts <= SETTLED:
+            return 0.0
+        skipped_s = self.this.lasts - SETTLED
+        self.this = self.this._replace(lasts=SETTLED)
+        return skipped_s
 
     def _lost(self, why: int) -> str:
         x, y, z = map(round, self.place)
