@@ -8,11 +8,12 @@ from ipoa_mission.cli.check_files import clearance_words, wind_words
 from ipoa_mission.cli.checking import estimate_as_json, route_in_words
 from ipoa_mission.cli.mission_source import FlownJob, Job
 from ipoa_mission.flight.flight import Flight
-from ipoa_mission.forecast.contingency.energy_budget import ReserveNow, budget_of
+from ipoa_mission.forecast.contingency.energy_budget import ReserveNow
 from ipoa_mission.forecast.timing.estimate import Estimate
 from ipoa_mission.mission.flight_record import FlightRecord
 from ipoa_mission.mission.item_words import count_words
 from ipoa_mission.mission.waypoints_file import TAKEOFF_LOST
+from ipoa_mission.report.panels.tables import parts_table
 from ipoa_mission.report.summary import passed_over_as_json
 from ipoa_mission.terminal import notes, print_json, print_lines, print_table
 from ipoa_mission.unread import unread_as_json
@@ -124,13 +125,5 @@ def describe(flight: Flight) -> list[str]:
 
 def print_parts(whole: Flight, written: Iterable[Path]) -> None:
     print_lines(*describe(whole))
-    rows = []
-    for number, part in enumerate(whole.parts, 1):
-        budget = budget_of(part)
-        energy = None if budget is None else budget.used.between
-        left = None if budget is None or energy is None else budget.left(energy)
-        takes = (f"{part.estimate.total_s:.1f}", str(energy or ""))
-        rows.append((str(number), str(len(part.mission.items)), *takes, "" if left is None else f"{left.likely:.0%}"))
-    title = f"{len(whole.parts)} flights, a battery each"
-    print_table(title, ["flight", "items", "takes\ns", "takes\nWh", "left"], rows)
+    print_table(f"{len(whole.parts)} flights, a battery each", *parts_table(whole.parts, whole.names))
     print_lines(f"written: {', '.join(map(str, written))}")

@@ -183,7 +183,7 @@ class Flight:
         from ipoa_mission.report.page import PageNotes, report_html
         from ipoa_mission.report.panels.tables import parts_panel
 
-        panel = parts_panel(self.parts, [f"{name}.plan" for name in self.names]) if self.parts else ""
+        panel = parts_panel(self.parts, self.names) if self.parts else ""
         return report_html(self.forecast, PageNotes(self.findings, self.remarks, panel), self.plan, record)
 
 

@@ -9,7 +9,7 @@ import shapely
 
 from ipoa_mission import Forecast
 from ipoa_mission.report.panels.ground_plan import MapLayers, line_path, ring_path
-from ipoa_mission.report.panels.tables import scrolled_table
+from ipoa_mission.report.panels.tables import plain_table
 from ipoa_mission.report.summary import clearance_as_json, findings_as_json, items_as_json, rounded
 from ipoa_mission.survey.survey_plan import SurveyPlan, coverage_lines, flight_table
 
@@ -70,7 +70,9 @@ def forecast_as_json(forecast: Forecast) -> dict[str, Any]:
 def survey_panel(plan: SurveyPlan, names: Sequence[str]) -> str:
     words = ". ".join(coverage_lines(plan))
     note = f"{words[:1].upper()}{words[1:]}. On the map: shaded, what is seen; red, gaps; lines in the flight's color."
-    return f'<section><h2>Survey</h2><p class="note">{escape(note)}</p>{_table(plan, names)}</section>'
+    marks = [f'<span aria-hidden="true" style="color:{_hue(n)}">━</span> ' for n in range(len(names))]
+    table = plain_table(*flight_table(plan, names), marks)
+    return f'<section><h2>Survey</h2><p class="note">{escape(note)}</p>{table}</section>'
 
 
 def survey_layers(plan: SurveyPlan) -> MapLayers:
@@ -100,14 +102,3 @@ def _hue(flight: int) -> str:
 def _rings(shape: Any) -> str:
     polygons = [part for part in shapely.get_parts(shape) if part.geom_type == "Polygon" and not part.is_empty]
     return "".join(ring_path(shapely.get_coordinates(ring)) for ring in shapely.get_rings(polygons))
-
-
-def _table(plan: SurveyPlan, names: Sequence[str]) -> str:
-    columns, flights = flight_table(plan, names)
-    names_of = (column.replace("\n", ", ") for column in columns)
-    head = "".join(f'<th scope="col">{name}</th>' for name in names_of)
-    rows = ""
-    for n, (file, *cells) in enumerate(flights):
-        head_of = f'<th scope="row"><span aria-hidden="true" style="color:{_hue(n)}">━</span> {escape(file)}</th>'
-        rows += f"<tr>{head_of}{''.join(f'<td>{escape(cell)}</td>' for cell in cells)}</tr>"
-    return scrolled_table(f"<tr>{head}</tr>", rows)

@@ -53,7 +53,7 @@ def test_a_plan_beyond_its_battery_is_refused_and_split_writes_its_parts(
     assert "flown in 2 flights, a battery each" in table
     for flight in result["flights"]:
         assert flight["file"] in table[: table.index("</table>")]
-        assert f"{flight['energy_wh'][1]:.1f} Wh" in table[: table.index("</table>")]
+        assert f"{flight['energy_wh'][1]:.1f} (" in table[: table.index("</table>")]
     timed = run(f"estimate out/rows-1.plan --scenario {scenario}").out
     assert "20% required" in timed
     assert "rows.json" not in timed

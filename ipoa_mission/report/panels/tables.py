@@ -106,24 +106,36 @@ def limits_table(proof: Proof) -> str:
     return f'<section><h2>Limits, proved</h2><p class="note">{note}</p>{scrolled_table(head, rows)}</section>'
 
 
-def parts_panel(parts: Sequence[Forecast], names: Sequence[str]) -> str:
-    head = "".join(f'<th scope="col">{name}</th>' for name in ("flight", "items", "takes", "energy", "left"))
-    rows = ""
+def parts_table(parts: Sequence[Forecast], names: Sequence[str]) -> tuple[list[str], list[tuple[str, ...]]]:
+    """Return columns and rows for a terminal and a page; a line break in a column's name puts its unit below."""
+    rows = list[tuple[str, ...]]()
     for name, part in zip(names, parts, strict=True):
         budget = budget_of(part)
         left = None if budget is None else budget.left(budget.used.between)
-        cells = (
-            str(len(part.mission.items)),
-            seconds(part.estimate.total_s),
-            "" if budget is None else str(budget.used),
-            "" if left is None else f"{left.likely:.0%}",
-        )
-        rows += f'<tr><th scope="row">{escape(name)}</th>{"".join(f"<td>{escape(cell)}</td>" for cell in cells)}</tr>'
+        takes = f"{part.estimate.total_s:.1f}"
+        energy = "" if budget is None else str(budget.used.between)
+        share = "" if left is None else f"{left.likely:.0%}"
+        rows.append((f"{name}.plan", str(len(part.mission.items)), takes, energy, share))
+    return ["file", "items", "takes\ns", "energy\nWh", "left"], rows
+
+
+def parts_panel(parts: Sequence[Forecast], names: Sequence[str]) -> str:
     note = (
         f"One battery is not enough for the whole flight: it is flown in {len(parts)} flights, a battery each, "
         "one after the other. Each begins as the whole does, and continues where the one before returned."
     )
-    return f'<section><h2>Flights</h2><p class="note">{note}</p>{scrolled_table(f"<tr>{head}</tr>", rows)}</section>'
+    return f'<section><h2>Flights</h2><p class="note">{note}</p>{plain_table(*parts_table(parts, names))}</section>'
+
+
+def plain_table(columns: Sequence[str], rows: Sequence[tuple[str, ...]], marks: Sequence[str] = ()) -> str:
+    """Return a table as a terminal's, with a mark in HTML before the head of each row."""
+    heads = "".join(f'<th scope="col">{escape(name).replace(chr(10), ", ")}</th>' for name in columns)
+    body = ""
+    for mark, (head, *cells) in zip(marks or [""] * len(rows), rows, strict=True):
+        body += (
+            f'<tr><th scope="row">{mark}{escape(head)}</th>{"".join(f"<td>{escape(cell)}</td>" for cell in cells)}</tr>'
+        )
+    return scrolled_table(f"<tr>{heads}</tr>", body)
 
 
 def scrolled_table(head: str, rows: str, attributes: str = "") -> str:
