@@ -41,7 +41,7 @@ def details_of(item: Item) -> str:
 
 
 def count_words(count: int, noun: str = "item") -> str:
-    return f"{count} {noun}{'s' * (count != 1)}"
+    return f"{count} {noun}" if count == 1 else f"{count} {noun}s"
 
 
 def name_items(seqs: Iterable[int]) -> str:

@@ -289,8 +289,8 @@ def _messages_of_flights(plan: SurveyPlan, messages_of: Callable[[SurveyFlight],
         for words in dict.fromkeys(messages_of(flight)):
             flights_by_words.setdefault(words, []).append(n)
     for words, numbers in flights_by_words.items():
-        prefix = f"flight{'s' * (len(numbers) > 1)} {', '.join(map(str, numbers))}: "
-        yield words if len(numbers) == len(plan.flights) else prefix + words
+        name = "flight" if len(numbers) == 1 else "flights"
+        yield words if len(numbers) == len(plan.flights) else f"{name} {', '.join(map(str, numbers))}: {words}"
 
 
 def _warnings_of(flight: SurveyFlight) -> Iterator[str]:
