@@ -181,8 +181,9 @@ def _fly_stages(
     flown = job.forecast
 
     def remark(words: str) -> None:
-        remarks.append(words)
-        _print_notes(asked, [words])
+        if words not in remarks:  # a new attempt to arm repeats them
+            remarks.append(words)
+            _print_notes(asked, [words])
 
     @contextmanager
     def stages(stage: "Stage") -> "Iterator[Progress]":

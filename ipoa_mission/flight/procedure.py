@@ -287,7 +287,6 @@ def _monitor(vehicle: Vehicle, begun: Forecast, first: int, remark: ReportRemark
 
 
 def begun_here(vehicle: Vehicle, forecast: Forecast, first: int) -> Forecast:
-    """Return the forecast from the vehicle's place."""
     at = vehicle.state.position
     there = vehicle.home() if at is None else Geodetic(at.latitude_deg, at.longitude_deg, at.altitude)
     return begun_forecast(forecast, first, there)

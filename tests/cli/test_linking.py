@@ -2,6 +2,7 @@ import json
 import signal
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -137,6 +138,20 @@ def test_mission_made_for_another_version_is_named(run: Run, autopilot: Serve, h
     assert (
         "the mission was made for ArduPilot 4.7, and the vehicle has ArduPilot 4.8" in json.loads(ended.out)["remarks"]
     )
+
+
+def test_repeated_note_is_printed_once(run: Run, autopilot: Serve, hop: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    prepare = Vehicle.prepare
+
+    def prepare_twice(vehicle: Vehicle, *arguments: Any) -> None:
+        prepare(vehicle, *arguments)
+        prepare(vehicle, *arguments)
+
+    monkeypatch.setattr(Vehicle, "prepare", prepare_twice)
+    with autopilot(replace(ZURICH, longitude_deg=ZURICH.longitude_deg + 5e-5)) as link:
+        ended = run(f"fly {hop} --link {link}")
+    assert ended.code == 0, ended.err
+    assert ended.out.count("m from the mission's home") == 1
 
 
 def test_fly_over_a_link_keeps_the_log_of_an_earlier_flight(run: Run, autopilot: Serve, hop: Path) -> None:
