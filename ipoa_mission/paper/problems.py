@@ -18,7 +18,6 @@ from ipoa_mission.optimize.search import Candidates, Costs, Optimum
 from ipoa_mission.planning.problem import curve_cost, follow, prepare, surround
 from ipoa_mission.planning.proof import TOUCHING, prove_curve
 from ipoa_mission.planning.spline import Spline
-from ipoa_mission.report.compare import compare_flight
 
 #: F_i* of Table 1
 OPTIMA = (300.0, 400.0, 600.0, 800.0, 900.0, 1800.0, 2000.0, 2200.0, 2300.0, 2400.0, 2600.0, 2700.0)
@@ -146,14 +145,15 @@ def flown(curve: Spline, scenario: Scenario, optimum: Optimum) -> Measures:
         return {"flyable": 0.0}
     record = fly_built_in(mission)
     predicted = estimate(mission)
-    waypoints = [leg for leg in compare_flight(predicted, record).legs if leg.command == Command.NAV_WAYPOINT]
+    waypoints = [k for k, item in enumerate(mission.items) if item.command == Command.NAV_WAYPOINT]
     first = waypoints[0]
     last = waypoints[-1]
+    done = {item.seq - 1: item.done_s for item in predicted.items}
     return {
         "flyable": 1.0,
         "waypoints": float(len(waypoints)),
-        "time": round(last.flown_done_s - first.flown_done_s, 3),
-        "estimate": round(last.estimated_done_s - first.estimated_done_s, 3),
+        "time": round(record.item_reached_s[last] - record.item_reached_s[first], 3),
+        "estimate": round(done[last] - done[first], 3),
         "time_landed": round(record.total_s, 3),
         "estimate_landed": round(predicted.total_s, 3),
     }

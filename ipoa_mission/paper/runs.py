@@ -63,7 +63,6 @@ class TrialRow:
     versions: str
 
 
-ROW = TypeAdapter(TrialRow)
 Rows: TypeAlias = Mapping[str, Sequence[TrialRow]]
 
 
@@ -223,8 +222,9 @@ def read_rows(path: Path) -> list[TrialRow]:
 
 
 def _rows(path: Path, lines: Sequence[str]) -> Iterator[TrialRow]:
+    row = TypeAdapter(TrialRow)
     for number, cells in enumerate(csv.DictReader(lines, _COLUMNS), start=2):
         try:
-            yield ROW.validate_python(cells | {"trial": cells})
+            yield row.validate_python(cells | {"trial": cells})
         except ValueError as error:
             raise WrongFormat(f"expected {len(_COLUMNS)} cells of a run: {error}", place=f"{path}:{number}") from error

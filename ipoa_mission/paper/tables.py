@@ -17,7 +17,6 @@ from ipoa_mission.paper.runs import ALGORITHMS, TrialRow, mean_evaluations, mean
 from ipoa_mission.paper.statistics import compare_pairs, count_signs, holm, places, rank_sum, ranking
 
 FLOOR = 1e-8  # smaller errors count as this, as in the CEC competitions
-HEADS = tuple(name.upper() for name in ALGORITHMS)
 RIVALS_OF_TABLE_4 = ("dbo", "poa", "ssa", "hho", "mpoa")
 #: Printed numbers by table, part (function, experiment or map), and measure. `table_4` has p against
 #: `RIVALS_OF_TABLE_4`.
@@ -58,7 +57,7 @@ def table_3(rows: Sequence[TrialRow]) -> Table:
     return Table(
         f"Table 3. CEC2022, D = 20, {runs_of(rows)} runs. Each cell: ours (place) · printed (place) · "
         "ratio of the errors (of SD itself).",
-        ["", "", *HEADS],
+        ["", "", *map(str.upper, ALGORITHMS)],
         lines,
         [
             f"IPOA is first in {firsts} of 36 here; in print in {printed_firsts} (its text says 25).",
@@ -168,7 +167,7 @@ def table_5(rows: Sequence[TrialRow]) -> Table:
     return Table(
         f"Table 5. Cost by weights (length / turning / clearance), map-8-1, {runs_of(rows)} runs. "
         "Each cell: ours (place) · printed (place).",
-        ["weights", "", *HEADS],
+        ["weights", "", *map(str.upper, ALGORITHMS)],
         lines,
         [
             "The scales differ: the paper's costs follow from no reading of its eq. (10) and are not reproduced. "
@@ -208,7 +207,7 @@ def _flights(title: str, rows: Sequence[TrialRow], maps: dict[str, dict[str, lis
     return Table(
         f"{title}. Means of {runs_of(rows)} runs on our seeded maps. "
         "Each cell: ours (place) · printed, on other maps (place).",
-        ["map", "", *HEADS],
+        ["map", "", *map(str.upper, ALGORITHMS)],
         lines,
         [
             f"Length of IPOA's paths against each: {gains}.",
@@ -251,7 +250,7 @@ def table_8(rows: Sequence[TrialRow]) -> Table:
     lines.append(["flown", *(f"{sum(_known(rows, n, 'flyable')):.0f} of {count[n]}" for n in ALGORITHMS)])
     return Table(
         f"Table 8. The campus, {runs_of(rows)} runs. Each cell: our mean (place) · printed, on another campus (place).",
-        ["", *HEADS],
+        ["", *map(str.upper, ALGORITHMS)],
         lines,
         [
             "A path that touches a building is not flown; times are means of those flown. Clearance is negative inside "
