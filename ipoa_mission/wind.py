@@ -7,7 +7,6 @@ from itertools import pairwise
 from typing import Annotated, NamedTuple
 
 from ipoa_mission.errors import BadInput
-from ipoa_mission.geometry import bearing
 
 MAX_LEVELS = 8
 
@@ -127,10 +126,10 @@ class Wind:
         return self.speed + self.spread
 
     def __str__(self) -> str:
-        words = f"{self.speed:.3g} m/s from {bearing(self.from_deg):.0f} deg"
+        words = f"{self.speed:.3g} m/s from {round(self.from_deg) % 360} deg"
         if self.levels:
             blowing = [(level.height, Wind.towards_north_east(level.north, level.east)) for level in self.levels]
-            each = [f"{wind.speed:.3g} m/s from {bearing(wind.from_deg):.0f} deg at {up:.0f} m" for up, wind in blowing]
+            each = [f"{wind.speed:.3g} m/s from {round(wind.from_deg) % 360} deg at {up:.0f} m" for up, wind in blowing]
             words = f"{each[0]} to {each[-1]} above home"
         elif self.gradient_height > 0 and self.exponent > 0:
             words += f" from {self.gradient_height:g} m above home up, less below"
@@ -138,7 +137,7 @@ class Wind:
 
     def as_json(self) -> dict[str, object]:
         levels = [level._asdict() for level in self.levels]
-        about = {"speed_m_s": round(self.speed, 3), "from_deg": bearing(self.from_deg, 3)}
+        about = {"speed_m_s": round(self.speed, 3), "from_deg": round(self.from_deg, 3) % 360}
         return about | {"spread_m_s": round(self.spread, 3), **({"levels": levels} if levels else {})}
 
     def as_strong_as_may_be(self) -> "Wind":

@@ -78,7 +78,7 @@ Host: TypeAlias = Session | Lobby
 
 @dataclass(eq=False)
 class Sessions:
-    """What is open, by the secret token of its address."""
+    """`hosts`: by the secret token of the address."""
 
     seed: int = 0
     hosts: dict[str, Host] = field(default_factory=dict)

@@ -36,7 +36,6 @@ POLICY = (
 
 
 def policy_for(tiles: Tiles | None) -> str:
-    """Let the page request tiles of their server, and nothing else of another host."""
     if tiles is None:
         return POLICY
     origin = origin_of(tiles.address)
@@ -50,7 +49,7 @@ def origin_of(address: str) -> str:
 
 
 def tiles_at(address: str, attribution: str | None = None) -> Tiles:
-    """Return the map tiles of a server; the address has {z}, {x} and {y}, or WMTS' names for them."""
+    """`address`: with {z}, {x} and {y}, or WMTS' names for them."""
     for wmts, ours in (("{TileMatrix}", "{z}"), ("{TileCol}", "{x}"), ("{TileRow}", "{y}")):
         address = address.replace(wmts, ours)
     parts = urlsplit(address)
