@@ -1,7 +1,7 @@
 """Words of a vehicle: its texts (STATUSTEXT), and PX4's events, of which it sends the number and the arguments.
 
-PX4 1.17 and 1.18 send most reasons as both, and those of a mission's feasibility as events alone. The words of an event
-are those of PX4's text about it, so a reason counts once.
+PX4 1.17 and 1.18 send those of a mission's feasibility as events alone. Others come as both: their words are the text's,
+so that a reason counts once.
 """
 
 import struct
@@ -25,26 +25,26 @@ _MODES = {0: "Manual", 1: "Altitude", 2: "Position", 3: "Mission", 4: "Hold", 5:
 _EVENTS: Mapping[int, tuple[str, str]] = {
     event_number(name): (words, layout)
     for name, words, layout in (
-        ("navigator_mis_takeoff_missing", "Mission rejected: Takeoff waypoint required.", "<"),
-        ("navigator_mis_land_missing", "Mission rejected: Landing waypoint/pattern required.", "<"),
-        ("feasibility_mis_in_air_landing_req", "Mission rejected: Landing waypoint/pattern required.", "<"),
-        ("navigator_mis_takeoff_or_land_missing", "Mission rejected: Takeoff or Landing item missing.", "<"),
-        ("navigator_mis_add_land_or_rm_to", "Mission rejected: Add Landing item or remove Takeoff.", "<"),
-        ("navigator_mis_add_to_or_rm_land", "Mission rejected: Add Takeoff item or remove Landing.", "<"),
-        ("navigator_mis_takeoff_too_low", "Mission rejected: Takeoff altitude below home altitude!", "<"),
-        ("navigator_mis_takeoff_not_first", "Mission rejected: takeoff not first waypoint item", "<"),
-        ("navigator_mis_starts_w_landing", "Mission rejected: starts with landing", "<"),
-        ("navigator_mis_starts_w_landing2", "Mission rejected: starts with land waypoint.", "<"),
-        ("navigator_mis_unsup_cmd", "Mission rejected: item {0}: unsupported cmd: {1}", "<HH"),
-        ("navigator_mis_no_home_rel_alt", "Mission rejected: No home pos, WP {0} uses rel alt", "<h"),
-        ("navigator_mis_vtol_items", "Mission rejected: Mission contains VTOL items but vehicle is not a VTOL", "<"),
-        ("navigator_mis_dm_read_fail", "Mission rejected: dataman read failed at item {0} (dm_id={1})", "<HB"),
-        ("navigator_mis_first_wp_far", "First waypoint far away from home: {0}m. Correct mission loaded?", "<I"),
-        ("navigator_mis_wp_gate_too_close", "Distance between waypoint and gate too close: {0:.0f} meters", "<f"),
-        ("navigator_mis_no_pos_lock", "Not yet ready for mission, no position lock.", "<"),
-        ("navigator_mis_geofence_no_home", "Geofence requires valid home position", "<"),
-        ("navigator_mis_geofence_no_home2", "Geofence requires valid home position", "<"),
-        ("navigator_mis_geofence_violation", "Geofence violation for waypoint {0}", "<h"),
+        ("navigator_mis_takeoff_missing", "the mission needs a take-off item", "<"),
+        ("navigator_mis_land_missing", "the mission needs a landing item", "<"),
+        ("feasibility_mis_in_air_landing_req", "the mission needs a landing item", "<"),
+        ("navigator_mis_takeoff_or_land_missing", "the mission lacks a take-off or a landing item", "<"),
+        ("navigator_mis_add_land_or_rm_to", "the mission has a take-off but no landing", "<"),
+        ("navigator_mis_add_to_or_rm_land", "the mission has a landing but no take-off", "<"),
+        ("navigator_mis_takeoff_too_low", "the take-off is not above home", "<"),
+        ("navigator_mis_takeoff_not_first", "the take-off is not the first item with a position", "<"),
+        ("navigator_mis_starts_w_landing", "the mission begins with a landing", "<"),
+        ("navigator_mis_starts_w_landing2", "the mission begins with a landing", "<"),
+        ("navigator_mis_unsup_cmd", "item {0} has command {1}, which this vehicle cannot fly", "<HH"),
+        ("navigator_mis_no_home_rel_alt", "the vehicle has no home, but item {0} has an altitude above it", "<h"),
+        ("navigator_mis_vtol_items", "the mission has items of a VTOL, and the vehicle is none", "<"),
+        ("navigator_mis_dm_read_fail", "the vehicle could not read its stored item {0} (list {1})", "<HB"),
+        ("navigator_mis_first_wp_far", "the first waypoint is {0} m from home", "<I"),
+        ("navigator_mis_wp_gate_too_close", "a waypoint and a gate are only {0:.0f} m apart", "<f"),
+        ("navigator_mis_no_pos_lock", "the vehicle has no position yet", "<"),
+        ("navigator_mis_geofence_no_home", "the vehicle's fence needs a home position", "<"),
+        ("navigator_mis_geofence_no_home2", "the vehicle's fence needs a home position", "<"),
+        ("navigator_mis_geofence_violation", "item {0} is outside of the vehicle's fence", "<h"),
         ("commander_arm_denied_calibrating", "Arming denied: calibrating", "<"),
         ("commander_arm_denied_throttle_unsafe", "Arming denied: throttle not in safe position", "<"),
         ("commander_arm_denied_resolve_failures", "Arming denied: Resolve system health failures first", "<"),

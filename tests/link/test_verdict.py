@@ -132,9 +132,9 @@ def test_verdict_on_another_mission_then_silence_is_not_verified() -> None:
 
 def test_words_of_an_event_have_its_numbers() -> None:
     unsupported = event("navigator_mis_unsup_cmd", 2, 400)
-    assert words_in(unsupported) == "Mission rejected: item 2: unsupported cmd: 400"
-    assert words_in(replace(unsupported, arguments=b"\x02")) == "Mission rejected: item 2: unsupported cmd: 0"  # zeros
-    assert words_in(event("navigator_mis_geofence_violation", 7)) == "Geofence violation for waypoint 7"
+    assert words_in(unsupported) == "item 2 has command 400, which this vehicle cannot fly"
+    assert words_in(replace(unsupported, arguments=b"\x02")) == "item 2 has command 0, which this vehicle cannot fly"
+    assert words_in(event("navigator_mis_geofence_violation", 7)) == "item 7 is outside of the vehicle's fence"
 
 
 # As recorded from PX4 1.18 in its simulator.

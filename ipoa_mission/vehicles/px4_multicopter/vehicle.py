@@ -93,15 +93,15 @@ def _refused_ends(commands: Set[int], parameters: Mapping[str, float]) -> Refuse
     lands = Command.NAV_LAND in commands
     match whole(parameters, "MIS_TKO_LAND_REQ"), takes_off, lands:
         case (1, False, _):
-            return Refused("takeoff_missing", words="Takeoff waypoint required.")
+            return Refused("takeoff_missing", words="the mission needs a take-off item")
         case (3, False, _) | (3, _, False):
-            return Refused("takeoff_or_land_missing", words="Takeoff or Landing item missing.")
+            return Refused("takeoff_or_land_missing", words="the mission lacks a take-off or a landing item")
         case (4 | 5, True, False):
-            return Refused("add_land_or_rm_to", words="Add Landing item or remove Takeoff.")
+            return Refused("add_land_or_rm_to", words="the mission has a take-off but no landing")
         case (2 | 5, _, False):
-            return Refused("land_missing", words="Landing waypoint/pattern required.")
+            return Refused("land_missing", words="the mission needs a landing item")
         case (4, False, True):
-            return Refused("add_to_or_rm_land", words="Add Takeoff item or remove Landing.")
+            return Refused("add_to_or_rm_land", words="the mission has a landing but no take-off")
     return None
 
 
