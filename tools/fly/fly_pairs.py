@@ -1,8 +1,8 @@
 r"""Fly crossing pairs on two simulators of real autopilots at once, and record both true tracks.
 
     python -m tools.fly.fly_pairs --count 10 --seed 1 --out DIR --speed 2 \
-        --px4 "START {latitude} {longitude} {altitude} {speed}" --px4-link udpin:127.0.0.1:14542 --px4-logs FOLDER \
-        --ardupilot "..." --ardupilot-link tcp:127.0.0.1:5780 --ardupilot-logs FOLDER [--repaired]
+        --vehicle px4 "START {latitude} {longitude} {altitude} {speed}" udpin:127.0.0.1:14542 FOLDER_OF_LOGS \
+        --vehicle ardupilot "..." tcp:127.0.0.1:5780 FOLDER_OF_LOGS [--repaired]
 
 Both vehicles are flown by `ipoa-mission fly`. `--repaired` flies them by the timetable of `deconflict`. DIR has
 N.json: missions, departures as planned and as flown, and tracks of seconds after arming, latitude, longitude, height.
@@ -18,7 +18,7 @@ from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack
 from importlib import import_module
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -27,11 +27,18 @@ from ipoa_mission.fleet.encounters import Encounters, PlannedDeparture
 from ipoa_mission.fleet.fleet import timed_flight
 from ipoa_mission.wind import CALM
 from tools import command_line
-from tools.fly.crossing_pairs import AUTOPILOTS, FRAME, CrossingPair, crossing_pairs
+from tools.fly.crossing_pairs import FRAME, CrossingPair, crossing_pairs
 from tools.fly.simulators import connected, newest_log, set_up, simulation, true_track
 
 SEPARATION = 10.0  # [m]
-READY_S = 12.0  # until a simulator has a position, beyond its first message
+READY_S = 25.0  # until ArduCopter can be armed, beyond its first message
+
+
+class SimulatedVehicle(NamedTuple):
+    autopilot: str
+    start: str
+    link: str
+    logs: str
 
 
 def program(*words: str) -> list[str]:
@@ -50,8 +57,7 @@ def timetable(files: list[Path], folder: Path, most_delay_s: float) -> list[dict
 def meeting_departures(pair: CrossingPair) -> tuple[float, float]:
     """Return the departures at which a loss of separation is most probable [s]."""
     a, b = (
-        PlannedDeparture(timed_flight(name, Forecast(mission), FRAME), 0.0)
-        for name, mission in zip(AUTOPILOTS, pair.missions, strict=True)
+        PlannedDeparture(timed_flight(str(n), Forecast(mission), FRAME), 0.0) for n, mission in enumerate(pair.missions)
     )
     delays = np.arange(-30.0, 31.0)
     delay = float(delays[np.argmax(Encounters(SEPARATION).probabilities(a, b, delays))])
@@ -75,30 +81,31 @@ def armed_at(log: Path) -> float:
 
 def fly_pair(n: int, files: list[Path], slots: list[dict[str, Any]], options: Any, folder: Path) -> dict[str, Any]:
     """Fly both missions, each from its departure, and return what was planned and flown."""
-    links = [options.px4_link, options.ardupilot_link]
-    logs = [options.px4_logs, options.ardupilot_logs]
+    vehicles = [SimulatedVehicle(*words) for words in options.vehicle]
+    logs = [folder / f"{file.stem}.tlog" for file in files]
     with ExitStack() as running:
-        for name, start, file in zip(AUTOPILOTS, (options.px4, options.ardupilot), files, strict=True):
+        for vehicle, file in zip(vehicles, files, strict=True):
             home = read_mission(file).home
             place = {"latitude": home.latitude_deg, "longitude": home.longitude_deg, "altitude": home.altitude}
-            running.enter_context(simulation(start.format(**place, speed=options.speed), folder / name))
-        for link in links:
-            begun(link)
+            start = vehicle.start.format(**place, speed=f"{options.speed:g}")
+            running.enter_context(simulation(start, folder / file.stem))
+        for vehicle in vehicles:
+            begun(vehicle.link)
         time.sleep(READY_S)
         began = time.time()
 
         def fly(index: int) -> tuple[int, str]:
-            later_s = (0.0, options.ardupilot_later)[index]
+            later_s = (0.0, options.second_later)[index]
             time.sleep((slots[index]["departs_s"] + later_s) / options.speed)
-            log = folder / f"{AUTOPILOTS[index]}.tlog"
-            words = program("fly", slots[index]["file"], "--link", links[index], "--set-params", "--log", str(log))
+            words = program("fly", slots[index]["file"], "--link", vehicles[index].link, "--set-params")
+            words += ["--log", str(logs[index])]
             ended = subprocess.run(words, capture_output=True, text=True, check=False, timeout=600)
             return ended.returncode, ended.stdout + ended.stderr
 
         with ThreadPoolExecutor(2) as pool:
             ended = list(pool.map(fly, range(2)))
         took = time.time() - began
-    tracks = [true_track(newest_log(Path(folder_of_logs))).round(7).tolist() for folder_of_logs in logs]
+    tracks = [true_track(newest_log(Path(vehicle.logs))).round(7).tolist() for vehicle in vehicles]
     return {
         "pair": n,
         "files": [slot["file"] for slot in slots],
@@ -106,7 +113,7 @@ def fly_pair(n: int, files: list[Path], slots: list[dict[str, Any]], options: An
         "change": [slot["change"] for slot in slots],
         "ended": ended,
         "took_s": round(took, 1),
-        "armed_s": [round((armed_at(folder / f"{name}.tlog") - began) * options.speed, 2) for name in AUTOPILOTS],
+        "armed_s": [round((armed_at(log) - began) * options.speed, 2) for log in logs],
         "tracks": tracks,
     }
 
@@ -122,19 +129,18 @@ def main() -> None:
     parser.add_argument("--most-delay", type=float, default=600.0, help="of a timetable; 0: holds and heights only [s]")
     parser.add_argument("--meet", action="store_true", help="depart so that a loss of separation is most probable")
     parser.add_argument(
-        "--ardupilot-later", type=float, default=0.0, help="delay of ArduCopter's start [s], as it arms sooner"
+        "--second-later", type=float, default=0.0, help="delay of the second start, if it arms sooner [s]"
     )
-    for name in AUTOPILOTS:
-        for part in ("", "-link", "-logs"):
-            parser.add_argument(f"--{name}{part}", required=True)
+    parser.add_argument("--vehicle", nargs=4, action="append", required=True, metavar=SimulatedVehicle._fields)
     options = parser.parse_args()
-    for n, pair in enumerate(crossing_pairs(options.first + options.count, options.seed)):
+    first, second = (words[0] for words in options.vehicle)
+    for n, pair in enumerate(crossing_pairs(options.first + options.count, options.seed, (first, second))):
         folder = options.out / str(n)
         record = folder.with_suffix(".json")
         if n < options.first or record.exists():
             continue
         folder.mkdir(parents=True, exist_ok=True)
-        files = [folder / f"{name}.plan" for name in AUTOPILOTS]
+        files = [folder / f"{place}-{name}.plan" for place, name in enumerate((first, second), 1)]
         for mission, file in zip(pair.missions, files, strict=True):
             write_mission(mission, file)
         slots = timetable(files, folder, options.most_delay)
@@ -144,7 +150,7 @@ def main() -> None:
                 {"file": str(file), "departs_s": second, "change": ""}
                 for file, second in zip(files, departs_s, strict=True)
             ]
-        flown = fly_pair(n, files, slots, options, folder)
+        flown = fly_pair(n, files, slots, options, folder) | {"seed": options.seed}
         record.write_text(json.dumps(flown), encoding="utf-8")
         print(n, slots, [code for code, _ in flown["ended"]], flown["armed_s"], flown["took_s"], flush=True)
 

@@ -107,13 +107,13 @@ def main() -> None:
     parser.add_argument("--out", type=Path)
     options = parser.parse_args()
     rows = list[RealPair]()
-    by_pair: dict[int, list[FlownPair]] = defaultdict(list)
+    by_pair: dict[tuple[int, int], list[FlownPair]] = defaultdict(list)
     for folder in options.folders:
         for file in sorted(folder.glob("*.json")):
             pair = read_pair(file)
             rows.append(as_flown(pair, folder.name))
             if not rows[-1].change:
-                by_pair[rows[-1].pair].append(pair)
+                by_pair[pair.record["seed"], rows[-1].pair].append(pair)
     print(
         "| flights | pair | change | delay planned s | delay s | predicted | least m |\n|---|--:|---|--:|--:|--:|--:|"
     )
