@@ -2,7 +2,7 @@
 # gpxshift saves a log of five positions a second with one of five times shifted, while its screen shows all of them.
 #
 # gpxshift 0.0.1, GPXShiftApp.shift_time and save_gpx. Guess: 2 hours are added to each time. Seen: only to times of
-# whole seconds with a Z; 10:00:00.200Z and a time with +02:00 stay, so the points are out of order, and nothing is said.
+# whole seconds with a Z; 10:00:00.200Z and a time with +02:00 stay, so the points are out of order. Nothing is said.
 # current_gpx, which is shown before saving, has all times shifted. Exits 1 if that changes.
 set -e
 folder=$(mktemp -d)
