@@ -15,6 +15,7 @@ from ipoa_mission.errors import BadInput, Remedy
 from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.itinerary.copter_curves import circle_turn
+from ipoa_mission.forecast.itinerary.itinerary import LONGEST_HOLD
 from ipoa_mission.mission.item_words import count_words, name_items
 from ipoa_mission.mission.items import Item, Mission, Numbered, item_of, numbered_items
 from ipoa_mission.mission.positions import out_of_range
@@ -111,7 +112,7 @@ def _refused(mission: Mission, firmware: Firmware, wire: Sequence[Item]) -> Iter
         wrong = mission.autopilot.refusals.mission(firmware, spoken.command, spoken.frame, values_of(spoken), len(wire))
         if wrong is None or not wrong.param or spoken.command == Command.DO_JUMP:
             continue  # reported elsewhere
-        if wrong.param == 1 and spoken.command in HOLDING and math.isfinite(spoken.params[0]):
+        if wrong.param == 1 and spoken.command in HOLDING and not math.isnan(spoken.params[0]):
             continue
         is_place = wrong.param in (5, 6) and out_of_range(spoken.latitude_deg, spoken.longitude_deg)
         is_height = wrong.param == 7 and spoken.command in FLOWN_TO
@@ -139,11 +140,12 @@ def _params(at: Numbered, firmware: Firmware, mission: Mission) -> Iterator[Find
             words = f"param{n}: expected a number that fits in single precision, not {value:g}"
             yield at.error("param-too-large", words)
     hold = item.params[0]
-    if item.command in HOLDING and math.isfinite(hold):
+    longest = min(firmware.longest_hold if item.command in HOLDING else math.inf, LONGEST_HOLD)
+    if item.hold_s > longest:
+        yield at.error("hold", f"param1: expected a hold of at most {longest:.0f} s, not {hold:g}")
+    elif item.command in HOLDING and not math.isnan(hold):
         if hold < 0:
             yield at.error("hold", f"param1: expected a hold of zero seconds or more, not {hold:g}")
-        elif hold > firmware.longest_hold:
-            yield at.error("hold", f"param1: expected a hold of at most {firmware.longest_hold:.0f} s, not {hold:g}")
         elif firmware.holds_whole_seconds and not hold.is_integer():
             words = f"param1: {firmware.name} holds for whole seconds: {int(hold)} s, not {hold:g}"
             yield at.warning("hold-rounded", words)

@@ -91,6 +91,12 @@ class Item:
         return plain_frame(self.frame) == Frame.GLOBAL_TERRAIN_ALT
 
     @property
+    def hold_s(self) -> float:
+        """Return the seconds that it waits at its place; NaN: none."""
+        waits = self.command in commands.HOLDING or self.command == Command.NAV_DELAY
+        return max(0.0, self.params[0]) if waits else 0.0
+
+    @property
     def clock(self) -> str:
         """Return the time until which NAV_DELAY waits, or "".
 

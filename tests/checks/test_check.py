@@ -70,6 +70,12 @@ FOUND: dict[str, tuple[Mission, list[str]]] = {
         flight(UP, waypoint(NORTH, 20.0, hold_s=70000.0), DOWN, autopilot=ARDUPILOT),
         ["error hold 2"],
     ),
+    "hold of more than a day": (flight(UP, waypoint(NORTH, 20.0, hold_s=86_401.0), DOWN), ["error hold 2"]),
+    "delay of more than a day": (flight(UP, AWAY, Item(93, 2, (1e6, 0.0, 0.0, 0.0)), DOWN), ["error hold 3"]),
+    "hold without end": (
+        flight(UP, waypoint(NORTH, 20.0, hold_s=math.inf), DOWN, autopilot=ARDUPILOT),
+        ["error param-too-large 2", "error hold 2"],
+    ),
     "hold in the past": (flight(UP, waypoint(NORTH, 20.0, hold_s=-1.0), DOWN), ["error hold 2"]),
     "hold that is no number": (flight(UP, waypoint(NORTH, 20.0, hold_s=math.nan), DOWN), ["error hold 2"]),
     "infinite param": (flight(UP, replace(AWAY, params=(0.0, math.inf, 0.0, 0.0)), DOWN), ["error param-too-large 2"]),

@@ -65,6 +65,32 @@ def test_a_hold_lasts_at_least_as_long_as_it_says(autopilot: Autopilot) -> None:
 
 
 @pytest.mark.parametrize("autopilot", registered())
+@pytest.mark.parametrize("seconds", [math.inf, 1e6, 86_401.0])
+def test_a_hold_of_more_than_a_day_has_no_time(autopilot: Autopilot, seconds: float) -> None:
+    for held in (
+        waypoint(HOME, 20.0, hold_s=seconds),
+        Item(Command.NAV_DELAY, Frame.MISSION, (seconds, 0.0, 0.0, 0.0)),
+    ):
+        with refuses("endless-flight", "item 2: param1", "86400 s"):
+            estimate(Mission(HOME, (takeoff(HOME, 20.0), held, land(HOME)), autopilot))
+
+
+@pytest.mark.parametrize("autopilot", registered())
+def test_the_holds_of_a_loop_count_each_time(autopilot: Autopilot) -> None:
+    loop = waypoint(HOME, 20.0, hold_s=30_000.0), Item(Command.DO_JUMP, Frame.MISSION, (2.0, 2.0, 0.0, 0.0))
+    with refuses("endless-flight", "item 2: param1", "86400 s"):
+        estimate(Mission(HOME, (takeoff(HOME, 20.0), *loop, land(HOME)), autopilot))
+
+
+@pytest.mark.parametrize(
+    ("autopilot", "name"), [(Autopilot.PX4, "RTL_LAND_DELAY"), (Autopilot.ARDUPILOT, "RTL_LOIT_TIME")]
+)
+def test_a_wait_of_more_than_a_day_before_landing_has_no_time(autopilot: Autopilot, name: str) -> None:
+    with refuses("endless-flight", name, "86400 s"):
+        estimate(out_and_back(autopilot), {name: 1e9})
+
+
+@pytest.mark.parametrize("autopilot", registered())
 def test_parameters_count_by_the_autopilots_names_and_unused_ones_do_not(autopilot: Autopilot) -> None:
     mission = Mission(HOME, (takeoff(HOME, 20.0), waypoint(HOME, 20.0), waypoint(EAST, 20.0), land(EAST)), autopilot)
     slow = {Autopilot.ARDUPILOT: {"WPNAV_SPEED": 200.0}, Autopilot.PX4: {"MPC_XY_CRUISE": 2.0}}[autopilot]

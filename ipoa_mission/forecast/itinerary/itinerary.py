@@ -21,6 +21,7 @@ from ipoa_mission.mission.program import Program, as_flown, is_passed, jump_targ
 
 # Above LAST_NAV, but not instant.
 UNTIMED = frozenset({Command.NAV_SCRIPT_TIME, Command.NAV_ATTITUDE_TIME, Command.CONDITION_GATE})
+LONGEST_HOLD = 86_400.0  # [s], of all holds of a flight; a guard: the models compute each step of a hold
 # They delay the commands after them; the models run these at once.
 CONDITIONS = frozenset({Command.CONDITION_DELAY, Command.CONDITION_DISTANCE})
 
@@ -92,15 +93,32 @@ def itinerary(mission: Mission, ground: Ground = FLAT_GROUND, ground_at_home: fl
     Heights over terrain count from `ground_at_home` [m above home]; `over_terrain` lists them.
 
     Raises:
-        BadInput: a jump leads nowhere or never ends.
+        BadInput: a jump leads nowhere or never ends, or the flight holds for more than a day.
     """
     order = _unrolled(mission)
+    _expect_short_holds(mission, order)
     items = as_flown(replace(mission, items=tuple(mission.items[n] for n in order))).items
     visits = tuple(Numbered(n + 1, item) for n, item in zip(order, items, strict=True))
     over_terrain = sorted({seq for seq, item in visits if item.is_over_terrain and item.has_position})
     version = mission.firmware_version
     program = Program(items, mission.frame, mission.autopilot, version=version, ground_at_home=ground_at_home)
     return Itinerary(mission, visits, program, tuple(over_terrain), ground)
+
+
+def _expect_short_holds(mission: Mission, order: Sequence[int]) -> None:
+    """Refuse holds of more than a day in all, with the wait of an RTL before it lands."""
+    table = mission.autopilot.parameter_table
+    wait = "wait before landing"
+    held_s = table.meant(wait, mission.complete_parameters)
+    place = table.by_meaning[wait].name
+    for n in order:
+        if held_s > LONGEST_HOLD:
+            break
+        held_s += mission.items[n].hold_s
+        place = f"item {n + 1}: param1"
+    if held_s > LONGEST_HOLD:
+        words = f"expected a flight that holds for at most {LONGEST_HOLD:.0f} s in all, not {held_s:g} s"
+        raise EndlessFlight(words, place=place)
 
 
 def rally_places(mission: Mission) -> tuple[Place, ...]:
