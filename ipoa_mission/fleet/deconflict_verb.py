@@ -1,5 +1,6 @@
 import json
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -107,12 +108,12 @@ def _write(timetable: "list[TimetableSlot]", out: Path, force: bool, result: dic
     from ipoa_mission.files import write_together
 
     contents: dict[Path, str | bytes | None] = {}
-    for slot, row in zip(timetable, result["timetable"], strict=True):
-        if slot.vehicle.change:
-            stem = slot.vehicle.file.stem
-            name = stem if out / f"{stem}.plan" not in contents else f"{stem}-{len(contents)}"
-            row["file"] = str(out / f"{name}.plan")
-            contents |= {out / f"{name}{suffix}": content for suffix, content in slot.vehicle.contents.items()}
+    rows = zip(timetable, result["timetable"], strict=True)
+    changed = [(slot.vehicle, row) for slot, row in rows if slot.vehicle.change]
+    names = names_of_changed([vehicle.file.stem for vehicle, _ in changed])
+    for name, (vehicle, row) in zip(names, changed, strict=True):
+        row["file"] = str(out / f"{name}.plan")
+        contents |= {out / f"{name}{suffix}": content for suffix, content in vehicle.contents.items()}
     read = {slot.vehicle.file.resolve() for slot in timetable}
     if any(file.resolve() in read for file in contents):
         words = "expected another folder than that of the missions: nothing is written over them"
@@ -122,6 +123,17 @@ def _write(timetable: "list[TimetableSlot]", out: Path, force: bool, result: dic
     out.mkdir(parents=True, exist_ok=True)
     write_together(contents)
     return [str(file) for file in contents]
+
+
+def names_of_changed(stems: Sequence[str]) -> list[str]:
+    """Return file names, unlike also where case does not count; a repeated stem gets its number."""
+    names = list[str]()
+    for number, stem in enumerate(stems, start=1):
+        name = stem
+        while name.casefold() in map(str.casefold, names):
+            name = f"{name}-{number}"
+        names.append(name)
+    return names
 
 
 def _row(met: "Conflict | ContingencyConflict", frame: "LocalFrame") -> dict[str, Any]:

@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from ipoa_mission import Geodetic, Mission, read_mission, write_mission
+from ipoa_mission.fleet.deconflict_verb import names_of_changed
 from tests.cli.conftest import Run
 from tests.fleet.crossings import FRAME, at, eastward, northward, route
 
@@ -164,6 +165,20 @@ def test_a_mission_is_never_written_over(run: Run) -> None:
     assert (ended.code, ended.out) == (2, "")
     assert "nothing is written over them" in ended.err
     assert {file: file.read_bytes() for file in Path().iterdir()} == before
+
+
+@pytest.mark.parametrize(
+    ("stems", "names"),
+    [
+        (["a", "b"], ["a", "b"]),
+        (["a", "a", "a"], ["a", "a-2", "a-3"]),
+        (["a-3", "a", "a"], ["a-3", "a", "a-3-3"]),
+        (["a", "a", "a-2"], ["a", "a-2", "a-2-3"]),
+        (["a", "A"], ["a", "A-2"]),
+    ],
+)
+def test_no_changed_mission_is_written_over_another(stems: list[str], names: list[str]) -> None:
+    assert names_of_changed(stems) == names
 
 
 def test_files_are_written_together_or_not_at_all(run: Run) -> None:
