@@ -2,7 +2,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 from itertools import combinations
-from math import ceil, isnan
+from math import ceil, floor, isnan
 from typing import NamedTuple
 
 import numpy as np
@@ -10,6 +10,7 @@ import numpy as np
 from ipoa_mission import Command, Item, Mission, MissionError, Severity, check_mission
 from ipoa_mission.fleet.encounters import Conflict, Encounters, PlannedDeparture
 from ipoa_mission.fleet.fleet import STEP_S, FleetVehicle
+from ipoa_mission.geometry import Vector
 
 LANDS = frozenset({Command.NAV_LAND, Command.NAV_VTOL_LAND, Command.NAV_RETURN_TO_LAUNCH})
 HOLDS = frozenset({Command.NAV_WAYPOINT, Command.NAV_LOITER_TIME})  # their first parameter is a time [s]
@@ -23,6 +24,11 @@ class RepairLimits:
     most_height: float = 120.0  # [m]
     most_hold_s: float = 300.0
     hold_margins_s: tuple[float, ...] = (0.0, 2.0, 4.0)
+
+    @property
+    def delays(self) -> Vector:
+        """Return each whole second up to `most_delay_s`, (n,)."""
+        return np.arange(floor(self.most_delay_s) + 1.0)
 
 
 class TimetableSlot(NamedTuple):
@@ -43,7 +49,7 @@ class Deconfliction:
         self.encounters = Encounters(separation)
         self.limits = limits
         self.frame = planned[0].vehicle.mission.frame
-        self._delays = np.arange(0.0, limits.most_delay_s + 1.0)
+        self._delays = limits.delays
         self._raised = cache(self._raised_by)
 
     def conflicts(self, slots: Sequence[TimetableSlot]) -> list[Conflict]:

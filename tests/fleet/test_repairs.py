@@ -6,7 +6,7 @@ from dataclasses import replace
 import pytest
 
 from ipoa_mission import Command, Mission
-from ipoa_mission.fleet.repairs import held, raised
+from ipoa_mission.fleet.repairs import RepairLimits, held, raised
 from tests.fleet.crossings import eastward, northward, route
 
 
@@ -38,6 +38,11 @@ def test_an_item_without_a_place_forbids_to_raise() -> None:
     mission = eastward()
     climb = replace(mission.items[2], command=Command.NAV_CONTINUE_AND_CHANGE_ALT, latitude_deg=0.0, longitude_deg=0.0)
     assert raised(replace(mission, items=(*mission.items[:3], climb, *mission.items[3:])), 10.0, 120.0) is None
+
+
+@pytest.mark.parametrize(("most_delay_s", "delays"), [(0.0, [0.0]), (0.2, [0.0]), (2.0, [0.0, 1.0, 2.0])])
+def test_no_departure_is_delayed_by_more_than_the_longest_delay(most_delay_s: float, delays: list[float]) -> None:
+    assert RepairLimits(0.001, most_delay_s).delays.tolist() == delays
 
 
 def test_hold_lengthens_that_of_its_item_only() -> None:
