@@ -1,6 +1,8 @@
 """Contingencies of one flight, over open, level ground, after which the vehicle may meet another's planned flight."""
 
 from collections.abc import Iterator, Sequence
+from itertools import groupby
+from operator import itemgetter
 from typing import NamedTuple
 
 import numpy as np
@@ -68,14 +70,22 @@ def open_air(mission: Mission, wind: Wind | None = None) -> Forecast:
 def contingency_points(
     forecast: Forecast, contingency: Contingency, orders: Sequence[tuple[float, Points]], frame: LocalFrame
 ) -> ContingencyPoints:
-    least_s = 0.5  # between orders
-    first_in_step = {second // least_s: second for second, _ in reversed(orders)}
-    kept = [(second, _along(path)) for second, path in orders if first_in_step[second // least_s] == second]
+    kept = [(second, _along(path)) for second, path in _thinned(orders)]
     shares = np.concatenate([shares for _, (_, shares) in kept])
     order_s = np.concatenate([np.full(len(shares), second) for second, (_, shares) in kept])
     earliest, latest = _presence(forecast, contingency, order_s, shares)
     places = frame.moved(np.concatenate([points for _, (points, _) in kept]), forecast.frame)
     return ContingencyPoints(contingency, places, order_s, earliest, latest)
+
+
+def _thinned(orders: Sequence[tuple[float, Points]]) -> Iterator[tuple[float, Points]]:
+    """Yield all orders of the first moment in each half second."""
+    step_s = 0.5
+    last_step = -1.0
+    for second, of_moment in groupby(orders, key=itemgetter(0)):
+        if second // step_s != last_step:
+            last_step = second // step_s
+            yield from of_moment
 
 
 def _along(path: Points) -> tuple[Points, Vector]:

@@ -59,6 +59,15 @@ def test_each_order_after_which_both_meet_is_warned_of(
         assert any(each.from_s - 1.0 <= order + own.departs_s <= each.to_s + 1.0 for each in warned)
 
 
+def test_all_paths_of_one_moment_in_each_half_second_count() -> None:
+    paths = [np.array([[0.0, 0.0, 20.0], [east, 0.0, 20.0]]) for east in (10.0, 20.0)]
+    orders = [(second, path) for second in (30.1, 30.3, 30.4, 30.5, 30.9, 31.0) for path in paths]
+    points = contingency_points(open_air(MISSIONS["east"]), Contingency.HOLD, orders, FRAME)
+    assert np.unique(points.order_s).tolist() == [30.1, 30.5, 31.0]
+    farthest = [points.places[points.order_s == second, 0].max() for second in (30.1, 30.5, 31.0)]
+    assert farthest == pytest.approx([20.0] * 3, abs=0.1)
+
+
 def test_hold_lasts_from_its_order_on_and_a_landing_remains() -> None:
     forecast = open_air(MISSIONS["east"])
     paths = contingency_paths(forecast)
