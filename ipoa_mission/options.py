@@ -131,11 +131,12 @@ def read_wind_option(text: str | None) -> "Wind | None":
     if text is None:
         return None
     speed_text, _, from_text = text.partition("@")
-    wind = Wind(_number(speed_text), _number(from_text))
-    if not (0 <= wind.speed < math.inf and abs(wind.from_deg) <= 360):
+    speed = _number(speed_text)
+    from_deg = _number(from_text)
+    if not (0 <= speed < math.inf and abs(from_deg) <= 360):
         words = "expected a speed [m/s] and the direction it comes from [deg, to 360], like 6@270"
         raise BadInput(words, place=f"--wind {text}")
-    return wind
+    return Wind(speed, from_deg)
 
 
 def _number(text: str) -> float:

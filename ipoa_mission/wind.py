@@ -3,7 +3,7 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import pairwise
+from itertools import chain, pairwise
 from typing import Annotated, NamedTuple
 
 from ipoa_mission.errors import BadInput
@@ -83,6 +83,16 @@ class Wind:
     spread: float = 0.0
     levels: tuple[WindLevel, ...] = ()
 
+    def __post_init__(self) -> None:
+        for name in ("speed", "exponent", "gradient_height", "spread"):
+            value = getattr(self, name)
+            if not 0.0 <= value < math.inf:
+                raise BadInput(f"expected a wind with a finite {name} of 0 or more, not {value:g}")
+        if not math.isfinite(self.from_deg):
+            raise BadInput(f"expected a wind with a finite from_deg, not {self.from_deg:g}")
+        if not all(map(math.isfinite, chain(*self.levels))):
+            raise BadInput(f"expected a wind with finite levels, not {[*map(tuple, self.levels)]}")
+
     @classmethod
     def of_profile(
         cls, heights: Sequence[float], speeds: Sequence[float], from_deg: Sequence[float], spread: float = 0.0
@@ -95,8 +105,6 @@ class Wind:
             raise BadInput(f"expected 1 to {MAX_LEVELS} increasing heights, not {list(heights)}")
         if not len(heights) == len(speeds) == len(from_deg):
             raise BadInput(f"expected {len(heights)} speeds and directions, not {len(speeds)} and {len(from_deg)}")
-        if not all(map(math.isfinite, (*heights, *speeds, *from_deg))):
-            raise BadInput(f"expected finite numbers, not {[*heights, *speeds, *from_deg]}")
         winds = [cls(speed, angle) for speed, angle in zip(speeds, from_deg, strict=True)]
         levels = tuple(WindLevel(up, wind.east, wind.north) for up, wind in zip(heights, winds, strict=True))
         strongest = max(winds, key=lambda wind: wind.speed)

@@ -1,5 +1,6 @@
 """Upload and fly; arms only after the page has named the same vehicle, mission and proof."""
 
+import math
 import queue
 import time
 from collections import deque
@@ -198,7 +199,7 @@ class Watch:
                 self._satellites = message.satellites_visible
             case WindEstimate():
                 self._wind = round(message.speed, 1), bearing(message.direction_deg)
-            case WindVelocity((north, east, _)):
+            case WindVelocity((north, east, _)) if math.isfinite(north) and math.isfinite(east):
                 wind = Wind.towards_north_east(north, east)
                 self._wind = round(wind.speed, 1), bearing(wind.from_deg)
             case Position() if self.vehicle.state.armed and message.time_s - self._position_s >= POSITION_INTERVAL_S:

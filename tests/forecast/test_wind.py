@@ -161,6 +161,17 @@ def test_wind_profile_of_other_than_finite_numbers_is_refused(wrong: int, value:
         Wind.of_profile(*numbers)
 
 
+@pytest.mark.parametrize("value", [float("nan"), float("inf"), -1.0])
+@pytest.mark.parametrize("name", ["speed", "exponent", "gradient_height", "spread"])
+def test_a_wind_of_other_than_finite_numbers_is_refused(name: str, value: float) -> None:
+    with refuses("bad-input", "", name, f"{value:g}"):
+        Wind(**{"speed": 5.0, "gradient_height": 10.0, name: value})  # type: ignore[arg-type]
+    with refuses("bad-input", "", "from_deg", "nan"):
+        Wind(5.0, float("nan"))
+    with refuses("bad-input", "", "speed", "-1"):
+        Wind.of_profile([10.0, 20.0], [-1.0, -2.0], [0.0, 0.0])
+
+
 @pytest.mark.parametrize("wind", [Wind(6.0, 359.7), Wind.of_profile([10.0, 20.0], [6.0, 7.0], [359.7, 0.2])])
 def test_a_wind_from_just_west_of_north_is_from_0_deg(wind: Wind) -> None:
     assert "360 deg" not in f"{wind}"

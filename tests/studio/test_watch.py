@@ -1,3 +1,4 @@
+import math
 import queue
 from pathlib import Path
 from types import SimpleNamespace
@@ -22,9 +23,12 @@ MISSION = Path(__file__).parents[2] / "missions" / "sitl.plan"
         (WindEstimate(-90.0, 3.04), (3.0, 270.0)),  # ArduPilot says from where it blows, up to 180°
         (WindVelocity((-4.0, 0.0, 0.1)), (4.0, 0.0)),  # PX4: where the air goes
         (WindVelocity((0.0, 2.0, 0.0)), (2.0, 270.0)),
+        (WindVelocity((math.nan, 0.0, 0.0)), None),
     ],
 )
-def test_wind_satellites_and_words_are_told_with_where_it_is(wind: Message, expected: tuple[float, float]) -> None:
+def test_wind_satellites_and_words_are_told_with_where_it_is(
+    wind: Message, expected: tuple[float, float] | None
+) -> None:
     forecast, heard = Forecast(read_mission(MISSION)), list[Any]()
     home = forecast.mission.home
     sample = SimpleNamespace(time_s=20.0, speed=1.0)
