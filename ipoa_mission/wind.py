@@ -144,9 +144,13 @@ class Wind:
         return words + (f", {self.spread:.3g} m/s more or less" if self.spread else "")
 
     def as_json(self) -> dict[str, object]:
-        levels = [level._asdict() for level in self.levels]
-        about = {"speed_m_s": round(self.speed, 3), "from_deg": round(self.from_deg, 3) % 360}
-        return about | {"spread_m_s": round(self.spread, 3), **({"levels": levels} if levels else {})}
+        about: dict[str, object] = {"speed_m_s": round(self.speed, 3), "from_deg": round(self.from_deg, 3) % 360}
+        about["spread_m_s"] = round(self.spread, 3)
+        if self.exponent > 0.0 and self.gradient_height > 0.0:
+            about |= {"exponent": self.exponent, "gradient_height_m": self.gradient_height}
+        if self.levels:
+            about["levels"] = [level._asdict() for level in self.levels]
+        return about
 
     def as_strong_as_may_be(self) -> "Wind":
         """Return the wind with `spread` at each level, at a calm one from the direction of the strongest."""

@@ -172,6 +172,13 @@ def test_a_wind_of_other_than_finite_numbers_is_refused(name: str, value: float)
         Wind.of_profile([10.0, 20.0], [-1.0, -2.0], [0.0, 0.0])
 
 
+def test_winds_of_unlike_profiles_have_unlike_json() -> None:
+    uniform, sheared, lower = Wind(6.0), Wind(6.0, 0.0, 0.3, 100.0), Wind(6.0, 0.0, 0.3, 50.0)
+    assert uniform.as_json() == {"speed_m_s": 6.0, "from_deg": 0.0, "spread_m_s": 0.0}
+    assert sheared.as_json() == {**uniform.as_json(), "exponent": 0.3, "gradient_height_m": 100.0}
+    assert lower.as_json() != sheared.as_json()
+
+
 @pytest.mark.parametrize("wind", [Wind(6.0, 359.7), Wind.of_profile([10.0, 20.0], [6.0, 7.0], [359.7, 0.2])])
 def test_a_wind_from_just_west_of_north_is_from_0_deg(wind: Wind) -> None:
     assert "360 deg" not in f"{wind}"
