@@ -2,8 +2,8 @@
 # geoarea gives a zone with GeoJSON's order of corners an area of -0.85 km2.
 #
 # geoarea 0.1.3, area(latitudes, longitudes), of which the README says that it is the area. Guess: a zone has one area,
-# whichever way its corners run. Seen: it is negative against the clock, as RFC 7946 has an outer ring, and positive with
-# it. A sum of zones drawn both ways is their difference, 0 for two of one size. Exits 1 if that changes.
+# whichever way its corners run. Seen: it is negative against the clock, as RFC 7946 has an outer ring, and positive
+# with it. A sum of zones drawn both ways is their difference, 0 for two of one size. Exits 1 if that changes.
 set -e
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT

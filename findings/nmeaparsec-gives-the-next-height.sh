@@ -2,8 +2,8 @@
 # nmeaparsec gives a position the height of the next one, from a receiver with five positions a second.
 #
 # nmeaparsec 0.1.0, NMEAParser on a climb with GGA before RMC each 0.2 s. Guess: each point has the height of its time.
-# Seen: that of 0.2 s later, and the last point is lost. Both sentences are joined by the whole second, and the first GGA
-# has no date yet. At one position a second all but the first are right. Exits 1 if that changes.
+# Seen: that of 0.2 s later, and the last point is lost. Both sentences are joined by the whole second, and the first
+# GGA has no date yet. At one position a second all but the first are right. Exits 1 if that changes.
 set -e
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
