@@ -212,7 +212,8 @@ def _margins_in_turn(scenario: Scenario, seed: int, closed: set[int]) -> Iterato
 
 def _move_until_safe(plan: Plan, margins: _Margins, scenario: Scenario) -> tuple[Attempt, float]:
     """Return the best attempt after moving the plan aside, and its flight time over the first's."""
-    latest = best = first = best_route(plan, scenario, EFFORT.hopeless_slack)
+    best, quickest_s = best_route(plan, scenario, EFFORT.hopeless_slack)
+    latest = best
     growth = margins.growth
     in_vain = 0
     for _ in range(0 if is_as_printed(scenario) else EFFORT.max_moves):
@@ -224,13 +225,13 @@ def _move_until_safe(plan: Plan, margins: _Margins, scenario: Scenario) -> tuple
         moved = next(filter(None, (move_aside(latest.plan, world) for world in wider)), None)
         if moved is None:
             break
-        latest = best_route(replace(latest.plan, curve=moved), scenario, EFFORT.hopeless_slack, is_moved=True)
+        latest, _ = best_route(replace(latest.plan, curve=moved), scenario, EFFORT.hopeless_slack, is_moved=True)
         in_vain = 0 if latest.slack > best.slack + EFFORT.min_gain else in_vain + 1
         best = max(best, latest, key=lambda attempt: attempt.merit)
     if not best.is_guaranteed and best.slack >= EFFORT.hopeless_slack and scenario.route.mode == "fastest":
         slow = (narrowed_route(best.plan, scenario, mode) for mode in ("corridor", "even"))
         best = next((attempt for attempt in slow if attempt.is_guaranteed), best)
-    return best, best.quick_prediction.seconds / first.quick_prediction.seconds
+    return best, best.quick_prediction.seconds / quickest_s
 
 
 class WayHomeBlocked(MissionError, code="way-home-blocked"):
