@@ -14,7 +14,7 @@ from ipoa_mission.optimize.search import SHORT_EVALUATIONS, Optimizer, minimize
 from ipoa_mission.planning.lattice import USUAL_LATTICE, Guess, LatticeStrategy, find_routes, guesses, lay_lattice
 from ipoa_mission.planning.obstruction import not_found, refuse_closed, refuse_places
 from ipoa_mission.planning.path_problem import PathTask
-from ipoa_mission.planning.polish import FINE_DESCENT, FIRM_DESCENT, ROUGH_DESCENT, polish, polish_until_proved, stages
+from ipoa_mission.planning.polish import FINE_POLISH, FIRM_POLISH, ROUGH_POLISH, polish, polish_until_proved, stages
 from ipoa_mission.planning.problem import (
     ALL,
     UNSAFE,
@@ -206,8 +206,8 @@ def move_aside(plan: Plan, task: PathTask) -> Spline | None:
     """Move a plan's curve until it keeps another task's limits; None if it cannot."""
     problem = prepare(task)
     with threads().limit(limits=1, user_api="blas"):
-        near = polish(Candidate(plan.curve, plan.via_at), problem, FIRM_DESCENT)
-        candidate, proof = polish_until_proved(near, problem, replace(FINE_DESCENT, enough=1e-5, finer=1), attempts=2)
+        near = polish(Candidate(plan.curve, plan.via_at), problem, FIRM_POLISH)
+        candidate, proof = polish_until_proved(near, problem, replace(FINE_POLISH, enough=1e-5, finer=1), attempts=2)
     return candidate.curve if proof.is_proved else None
 
 
@@ -256,7 +256,7 @@ def _find_passages(searcher: Searcher, coarsest: int, progress: Progress) -> lis
     promising = [*cheapest_route, *others][: strategy.lattice_starts]
     if min(costs) > UNSAFE:
         closer = (route.candidate(problem, strategy.closer_factor) for route in routes)
-        polished += [polish(candidate, problem, FIRM_DESCENT) for candidate in closer]
+        polished += [polish(candidate, problem, FIRM_POLISH) for candidate in closer]
 
     starts = [(candidates[0], strategy.straight_width)]
     starts += [(candidates[i], strategy.lattice_width) for i in promising]
@@ -286,7 +286,7 @@ def _approach(candidate: Candidate, problem: PreparedProblem) -> Candidate:
     """Polish roughly; with limited climbs, until all limits hold."""
     if not problem.climbs_limited:
         return polish(candidate, problem)
-    return polish_until_proved(candidate, problem, replace(ROUGH_DESCENT, steps=60))[0]
+    return polish_until_proved(candidate, problem, replace(ROUGH_POLISH, steps=60))[0]
 
 
 def _improve(candidates: list[Candidate], searcher: Searcher, progress: Progress) -> list[Candidate]:
@@ -317,7 +317,7 @@ def _polish_and_prove(candidate: Candidate, searcher: Searcher, enough: float = 
     task = searcher.problem.task
 
     def polished(rough: Candidate) -> ProvedCurve:
-        fine, proof = polish_until_proved(rough, searcher.problem, replace(FINE_DESCENT, enough=enough))
+        fine, proof = polish_until_proved(rough, searcher.problem, replace(FINE_POLISH, enough=enough))
         return ProvedCurve(fine, proof, curve_cost(fine.curve, task))
 
     first = polished(candidate)

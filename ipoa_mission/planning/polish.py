@@ -49,7 +49,7 @@ STAGE_6 = STAGE_5._replace(bend=1e-6, reach=0.03, wall=3e-4, stiffness=1e5, even
 
 
 @dataclass(frozen=True)
-class Descent:
+class PolishSchedule:
     """Stages of up to `steps` Gauss-Newton steps, until one gains less than the share `enough`; nodes times `finer`."""
 
     stages: Sequence[Soft]
@@ -58,40 +58,40 @@ class Descent:
     finer: int = 1
 
 
-ROUGH_DESCENT = Descent((STAGE_1, STAGE_2, STAGE_3))
-FIRM_DESCENT = Descent((STAGE_3, STAGE_4))
-FINE_DESCENT = Descent((STAGE_3, STAGE_4, STAGE_5, STAGE_6), steps=60, enough=1e-7, finer=2)
+ROUGH_POLISH = PolishSchedule((STAGE_1, STAGE_2, STAGE_3))
+FIRM_POLISH = PolishSchedule((STAGE_3, STAGE_4))
+FINE_POLISH = PolishSchedule((STAGE_3, STAGE_4, STAGE_5, STAGE_6), steps=60, enough=1e-7, finer=2)
 
 
 def polish(
-    candidate: Candidate, problem: PreparedProblem, descent: Descent = ROUGH_DESCENT, part: slice = ALL
+    candidate: Candidate, problem: PreparedProblem, schedule: PolishSchedule = ROUGH_POLISH, part: slice = ALL
 ) -> Candidate:
-    """Return the curve after a descent; of the inner control points only `part` moves, and via points stay."""
-    *_, polished = stages(candidate, problem, descent, part)
+    """Return the curve after all stages; of the inner control points only `part` moves, and via points stay."""
+    *_, polished = stages(candidate, problem, schedule, part)
     return polished
 
 
 def stages(
-    candidate: Candidate, problem: PreparedProblem, descent: Descent = ROUGH_DESCENT, part: slice = ALL
+    candidate: Candidate, problem: PreparedProblem, schedule: PolishSchedule = ROUGH_POLISH, part: slice = ALL
 ) -> Iterator[Candidate]:
     """Yield the curve after each stage."""
     from ipoa_mission.planning._path_model import descend
 
-    nodes = descent.finer * max(problem.nodes, NODES_PER_SPAN * candidate.curve.spans)
+    nodes = schedule.finer * max(problem.nodes, NODES_PER_SPAN * candidate.curve.spans)
     some, bench = _prepare(candidate, problem, part, nodes)
     moved = np.ascontiguousarray(candidate.curve.control[some])
     signs = np.zeros((len(bench.spans.first), 2))
-    for k, soft in enumerate(descent.stages, 1):
-        enough = descent.enough if k == len(descent.stages) else max(descent.enough, EARLY_GAIN)
+    for k, soft in enumerate(schedule.stages, 1):
+        enough = schedule.enough if k == len(schedule.stages) else max(schedule.enough, EARLY_GAIN)
         scaled = soft.scaled(problem.scale)
-        moved, signs = descend(moved, signs, bench, problem.grid, problem.rules, scaled, (descent.steps, enough))
+        moved, signs = descend(moved, signs, bench, problem.grid, problem.rules, scaled, (schedule.steps, enough))
         control = candidate.curve.control.copy()
         control[some] = moved
         yield Candidate(Spline(control), candidate.via_at)
 
 
 def polish_until_proved(
-    candidate: Candidate, problem: PreparedProblem, descent: Descent = FINE_DESCENT, attempts: int = ATTEMPTS
+    candidate: Candidate, problem: PreparedProblem, schedule: PolishSchedule = FINE_POLISH, attempts: int = ATTEMPTS
 ) -> tuple[Candidate, Proof]:
     """Polish the curve until its proof holds, or nearly; return it unpolished if only that proof holds.
 
@@ -100,9 +100,11 @@ def polish_until_proved(
     rough = candidate
     more = dict.fromkeys(("aside", "above", "flatter"), 0.0)
     for _ in range(attempts):
-        wider = [one._replace(**{name: getattr(one, name) + by for name, by in more.items()}) for one in descent.stages]
+        wider = [
+            one._replace(**{name: getattr(one, name) + by for name, by in more.items()}) for one in schedule.stages
+        ]
         base = rough if problem.climbs_limited else candidate
-        candidate = polish(base, problem, replace(descent, stages=wider))
+        candidate = polish(base, problem, replace(schedule, stages=wider))
         proof = prove_curve(candidate.curve, problem.task)
         if proof.worst.slack >= 0 or any(check.slack < _hopeless(check, problem) for check in proof.checks):
             break
