@@ -96,7 +96,7 @@ def path_costs(points, grid, rules):
 
 
 @njit(cache=True, fastmath=FASTMATH, error_model="numpy")
-def survey(points, grid, rules):
+def slack_and_threat(points, grid, rules):
     """Return slack [m] and threat per meter at points (n, 3), within the grid's reach."""
     n = len(points)
     slack, threat = np.empty(n), np.empty(n)

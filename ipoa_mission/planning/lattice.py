@@ -179,7 +179,7 @@ def _without_detours(way: Points, problem: PreparedProblem) -> Points:
 
 def _free(way: Points, problem: PreparedProblem) -> bool:
     spots = np.vstack([way[1:-1], (way[1:] + way[:-1]) / 2])
-    return bool((problem.survey(spots)[0] >= -0.5 * problem.rules.clearance).all())
+    return bool((problem.slack_and_threat(spots)[0] >= -0.5 * problem.rules.clearance).all())
 
 
 def lay_lattice(problem: PreparedProblem, fineness: float = 1.0, strategy: LatticeStrategy = USUAL_LATTICE) -> Lattice:
@@ -204,10 +204,10 @@ def lay_lattice(problem: PreparedProblem, fineness: float = 1.0, strategy: Latti
     spacing = size / (count - 1)
     indices = np.stack(np.meshgrid(*map(np.arange, count), indexing="ij"), axis=-1).reshape(-1, 3)
     nodes = np.minimum(lower + spacing * indices, upper)
-    slack, threat = problem.survey(nodes)
+    slack, threat = problem.slack_and_threat(nodes)
     between = np.nonzero(_in_gaps(slack.reshape(count), spacing).ravel())[0]
     nodes[between] = _centered(nodes[between], spacing, problem)
-    slack[between], threat[between] = problem.survey(nodes[between])
+    slack[between], threat[between] = problem.slack_and_threat(nodes[between])
     radius = min(DETAILS.detour_radius, float(size[:2].min()) / 4)
     detour_cost = problem.rules.turning / max(problem.rules.length, DETAILS.least_price) / radius
     _occupy_gaps(nodes, (slack, threat), lower, spacing, problem)
@@ -274,14 +274,14 @@ def _mend(routes: list[Points], lattice: Lattice, problem: PreparedProblem) -> l
 def _blocked_samples(route: Points, problem: PreparedProblem) -> tuple[Points, NDArray[np.bool_]]:
     shares = np.linspace(0.0, 1.0, DETAILS.samples_per_leg, endpoint=False)[:, None]
     points = np.vstack([(route[:-1, None] + shares * np.diff(route, axis=0)[:, None]).reshape(-1, 3), route[-1:]])
-    return points, (problem.survey(points)[0] < 0) & (np.arange(len(points)) % DETAILS.samples_per_leg > 0)
+    return points, (problem.slack_and_threat(points)[0] < 0) & (np.arange(len(points)) % DETAILS.samples_per_leg > 0)
 
 
 def _occupy_gaps(
-    nodes: Points, surveyed: tuple[Vector, Vector], lower: Vector, spacing: Vector, problem: PreparedProblem
+    nodes: Points, slack_and_threat: tuple[Vector, Vector], lower: Vector, spacing: Vector, problem: PreparedProblem
 ) -> None:
-    """Move nodes (n, 3), with their `surveyed` slack and threat, to narrow gaps in their cells."""
-    slack, threat = surveyed
+    """Move nodes (n, 3), with their slack and threat, to narrow gaps in their cells."""
+    slack, threat = slack_and_threat
     count = np.round((nodes[-1] - lower) / spacing).astype(int) + 1
     heights = lower[2] + spacing[2] * np.arange(count[2])
     widest = 2 * problem.limits.obstacle_distance + DETAILS.widest_gap * float(spacing[:2].max())
@@ -290,13 +290,13 @@ def _occupy_gaps(
         inside = ((number >= 0) & (number < count)).all(axis=1)
         places = places[inside]
         node = np.ravel_multi_index(tuple(number[inside].T), tuple(count))
-        room, danger = problem.survey(places)
-        better = np.nonzero((room >= 0) | (room > slack[node]))[0]
-        better = better[np.argsort(room[better], kind="stable")]  # the last stays
+        new_slack, new_threat = problem.slack_and_threat(places)
+        better = np.nonzero((new_slack >= 0) | (new_slack > slack[node]))[0]
+        better = better[np.argsort(new_slack[better], kind="stable")]  # the last stays
         node = node[better]
         nodes[node] = places[better]
-        slack[node] = room[better]
-        threat[node] = danger[better]
+        slack[node] = new_slack[better]
+        threat[node] = new_threat[better]
 
 
 def _end_node(lattice: Lattice, problem: PreparedProblem, place: Vector) -> int | None:
@@ -308,7 +308,7 @@ def _end_node(lattice: Lattice, problem: PreparedProblem, place: Vector) -> int 
     few = free[few[np.argsort(away[few])]]
     shares = np.linspace(0.0, 1.0, DETAILS.end_samples)[:, None, None]
     legs = place + shares * (lattice.places[few] - place)
-    slack = problem.survey(legs.reshape(-1, 3))[0].reshape(DETAILS.end_samples, -1).min(axis=0)
+    slack = problem.slack_and_threat(legs.reshape(-1, 3))[0].reshape(DETAILS.end_samples, -1).min(axis=0)
     return int(few[np.argmax(slack >= min(slack.max(), 0.0))]) if len(few) else None
 
 

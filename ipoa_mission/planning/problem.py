@@ -203,11 +203,11 @@ class PreparedProblem:
 
         return cost
 
-    def survey(self, points: Points) -> tuple[Vector, Vector]:
+    def slack_and_threat(self, points: Points) -> tuple[Vector, Vector]:
         """Return slack [m] and threat per meter of points (n, 3), (n,) each."""
-        from ipoa_mission.planning._kernels import survey
+        from ipoa_mission.planning._kernels import slack_and_threat
 
-        return survey(np.ascontiguousarray(points), self.grid, self.rules)  # type: ignore[no-any-return]
+        return slack_and_threat(np.ascontiguousarray(points), self.grid, self.rules)  # type: ignore[no-any-return]
 
     def cost(self, candidate: Candidate) -> float:
         """Return the cost of one finely sampled curve; breaches below `LENIENCE` are forgiven."""

@@ -148,15 +148,15 @@ def test_the_models_curvature_of_bends_is_that_of_weighted_squares(town: Town) -
     np.testing.assert_allclose(hessian, expected, atol=1e-7 * np.abs(expected).max())
 
 
-def test_the_survey_is_that_of_the_twin(town: Town) -> None:
-    from ipoa_mission.planning._kernels import survey
+def test_slack_and_threat_are_those_of_the_twin(town: Town) -> None:
+    from ipoa_mission.planning._kernels import slack_and_threat
 
     for seed in range(4):
         problem = prepare(town(seed))
         for airspace, posed in ((problem.task.airspace, problem), fenced(problem)):
             points = np.random.default_rng(seed).uniform((-60, -110, -5), (160, 110, 110), (3000, 3))
-            slack, threat = survey(points, posed.grid, posed.rules)
-            expected, danger = twins.survey(points, airspace, posed.rules, posed.limits, posed.grid.reach)
+            slack, threat = slack_and_threat(points, posed.grid, posed.rules)
+            expected, danger = twins.slack_and_threat(points, airspace, posed.rules, posed.limits, posed.grid.reach)
             np.testing.assert_allclose(slack, expected, atol=1e-9)
             np.testing.assert_allclose(threat, danger, rtol=1e-9)
 

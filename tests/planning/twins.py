@@ -82,7 +82,9 @@ def _wall(slack: Vector, soft: Soft) -> Vector:
     return np.asarray(np.where(t < 1, barrier + slope * (t - near) + curvature * (t - near) ** 2 / 2, 0.0))
 
 
-def survey(points: Points, airspace: Airspace, rules: Rules, limits: Limits, reach: float) -> tuple[Vector, Vector]:
+def slack_and_threat(
+    points: Points, airspace: Airspace, rules: Rules, limits: Limits, reach: float
+) -> tuple[Vector, Vector]:
     """Return for points (n, 3) the spare distance to everything solid [m], and the threat per meter."""
     height = points[:, 2] - airspace.ground(points)
     slack = np.minimum(height - limits.required_height(points), rules.ceiling - height)

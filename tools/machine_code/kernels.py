@@ -18,7 +18,7 @@ from ipoa_mission.wind import CALM
 
 MODULES = {
     "path_costs": "planning._kernels",
-    "survey": "planning._kernels",
+    "slack_and_threat": "planning._kernels",
     "centered": "planning._kernels",
     "descend": "planning._path_model",
     "spread": "planning._kernels",
@@ -70,7 +70,7 @@ def kernels() -> Iterator[Kernel]:
     clock = LegTimeTable(_numbers(1), _numbers(2), 1.0, 1.0)
     examples = {
         "path_costs": (_numbers(3), grid, rules),
-        "survey": (_numbers(2), grid, rules),
+        "slack_and_threat": (_numbers(2), grid, rules),
         "centered": (_numbers(2), _numbers(3), (_numbers(1), _numbers(1)), grid, rules),
         "descend": (_numbers(2), _numbers(2), bench, grid, rules, soft, (1, 1.0)),
         "solve_banded": (_numbers(2), _numbers(1)),
