@@ -48,9 +48,9 @@ def path_costs(points, grid, rules):
             level[i] = math.sqrt(e * e + n_ * n_)
             leg[i] = math.sqrt(e * e + n_ * n_ + u * u)
             length += leg[i]
-        if min(rules.climb, rules.descent) < UNLIMITED:
+        if min(rules.climb_slope, rules.descent_slope) < UNLIMITED:
             for i in range(n - 1):
-                depth += max(rise[i] - rules.climb * level[i], -rise[i] - rules.descent * level[i], 0.0)
+                depth += max(rise[i] - rules.climb_slope * level[i], -rise[i] - rules.descent_slope * level[i], 0.0)
         outside = 0.0
         for i in range(n):
             cell[i] = _cell(cells, x[i], y[i])

@@ -188,7 +188,7 @@ def _length(steps, bends, danger, rules, soft, even, along):
         slope = (climb[i] - climb[i + 1]) / leg[i]
         curvature = (climbs[i] + climbs[i + 1]) / leg[i] ** 2
         _add(along, i, -rise * east, -rise * north, flat, slope, price / leg[i] + curvature)
-        for sign, limit in ((1.0, rules.climb - soft.flatter), (-1.0, rules.descent - soft.flatter)):
+        for sign, limit in ((1.0, rules.climb_slope - soft.flatter), (-1.0, rules.descent_slope - soft.flatter)):
             slack = limit * level[i] - sign * rise * leg[i]
             wall, slope, curvature = _wall(lever * slack, soft, even)
             if curvature > 0.0:

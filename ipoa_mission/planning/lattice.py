@@ -84,8 +84,8 @@ class Lattice:
         strides = STRIDES * self.spacing
         level = np.hypot(strides[:, 0], strides[:, 1])
         rise = strides[:, 2]
-        climb, descent = self.steepest[::-1] if backwards else self.steepest
-        needed = np.maximum(rise / climb, -rise / descent)
+        climb_slope, descent_slope = self.steepest[::-1] if backwards else self.steepest
+        needed = np.maximum(rise / climb_slope, -rise / descent_slope)
         too_steep = needed > (1 + 1e-6) * level
         lengths = np.hypot(np.where(too_steep, needed, level), rise) + self.detour_cost * needed
         return STRIDES, np.where(too_steep, DETAILS.detour_discount * lengths, lengths)
@@ -148,19 +148,19 @@ def lift_to_slopes(way: Points, problem: PreparedProblem, step: float) -> tuple[
     """
     lifted = way.copy()
     longest = 0.0
-    climb_slope = DETAILS.lift_slope_share * problem.rules.climb
-    descent_slope = DETAILS.lift_slope_share * problem.rules.descent
+    lift_climb_slope = DETAILS.lift_slope_share * problem.rules.climb_slope
+    lift_descent_slope = DETAILS.lift_slope_share * problem.rules.descent_slope
     traveled = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(way[:, :2], axis=0).T))])
     for first, last in pairwise([0, *via_indices(way, problem.task.places[1:-1]), len(way) - 1]):
         along = traveled[first : last + 1] - traveled[first]
         height = way[first : last + 1, 2]
-        climb, descent = climb_slope * along, descent_slope * along
+        climb, descent = lift_climb_slope * along, lift_descent_slope * along
         after = np.maximum.accumulate(height + descent) - descent  # no lower than a descent from behind
         before = np.maximum.accumulate((after - climb)[::-1])[::-1]  # and than a climb to what is ahead
         lifted[first + 1 : last, 2] = (before + climb)[1:-1]
         for missing, slope, within in (
-            (before[0] - height[0], problem.rules.climb, along[np.argmax(after - climb)]),
-            (after[-1] - height[-1], problem.rules.descent, along[-1] - along[np.argmax(height + descent)]),
+            (before[0] - height[0], problem.rules.climb_slope, along[np.argmax(after - climb)]),
+            (after[-1] - height[-1], problem.rules.descent_slope, along[-1] - along[np.argmax(height + descent)]),
         ):
             if missing > 2 * step:
                 longest = max(longest, float(missing / slope / max(within, DETAILS.shortest_detour)))
@@ -186,7 +186,7 @@ def lay_lattice(problem: PreparedProblem, fineness: float = 1.0, strategy: Latti
     """Return the lattice of a problem's region; nodes in narrow gaps are moved to their middle."""
     lower, upper = problem.region
     size = upper - lower
-    steepest = (problem.rules.climb, problem.rules.descent)
+    steepest = (problem.rules.climb_slope, problem.rules.descent_slope)
     # cells are as flat as the flattest climb, so that one step up is flyable: rise = slope * pitch
     flattest = max(min(*steepest, 1.0), strategy.min_slope)
     area = size[0] * size[1]

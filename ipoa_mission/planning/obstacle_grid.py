@@ -59,8 +59,8 @@ class Rules(NamedTuple):
     clearance: float  # from obstacles [m]
     height: float  # above ground [m]
     ceiling: float  # above ground [m]
-    climb: float  # height over distance
-    descent: float
+    climb_slope: float  # height over distance
+    descent_slope: float
     radius: float  # hull [m]
     d_safe: float  # [m]
     length: float  # cost per meter

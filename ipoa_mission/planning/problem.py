@@ -119,8 +119,8 @@ def rules_of(task: PathTask) -> Rules:
         clearance=limits.obstacle_distance,
         height=limits.height_above_ground,
         ceiling=min(limits.ceiling_above_ground, UNLIMITED),
-        climb=_slope(limits.climb_angle),
-        descent=_slope(limits.descent_angle),
+        climb_slope=_slope(limits.climb_angle),
+        descent_slope=_slope(limits.descent_angle),
         radius=task.radius,
         d_safe=cost.d_safe,
         length=length,
@@ -169,7 +169,7 @@ class PreparedProblem:
 
     @property
     def climbs_limited(self) -> bool:
-        return min(self.rules.climb, self.rules.descent) < UNLIMITED
+        return min(self.rules.climb_slope, self.rules.descent_slope) < UNLIMITED
 
     @property
     def region(self) -> tuple[Vector, Vector]:
@@ -225,8 +225,8 @@ class PreparedProblem:
         rules = self.rules._replace(
             clearance=self.rules.clearance - lenience,
             height=self.rules.height - lenience,
-            climb=self.rules.climb * ROUGH_STEEPNESS,
-            descent=self.rules.descent * ROUGH_STEEPNESS,
+            climb_slope=self.rules.climb_slope * ROUGH_STEEPNESS,
+            descent_slope=self.rules.descent_slope * ROUGH_STEEPNESS,
             collision=UNSAFE,
         )
         return float(path_costs(np.ascontiguousarray(nodes.T)[None], grid, rules)[0])

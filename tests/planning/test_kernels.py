@@ -21,7 +21,7 @@ from tests.planning.conftest import Make
 
 Town = Callable[[int], Scenario]
 SOFT = Soft(bend=0.02, reach=0.4, wall=0.1, stiffness=10.0, evenness=0.05, aside=0.1, above=0.2, flatter=0.01)
-LIMITLESS: dict[str, Any] = {"ceiling": 1e9, "climb": 1e9, "descent": 1e9}
+LIMITLESS: dict[str, Any] = {"ceiling": 1e9, "climb_slope": 1e9, "descent_slope": 1e9}
 
 
 def curves(seed: int, count: int, control: int = 9) -> np.ndarray:

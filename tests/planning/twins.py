@@ -31,7 +31,7 @@ def _search_cost(nodes: Points, airspace: Airspace, rules: Rules, limits: Limits
         hull = distance - rules.radius
         threat[which] += np.where(hull < rules.d_safe, 1 / np.maximum(hull, LEAST), 0.0)
     depth = (
-        np.maximum(-np.min(_slopes(nodes, rules.climb, rules.descent), axis=0), 0.0).sum()
+        np.maximum(-np.min(_slopes(nodes, rules.climb_slope, rules.descent_slope), axis=0), 0.0).sum()
         + outside.sum() * legs.mean()
         + share @ broken
     )
@@ -50,7 +50,7 @@ def path_model(nodes: Points, airspace: Airspace, rules: Rules, limits: Limits, 
     smooth = np.sqrt(angles**2 + soft.bend**2) - soft.bend
     value = rules.length * legs.sum() + rules.turning * smooth[0].sum() + rules.climbing * smooth[1].sum()
     value += 0.5 * soft.evenness / even * ((legs - even) ** 2).sum()
-    steep = _slopes(nodes, rules.climb - soft.flatter, rules.descent - soft.flatter) * LEVER / even
+    steep = _slopes(nodes, rules.climb_slope - soft.flatter, rules.descent_slope - soft.flatter) * LEVER / even
     height = nodes[:, 2] - airspace.ground(nodes)
     lower, upper = np.asarray(airspace.bounds.lower), np.asarray(airspace.bounds.upper)
     higher = replace(limits, height_above_ground=limits.height_above_ground + soft.above)  # but not in low zones
