@@ -17,7 +17,7 @@ from ipoa_mission.planning.path_problem import PathTask
 from ipoa_mission.planning.polish import FINE_POLISH, FIRM_POLISH, ROUGH_POLISH, polish, polish_until_proved, stages
 from ipoa_mission.planning.problem import (
     ALL,
-    UNSAFE,
+    BREACH_PENALTY,
     Candidate,
     CostTerms,
     PreparedProblem,
@@ -27,6 +27,7 @@ from ipoa_mission.planning.problem import (
     prepare,
     refine,
     surround,
+    without_penalty,
 )
 from ipoa_mission.planning.proof import Proof, prove_curve
 from ipoa_mission.planning.spline import Spline
@@ -244,7 +245,7 @@ def _find_passages(searcher: Searcher, coarsest: int, progress: Progress) -> lis
     candidates = [straight.candidate(problem)]
     polished = [polish(candidates[0], problem)]
     for candidate, near in _rivals([route.candidate(problem) for route in routes], searcher):
-        if len(candidate.curve.control) < strategy.coarse_control_points and problem.cost(near) > UNSAFE:
+        if len(candidate.curve.control) < strategy.coarse_control_points and problem.cost(near) > BREACH_PENALTY:
             candidate = refine(candidate)
             near = _approach(candidate, problem)
         candidates.append(candidate)
@@ -254,7 +255,7 @@ def _find_passages(searcher: Searcher, coarsest: int, progress: Progress) -> lis
     cheapest_route = list(range(1, len(costs)))[:1]
     others = sorted(range(2, len(costs)), key=costs.__getitem__)
     promising = [*cheapest_route, *others][: strategy.lattice_starts]
-    if min(costs) > UNSAFE:
+    if min(costs) > BREACH_PENALTY:
         closer = (route.candidate(problem, strategy.closer_factor) for route in routes)
         polished += [polish(candidate, problem, FIRM_POLISH) for candidate in closer]
 
@@ -275,7 +276,7 @@ def _rivals(candidates: list[Candidate], searcher: Searcher) -> list[tuple[Candi
     running = [(candidate, stages(candidate, problem)) for candidate in candidates]
     for behind in strategy.max_behind:
         costs = np.array([problem.cost(next(steps)) for _, steps in running])
-        is_near = costs % UNSAFE <= (1 + behind) * costs.min(initial=np.inf)
+        is_near = without_penalty(costs) <= (1 + behind) * costs.min(initial=np.inf)
         is_near[:1] = True
         is_near[np.argsort(costs)[: strategy.min_rivals]] = True
         running = [running[n] for n in np.flatnonzero(is_near)]

@@ -23,7 +23,7 @@ STEPS_PER_SPAN = 16  # of the curve
 ALL = slice(None)
 MIN_SPANS_BETWEEN_VIA = 2.0
 COMPARING_FACTOR = 4  # of nodes
-UNSAFE = 1e6  # at least, for a breach
+BREACH_PENALTY = 1e6  # at least
 ROUGH_STEEPNESS = 1.02  # on the greatest slope of a rough curve
 GREATEST_LEG = 0.3  # for comparing curves [m]
 MAX_NODES = 4000
@@ -227,9 +227,14 @@ class PreparedProblem:
             height=self.rules.height - lenience,
             climb_slope=self.rules.climb_slope * ROUGH_STEEPNESS,
             descent_slope=self.rules.descent_slope * ROUGH_STEEPNESS,
-            collision=UNSAFE,
+            collision=BREACH_PENALTY,
         )
         return float(path_costs(np.ascontiguousarray(nodes.T)[None], grid, rules)[0])
+
+
+def without_penalty(costs: Costs) -> Costs:
+    """Return costs of `PreparedProblem.cost` without the penalty of a breach."""
+    return costs % BREACH_PENALTY  # lower costs are unchanged
 
 
 def prepare(task: PathTask) -> PreparedProblem:
