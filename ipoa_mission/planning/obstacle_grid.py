@@ -79,47 +79,47 @@ class Nodes(NamedTuple):
     spacing: Vector  # (3,) [m]
 
 
-class Spans(NamedTuple):
+class NodeBasis(NamedTuple):
     first: NDArray[np.int64]  # (n,): the first of five control points
-    window: NDArray[np.float64]  # (3, 5, n): of the node, the step to it, and the step from it
+    values: NDArray[np.float64]  # (3, 5, n): of the node, the step to it, and the step from it
 
 
-class Moves(NamedTuple):
-    """Moves of n control points by f free ones, along a sparse matrix (n, f).
+class ControlPointShifts(NamedTuple):
+    """Shifts of n control points by f free ones, along a sparse matrix (n, f).
 
     Row i has the `weights` and `columns` from `starts[i]` to `starts[i + 1]`.
     """
 
     free: int  # coordinates, 3 f
-    reach: int  # of the band of the Hessian by free coordinates
+    band_width: int  # of the Hessian by free coordinates
     starts: NDArray[np.int64]  # (n + 1,)
     columns: NDArray[np.int64]
     weights: NDArray[np.float64]
 
 
-class Bench(NamedTuple):
-    """Nodes about `even` [m] apart that depend on the control points that are moved."""
+class PolishInputs(NamedTuple):
+    """Nodes about `mean_leg` [m] apart that depend on the control points that are moved."""
 
-    spans: Spans
-    moves: Moves
-    even: float
+    basis: NodeBasis
+    shifts: ControlPointShifts
+    mean_leg: float
 
 
-class Soft(NamedTuple):
+class Smoothing(NamedTuple):
     bend: float  # smaller angles count squared [rad]
-    reach: float  # at which walls begin to act [m]
-    wall: float  # cost per meter of path at about `reach`
+    reach: float  # at which barriers begin to act [m]
+    barrier: float  # cost per meter of path at about `reach`
     stiffness: float  # per meter of path, of a squared meter
     evenness: float
     aside: float  # to the required clearance [m]
     above: float  # to the required height [m]
     flatter: float  # from the greatest slopes
 
-    def scaled(self, scale: float) -> "Soft":
+    def scaled(self, scale: float) -> "Smoothing":
         """Return the smoothing of a scene with lengths times `scale`."""
         return self._replace(
             reach=self.reach * scale,
-            wall=self.wall / scale,
+            barrier=self.barrier / scale,
             stiffness=self.stiffness / scale**3,
             evenness=self.evenness / scale,
             aside=self.aside * scale,

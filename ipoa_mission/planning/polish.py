@@ -11,27 +11,29 @@ from functools import lru_cache
 import numpy as np
 
 from ipoa_mission.geometry import Matrix, leg_lengths
-from ipoa_mission.planning.obstacle_grid import Bench, Moves, Soft, Spans
+from ipoa_mission.planning.obstacle_grid import ControlPointShifts, NodeBasis, PolishInputs, Smoothing
 from ipoa_mission.planning.problem import ALL, Candidate, PreparedProblem, null_space
 from ipoa_mission.planning.proof import Check, Proof, prove_curve
 from ipoa_mission.planning.spline import Spline, even_basis
 
 
-def moves_along(ways: Matrix, band: int) -> Moves:
-    """Return moves along `ways` (n, f), for a Hessian of band width `band` by all coordinates."""
-    free = ways.shape[1]
-    point, way = np.nonzero(ways)
-    starts = np.concatenate([[0], np.cumsum(np.bincount(point, minlength=len(ways)))])
-    lowest = np.where(ways != 0.0, np.arange(free), free).min(axis=1, initial=free)
-    highest = np.where(ways != 0.0, np.arange(free), -1).max(axis=1, initial=-1)
+def shifts_along(directions: Matrix, band: int) -> ControlPointShifts:
+    """Return shifts along `directions` (n, f), for a Hessian of band width `band` by all coordinates."""
+    free = directions.shape[1]
+    point, direction = np.nonzero(directions)
+    starts = np.concatenate([[0], np.cumsum(np.bincount(point, minlength=len(directions)))])
+    lowest = np.where(directions != 0.0, np.arange(free), free).min(axis=1, initial=free)
+    highest = np.where(directions != 0.0, np.arange(free), -1).max(axis=1, initial=-1)
     lowest, highest = (np.add.outer(3 * index, np.arange(3)).ravel() for index in (lowest, highest))
-    reach = 0
+    band_width = 0
     for below in range(min(band + 1, len(lowest))):
         rows = slice(below, None)
         columns = slice(len(lowest) - below)
         apart = np.maximum(highest[rows] - lowest[columns], highest[columns] - lowest[rows])
-        reach = max(reach, int(apart.max()))
-    return Moves(3 * free, reach, starts, np.ascontiguousarray(way), ways[point, way])
+        band_width = max(band_width, int(apart.max()))
+    return ControlPointShifts(
+        3 * free, band_width, starts, np.ascontiguousarray(direction), directions[point, direction]
+    )
 
 
 NODES_PER_SPAN = 8
@@ -40,19 +42,19 @@ ATTEMPTS = 6
 BAND = 14  # a term depends on five control points
 HOPELESS_SLACK = {"m": -1.0, "deg": -10.0}  # that more room does not mend
 CHANGE_REACH = 8  # in control points, with via points
-STAGE_1 = Soft(bend=0.02, reach=0.5, wall=0.3, stiffness=10.0, evenness=0.05, aside=0.0, above=0.0, flatter=0.0)
-STAGE_2 = STAGE_1._replace(bend=5e-3, reach=0.3, wall=0.1, stiffness=30.0, aside=0.01, above=0.01)
-STAGE_3 = STAGE_2._replace(bend=1e-3, reach=0.2, wall=0.03, stiffness=100.0, above=0.02, flatter=1e-3)
-STAGE_4 = STAGE_3._replace(bend=1e-4, reach=0.1, wall=0.01, stiffness=1e3, evenness=0.02)
-STAGE_5 = STAGE_4._replace(bend=1e-5, reach=0.05, wall=0.002, stiffness=1e4, evenness=0.01, aside=0.005)
-STAGE_6 = STAGE_5._replace(bend=1e-6, reach=0.03, wall=3e-4, stiffness=1e5, evenness=0.002, aside=0.003)
+STAGE_1 = Smoothing(bend=0.02, reach=0.5, barrier=0.3, stiffness=10.0, evenness=0.05, aside=0.0, above=0.0, flatter=0.0)
+STAGE_2 = STAGE_1._replace(bend=5e-3, reach=0.3, barrier=0.1, stiffness=30.0, aside=0.01, above=0.01)
+STAGE_3 = STAGE_2._replace(bend=1e-3, reach=0.2, barrier=0.03, stiffness=100.0, above=0.02, flatter=1e-3)
+STAGE_4 = STAGE_3._replace(bend=1e-4, reach=0.1, barrier=0.01, stiffness=1e3, evenness=0.02)
+STAGE_5 = STAGE_4._replace(bend=1e-5, reach=0.05, barrier=0.002, stiffness=1e4, evenness=0.01, aside=0.005)
+STAGE_6 = STAGE_5._replace(bend=1e-6, reach=0.03, barrier=3e-4, stiffness=1e5, evenness=0.002, aside=0.003)
 
 
 @dataclass(frozen=True)
 class PolishSchedule:
     """Stages of up to `steps` Gauss-Newton steps, until one gains less than the share `enough`; nodes times `finer`."""
 
-    stages: Sequence[Soft]
+    stages: Sequence[Smoothing]
     steps: int = 8
     enough: float = 5e-6
     finer: int = 1
@@ -75,16 +77,18 @@ def stages(
     candidate: Candidate, problem: PreparedProblem, schedule: PolishSchedule = ROUGH_POLISH, part: slice = ALL
 ) -> Iterator[Candidate]:
     """Yield the curve after each stage."""
-    from ipoa_mission.planning._path_model import descend
+    from ipoa_mission.planning._path_model import minimize_path_model
 
     nodes = schedule.finer * max(problem.nodes, NODES_PER_SPAN * candidate.curve.spans)
-    some, bench = _prepare(candidate, problem, part, nodes)
+    some, inputs = _prepare(candidate, problem, part, nodes)
     moved = np.ascontiguousarray(candidate.curve.control[some])
-    signs = np.zeros((len(bench.spans.first), 2))
-    for k, soft in enumerate(schedule.stages, 1):
+    signs = np.zeros((len(inputs.basis.first), 2))
+    for k, smoothing in enumerate(schedule.stages, 1):
         enough = schedule.enough if k == len(schedule.stages) else max(schedule.enough, EARLY_GAIN)
-        scaled = soft.scaled(problem.scale)
-        moved, signs = descend(moved, signs, bench, problem.grid, problem.rules, scaled, (schedule.steps, enough))
+        scaled = smoothing.scaled(problem.scale)
+        moved, signs = minimize_path_model(
+            moved, signs, inputs, problem.grid, problem.rules, scaled, (schedule.steps, enough)
+        )
         control = candidate.curve.control.copy()
         control[some] = moved
         yield Candidate(Spline(control), candidate.via_at)
@@ -136,23 +140,23 @@ _REMEDY = {
 }
 
 
-def _prepare(candidate: Candidate, problem: PreparedProblem, part: slice, nodes: int) -> tuple[slice, Bench]:
+def _prepare(candidate: Candidate, problem: PreparedProblem, part: slice, nodes: int) -> tuple[slice, PolishInputs]:
     n = len(candidate.curve.control)
     varied = np.arange(1, n - 1)[part]
     low = max(int(varied[0]) - CHANGE_REACH, 0)
     high = min(int(varied[-1]) + CHANGE_REACH + 1, n)
-    first, window = _windows(n, nodes)
+    first, values = _node_basis(n, nodes)
     seen = slice(*np.searchsorted(first, (low, high - 4)))
-    spans = Spans(first[seen] - low, np.ascontiguousarray(window[:, :, seen]))
-    moves = moves_along(null_space(candidate, problem.task, part)[low:high], BAND)
-    even = float(leg_lengths(even_basis(n, nodes)[seen] @ candidate.curve.control).mean())
-    return slice(low, high), Bench(spans, moves, even)
+    basis = NodeBasis(first[seen] - low, np.ascontiguousarray(values[:, :, seen]))
+    shifts = shifts_along(null_space(candidate, problem.task, part)[low:high], BAND)
+    mean_leg = float(leg_lengths(even_basis(n, nodes)[seen] @ candidate.curve.control).mean())
+    return slice(low, high), PolishInputs(basis, shifts, mean_leg)
 
 
 @lru_cache(maxsize=64)
-def _windows(n: int, nodes: int) -> Spans:
+def _node_basis(n: int, nodes: int) -> NodeBasis:
     look = even_basis(n, nodes)
     around = np.stack([look[np.clip(np.arange(nodes) + k, 0, nodes - 1)] for k in (-1, 0, 1)])
     first = np.minimum(np.argmax(np.abs(around).max(axis=0) > 1e-14, axis=1), n - 5)
     before, here, after = (part[np.arange(nodes), first + np.arange(5)[:, None]] for part in around)
-    return Spans(first, np.stack([here, here - before, after - here]))
+    return NodeBasis(first, np.stack([here, here - before, after - here]))

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from ipoa_mission.geometry import climb_angles, turning_angles
-from ipoa_mission.planning.obstacle_grid import Nodes, Soft, obstacle_grid_of
-from ipoa_mission.planning.polish import _windows
+from ipoa_mission.planning.obstacle_grid import Nodes, Smoothing, obstacle_grid_of
+from ipoa_mission.planning.polish import _node_basis
 from ipoa_mission.planning.problem import PreparedProblem, prepare
 from ipoa_mission.planning.spline import even_basis
 from ipoa_mission.scenario import Scenario
@@ -20,7 +20,9 @@ from tests.planning import twins
 from tests.planning.conftest import Make
 
 Town = Callable[[int], Scenario]
-SOFT = Soft(bend=0.02, reach=0.4, wall=0.1, stiffness=10.0, evenness=0.05, aside=0.1, above=0.2, flatter=0.01)
+SMOOTHING = Smoothing(
+    bend=0.02, reach=0.4, barrier=0.1, stiffness=10.0, evenness=0.05, aside=0.1, above=0.2, flatter=0.01
+)
 LIMITLESS: dict[str, Any] = {"ceiling": 1e9, "climb_slope": 1e9, "descent_slope": 1e9}
 
 
@@ -63,25 +65,25 @@ def test_path_costs_are_those_of_the_twin(town: Town, per_node: bool, limited: b
 
 
 def model(
-    problem: PreparedProblem, control: np.ndarray, soft: Soft = SOFT, even: float | None = None
+    problem: PreparedProblem, control: np.ndarray, smoothing: Smoothing = SMOOTHING, mean_leg: float | None = None
 ) -> tuple[float, np.ndarray, np.ndarray]:
-    from ipoa_mission.planning._path_model import handed_on, path_model
+    from ipoa_mission.planning._path_model import gradient_and_hessian, path_model
 
     n = len(control)
     nodes = even_basis(n, 60) @ control
-    even = float(np.linalg.norm(np.diff(nodes, axis=0), axis=1).mean()) if even is None else even
+    mean_leg = float(np.linalg.norm(np.diff(nodes, axis=0), axis=1).mean()) if mean_leg is None else mean_leg
     signs = np.random.default_rng(0).uniform(-1, 1, (60, 2))
-    value, angles, changes = path_model(nodes, problem.grid, problem.rules, soft, even, signs)
-    gradient, band = handed_on(changes, _windows(n, 60), n)
+    value, angles, derivatives = path_model(nodes, problem.grid, problem.rules, smoothing, mean_leg, signs)
+    gradient, band = gradient_and_hessian(derivatives, _node_basis(n, 60), n)
     turns = np.column_stack([turning_angles(nodes), np.abs(np.diff(climb_angles(nodes)))])
     np.testing.assert_allclose(np.abs(angles[1:-1]), turns, atol=1e-7)
     lower = sum(np.diag(row[: len(row) - k], -k) for k, row in enumerate(band))
     return value, gradient, lower + np.tril(lower, -1).T
 
 
-def value(problem: PreparedProblem, airspace: Airspace, control: np.ndarray, even: float) -> float:
+def value(problem: PreparedProblem, airspace: Airspace, control: np.ndarray, mean_leg: float) -> float:
     spots = even_basis(len(control), 60) @ control
-    return twins.path_model(spots, airspace, problem.rules, problem.limits, SOFT, even)
+    return twins.path_model(spots, airspace, problem.rules, problem.limits, SMOOTHING, mean_leg)
 
 
 @pytest.mark.parametrize("per_node", [False, True])
@@ -93,12 +95,12 @@ def test_the_model_has_the_value_of_the_twin_and_its_derivative(town: Town, fenc
         problem = replace(problem, rules=problem.rules._replace(per_node=per_node))
         for control in curves(seed, 2):
             spots = even_basis(9, 60) @ control
-            even = float(np.linalg.norm(np.diff(spots, axis=0), axis=1).mean())
+            mean_leg = float(np.linalg.norm(np.diff(spots, axis=0), axis=1).mean())
             cost, gradient, hessian = model(problem, control)
-            assert cost == pytest.approx(value(problem, airspace, control, even), rel=1e-7)
+            assert cost == pytest.approx(value(problem, airspace, control, mean_leg), rel=1e-7)
             nudges = 1e-6 * np.eye(27).reshape(27, 9, 3)
             ahead, behind = (
-                np.array([value(problem, airspace, control + sign * nudge, even) for nudge in nudges])
+                np.array([value(problem, airspace, control + sign * nudge, mean_leg) for nudge in nudges])
                 for sign in (1, -1)
             )
             slope = (ahead - behind) / 2e-6
@@ -115,23 +117,28 @@ def in_the_open(problem: PreparedProblem, **rules: Any) -> PreparedProblem:
 
 
 @pytest.mark.parametrize(
-    ("length", "soft"), [(1.0, SOFT._replace(evenness=0.0)), (0.0, SOFT._replace(evenness=0.0, reach=80.0))]
+    ("length", "smoothing"),
+    [(1.0, SMOOTHING._replace(evenness=0.0)), (0.0, SMOOTHING._replace(evenness=0.0, reach=80.0))],
 )
-def test_the_models_curvature_is_exact_where_it_leaves_nothing_out(town: Town, length: float, soft: Soft) -> None:
+def test_the_models_curvature_is_exact_where_it_leaves_nothing_out(
+    town: Town, length: float, smoothing: Smoothing
+) -> None:
     """Length alone, or bounds alone: the Hessian is the derivative of the gradient."""
     problem = in_the_open(prepare(town(1)), length=length, turning=0.0, climbing=0.0)
     rng = np.random.default_rng(2)
     control = np.linspace((0.0, 0.0, 40.0), (100.0, 0.0, 50.0), 9) + rng.normal(size=(9, 3))
-    hessian = model(problem, control, soft, even=1.5)[2]
+    hessian = model(problem, control, smoothing, mean_leg=1.5)[2]
     steps = 1e-5 * np.eye(27).reshape(27, 9, 3)
-    change = [model(problem, control + h, soft, 1.5)[1] - model(problem, control - h, soft, 1.5)[1] for h in steps]
+    change = [
+        model(problem, control + h, smoothing, 1.5)[1] - model(problem, control - h, smoothing, 1.5)[1] for h in steps
+    ]
     assert np.abs(hessian).max() > 1e-4
     np.testing.assert_allclose(hessian, np.array(change) / 2e-5, atol=1e-7)
 
 
 def test_the_models_curvature_of_bends_is_that_of_weighted_squares(town: Town) -> None:
     """Each angle's derivatives, by differences, times themselves (Gauss-Newton)."""
-    problem, soft = in_the_open(prepare(town(1)), length=0.0), SOFT._replace(evenness=0.0)
+    problem, smoothing = in_the_open(prepare(town(1)), length=0.0), SMOOTHING._replace(evenness=0.0)
     control = np.linspace((0.0, 0.0, 40.0), (100.0, 0.0, 50.0), 9) + np.random.default_rng(2).normal(size=(9, 3))
     signs = np.random.default_rng(0).uniform(-1, 1, (60, 2))[1:-1]  # as in `model`
 
@@ -141,10 +148,10 @@ def test_the_models_curvature_of_bends_is_that_of_weighted_squares(town: Town) -
 
     steps = 1e-5 * np.eye(27).reshape(27, 9, 3)
     slopes = np.array([(angles(control + h) - angles(control - h)) / 2e-5 for h in steps])
-    smooth = np.sqrt(angles(control) ** 2 + soft.bend**2)
+    smooth = np.sqrt(angles(control) ** 2 + smoothing.bend**2)
     rates = np.array([problem.rules.turning, problem.rules.climbing])
     weights = rates * (1 - signs * angles(control) / smooth) / smooth
-    hessian, expected = model(problem, control, soft)[2], np.einsum("aik,ik,bik->ab", slopes, weights, slopes)
+    hessian, expected = model(problem, control, smoothing)[2], np.einsum("aik,ik,bik->ab", slopes, weights, slopes)
     np.testing.assert_allclose(hessian, expected, atol=1e-7 * np.abs(expected).max())
 
 

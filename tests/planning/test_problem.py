@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from ipoa_mission.planning.polish import moves_along
+from ipoa_mission.planning.polish import shifts_along
 from ipoa_mission.planning.problem import follow, null_space, pin_to_via, prepare, refine, surround, via_indices
 from tests.plain_python import as_plain_python
 from tests.planning.conftest import Make, Place
@@ -87,7 +87,7 @@ def test_a_band_by_what_is_free_is_that_of_the_whole_matrix(scenario: Make, via:
         whole += np.diag(band[k, : size - k], -k) + (np.diag(band[k, : size - k], k) if k else 0.0)
     ways = np.kron(free, np.eye(3))
     expected = ways.T @ whole @ ways
-    slope, reduced = plain.reduced(gradient, band, moves_along(free, reach))
+    slope, reduced = plain.reduced(gradient, band, shifts_along(free, reach))
     np.testing.assert_allclose(slope, ways.T @ gradient, atol=1e-12)
     for k in range(len(expected)):
         reduced_band = reduced[k, : len(expected) - k] if k < len(reduced) else 0.0

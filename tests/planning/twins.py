@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ipoa_mission.geometry import Points, Vector, climb_angles, leg_lengths, turning_angles
-from ipoa_mission.planning.obstacle_grid import LEAST, LEVER, Rules, Soft
+from ipoa_mission.planning.obstacle_grid import LEAST, LEVER, Rules, Smoothing
 from ipoa_mission.planning.problem import node_weights
 from ipoa_mission.scenario.path_limits import Limits
 from ipoa_mission.world.airspace import Airspace
@@ -43,39 +43,42 @@ def _search_cost(nodes: Points, airspace: Airspace, rules: Rules, limits: Limits
     return float(cost + rules.threat * threat @ node_weights(nodes, rules.per_node))
 
 
-def path_model(nodes: Points, airspace: Airspace, rules: Rules, limits: Limits, soft: Soft, even: float) -> float:
-    """Return the smoothed cost; `even` is the mean leg, held fixed."""
+def path_model(
+    nodes: Points, airspace: Airspace, rules: Rules, limits: Limits, smoothing: Smoothing, mean_leg: float
+) -> float:
+    """Return the smoothed cost; `mean_leg` is the mean leg, held fixed."""
     legs, share = leg_lengths(nodes), node_weights(nodes, per_node=False)
     angles = np.array([signed_turns(nodes), np.diff(climb_angles(nodes))])
-    smooth = np.sqrt(angles**2 + soft.bend**2) - soft.bend
+    smooth = np.sqrt(angles**2 + smoothing.bend**2) - smoothing.bend
     value = rules.length * legs.sum() + rules.turning * smooth[0].sum() + rules.climbing * smooth[1].sum()
-    value += 0.5 * soft.evenness / even * ((legs - even) ** 2).sum()
-    steep = _slopes(nodes, rules.climb_slope - soft.flatter, rules.descent_slope - soft.flatter) * LEVER / even
+    value += 0.5 * smoothing.evenness / mean_leg * ((legs - mean_leg) ** 2).sum()
+    below = _slopes(nodes, rules.climb_slope - smoothing.flatter, rules.descent_slope - smoothing.flatter)
+    steep = below * LEVER / mean_leg
     height = nodes[:, 2] - airspace.ground(nodes)
     lower, upper = np.asarray(airspace.bounds.lower), np.asarray(airspace.bounds.upper)
-    higher = replace(limits, height_above_ground=limits.height_above_ground + soft.above)  # but not in low zones
+    higher = replace(limits, height_above_ground=limits.height_above_ground + smoothing.above)  # but not in low zones
     slack = [
         *steep,
         height - higher.required_height(nodes),
-        rules.ceiling - soft.above - height,
-        *(np.minimum(nodes - lower, upper - nodes) - soft.aside).T,
+        rules.ceiling - smoothing.above - height,
+        *(np.minimum(nodes - lower, upper - nodes) - smoothing.aside).T,
     ]
     if airspace.bounds.footprint is not None:
-        slack.append(-airspace.bounds.footprint.distance(nodes[:, :2]) - soft.aside)
+        slack.append(-airspace.bounds.footprint.distance(nodes[:, :2]) - smoothing.aside)
     for obstacle in airspace.obstacles:
         distance = obstacle.distance(nodes)
         hull = distance - rules.radius
         threatened = hull < rules.d_safe
         free = np.where(threatened, np.inf, hull - rules.d_safe)
-        slack.append(np.minimum(distance - rules.clearance, free) - soft.aside)
+        slack.append(np.minimum(distance - rules.clearance, free) - smoothing.aside)
         threat = np.where(threatened, rules.threat / np.maximum(hull, LEAST), 0.0)
         value += threat.sum() if rules.per_node else threat @ share
-    return float(value + soft.wall * even * sum(_wall(s, soft).sum() for s in slack))
+    return float(value + smoothing.barrier * mean_leg * sum(_barrier(s, smoothing).sum() for s in slack))
 
 
-def _wall(slack: Vector, soft: Soft) -> Vector:
+def _barrier(slack: Vector, smoothing: Smoothing) -> Vector:
     """-log(t) less its Taylor series about 1 to the square; below the stiff distance, the series there."""
-    t, stiff = slack / soft.reach, np.sqrt(soft.wall / soft.stiffness) / soft.reach
+    t, stiff = slack / smoothing.reach, np.sqrt(smoothing.barrier / smoothing.stiffness) / smoothing.reach
     near = np.maximum(t, stiff)
     barrier = -np.log(near) + (near - 1) - (near - 1) ** 2 / 2
     slope, curvature = -1 / near + 1 - (near - 1), 1 / near**2 - 1

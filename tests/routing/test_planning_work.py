@@ -36,7 +36,7 @@ def counted(monkeypatch: pytest.MonkeyPatch) -> Counter[str]:
     count("clearance_guarantees", clearance_guarantee, "clearance_guarantee_of")
     count("contingency_batches", ContingencyPaths, "_at")
     count("searches", planner, "minimize")
-    count("polishing_stages", _path_model, "descend")
+    count("polishing_stages", _path_model, "minimize_path_model")
     return counts
 
 

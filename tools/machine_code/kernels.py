@@ -7,7 +7,16 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ipoa_mission.compiled import compiled, records
-from ipoa_mission.planning.obstacle_grid import Bench, Moves, Nodes, ObstacleGrid, Raster, Rules, Soft, Spans
+from ipoa_mission.planning.obstacle_grid import (
+    ControlPointShifts,
+    NodeBasis,
+    Nodes,
+    ObstacleGrid,
+    PolishInputs,
+    Raster,
+    Rules,
+    Smoothing,
+)
 from ipoa_mission.survey.times import LegTimeTable, Ways
 from ipoa_mission.vehicles.arducopter.dynamics.motion import ARDUPILOT_SIMULATOR, NO_LEG, CopterLeg, State, tuning
 from ipoa_mission.vehicles.arducopter.dynamics.steps import fly_leg
@@ -20,7 +29,7 @@ MODULES = {
     "path_costs": "planning._kernels",
     "slack_and_threat": "planning._kernels",
     "centered": "planning._kernels",
-    "descend": "planning._path_model",
+    "minimize_path_model": "planning._path_model",
     "spread": "planning._kernels",
     "solve_banded": "planning.banded",
     "extreme": "world._analytic",
@@ -63,16 +72,16 @@ def kernels() -> Iterator[Kernel]:
     )  # fmt: skip
     rules = Rules._make([*[1.0] * 11, False, 1.0, 1.0])
     nodes = Nodes(_numbers(3), _numbers(3), _numbers(2), _numbers(1))
-    soft, spans = Soft._make([1.0] * len(Soft._fields)), Spans(_numbers(1, np.int64), _numbers(3))
-    moves = Moves(1, 0, *(_numbers(1, np.int64),) * 2, _numbers(1))
-    bench = Bench(spans, moves, 1.0)
+    smoothing, basis = Smoothing._make([1.0] * len(Smoothing._fields)), NodeBasis(_numbers(1, np.int64), _numbers(3))
+    shifts = ControlPointShifts(1, 0, *(_numbers(1, np.int64),) * 2, _numbers(1))
+    inputs = PolishInputs(basis, shifts, 1.0)
     ways = Ways(_numbers(2), *(_numbers(1, np.int64),) * 2)
     clock = LegTimeTable(_numbers(1), _numbers(2), 1.0, 1.0)
     examples = {
         "path_costs": (_numbers(3), grid, rules),
         "slack_and_threat": (_numbers(2), grid, rules),
         "centered": (_numbers(2), _numbers(3), (_numbers(1), _numbers(1)), grid, rules),
-        "descend": (_numbers(2), _numbers(2), bench, grid, rules, soft, (1, 1.0)),
+        "minimize_path_model": (_numbers(2), _numbers(2), inputs, grid, rules, smoothing, (1, 1.0)),
         "solve_banded": (_numbers(2), _numbers(1)),
         "extreme": (_numbers(2), (1.0,) * 8, _numbers(2), True, 1.0),
         "least_heights": (_numbers(3), (1.0,) * 8, _numbers(2), 1.0),
