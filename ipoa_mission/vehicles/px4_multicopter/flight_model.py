@@ -57,7 +57,7 @@ class Px4Model(FlightModel):
         times = exact_times[None, :]
         if itinerary.visits and not noise_free:
             fly_noisy = simulation.flight_of(orders, noisy=True)
-            inputs = (simulation.noise_free_constants.senses, records(orders, Order).tobytes(), visits_done)
+            inputs = (simulation.noise_free_constants.sensors, records(orders, Order).tobytes(), visits_done)
             ((times, lost),) = self._latest_noisy.fly(
                 *(simulation.conditions, (times, ()), [inputs]),
                 lambda *_: _sample_runs(lambda seed: fly_noisy(simulation.at_start(seed)).done[ends], RUNS.known_share),

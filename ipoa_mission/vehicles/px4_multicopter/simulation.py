@@ -63,7 +63,7 @@ _start = lru_cache(maxsize=128)(at_start)
 
 
 class MissionSimulation:
-    def __init__(self, itinerary: Itinerary, wind: Wind = CALM, senses: state.SensorModel = state.SIH_SENSORS) -> None:
+    def __init__(self, itinerary: Itinerary, wind: Wind = CALM, sensors: state.SensorModel = state.SIH_SENSORS) -> None:
         mission = itinerary.mission
         self.itinerary = itinerary
         self.airframe = navigator.airframe_of(mission.vehicle)
@@ -72,14 +72,14 @@ class MissionSimulation:
         self.limits = limits._replace(spool_up=max(limits.spool_up + self.airframe.lift_delay, 0.0))
         self.mission_orders = navigator.orders_of_itinerary(itinerary, self.limits, self.airframe.landing_delay)
         turns = self.limits.turns_first or any(not math.isnan(order.heading) for order in self.mission_orders.orders)
-        with_noise = navigator.simulation_constants(self.limits, self.airframe, senses, wind, RUNS.step_s)
+        with_noise = navigator.simulation_constants(self.limits, self.airframe, sensors, wind, RUNS.step_s)
         self.noise_free_constants = with_noise._replace(noisy=False, turns=turns)
 
     @property
     def conditions(self) -> bytes:
-        """All that a noise-free flight depends on, but for its orders; only LAND senses the ground."""
+        """All that a noise-free flight depends on, but for its orders; only LAND measures the ground."""
         limits = self.limits._replace(returning=Px4Return(0.0, 0.0, 0.0, 0.0))
-        constants = self.noise_free_constants._replace(limits=limits, senses=state.NOISE_FREE)
+        constants = self.noise_free_constants._replace(limits=limits, sensors=state.NOISE_FREE)
         packed: bytes = records([constants], state.SimulationConstants).tobytes()
         return packed + self.at_start(0).samples.tobytes()
 
@@ -168,7 +168,7 @@ def fly_noise_free(simulation: MissionSimulation, latest: SharedStretches[FlownO
     """Fly a mission without noise, order by order; `latest` flights may share the first ones."""
     orders = simulation.mission_orders.orders
     fly_on = simulation.flight_of(orders, noisy=False)
-    sees_ground = simulation.noise_free_constants.senses.sees_ground
+    sees_ground = simulation.noise_free_constants.sensors.sees_ground
     stretches = [(sees_ground and order.kind == state.LAND, records([order], Order).tobytes()) for order in orders]
 
     def fly_order(flown: FlownOrders, n: int) -> FlownOrders:

@@ -91,7 +91,7 @@ def sink_rate(state: State, order: Order, constants: SimulationConstants) -> flo
     Between them it interpolates from MPC_Z_VEL_MAX_DN. Only a range finder measures over the ground, with a lag, and
     allows the crawl.
     """
-    limits, sees = constants.limits, constants.senses.sees_ground
+    limits, sees = constants.limits, constants.sensors.sees_ground
     height = state.body.place.up - (order.goal.up + RANGE_LAG_S * state.body.speed.up if sees else 0.0)
     if sees and height <= limits.crawl_below and not state.contact.lost:
         return limits.crawl_speed
@@ -106,7 +106,7 @@ def touches_down(state: State, order: Order) -> bool:
 def detect_contact(state: State, body: Body, thrust: float, constants: SimulationConstants) -> Contact:
     """Return the land detector's state. The range finder loses the ground below an estimated height of 0."""
     before = state.contact
-    limits, sees = constants.limits, constants.senses.sees_ground
+    limits, sees = constants.limits, constants.sensors.sees_ground
     on_ground = body.on_ground
     lost = before.lost or (before.on_ground and (state.errors.drift.up > 0.0 or not sees))
     low = before.stages > 0 or thrust <= GRAVITY * (limits.low_thrust - 1.0)

@@ -40,13 +40,13 @@ def airframe_of(vehicle: LearnedVehicle | None) -> Airframe:
 
 
 def simulation_constants(
-    limits: Px4Limits, airframe: Airframe, senses: SensorModel, wind: Wind, dt: float
+    limits: Px4Limits, airframe: Airframe, sensors: SensorModel, wind: Wind, dt: float
 ) -> SimulationConstants:
     tilt_gain = -math.expm1(-dt / limits.lean_lag)
     rotor_gain = -math.expm1(-dt / airframe.lag)
-    senses = senses._replace(sees_ground=senses.sees_ground and limits.has_range_finder)
+    sensors = sensors._replace(sees_ground=sensors.sees_ground and limits.has_range_finder)
     steps = (dt, GRAVITY * math.tan(limits.lean), tilt_gain, rotor_gain)
-    return SimulationConstants(limits, airframe, senses, wind_table(wind), *steps, turns=True, noisy=True)
+    return SimulationConstants(limits, airframe, sensors, wind_table(wind), *steps, turns=True, noisy=True)
 
 
 def leg(limits: Px4Limits, start: Enu, goal: Enu, *, beyond: Enu | None = None, cruise: float | None = None) -> Order:

@@ -76,7 +76,7 @@ class Order(NamedTuple):
 class SimulationConstants(NamedTuple):
     limits: Px4Limits
     airframe: Airframe
-    senses: SensorModel
+    sensors: SensorModel
     wind: WindTable
     dt: float  # of a step [s]
     max_lean: float  # g tan(lean)
@@ -208,24 +208,24 @@ def add_sensor_errors(state: State, constants: SimulationConstants) -> Errors:
             seed_1=last.seed_1, seed_2=last.seed_2, next_in=last.next_in - constants.dt,
             home_height_error=last.home_height_error, reported=reported, reported_at=reported_at, drift=last.drift,
         )  # fmt: skip
-    senses = constants.senses
+    sensors = constants.sensors
     seed_1, seed_2, n_east, n_north = normal(last.seed_1, last.seed_2)
     seed_1, seed_2, n_up, n_height = normal(seed_1, seed_2)
-    correlation = math.exp(-senses.every / senses.drift_lasts)
+    correlation = math.exp(-sensors.every / sensors.drift_lasts)
     fresh = math.sqrt(1.0 - correlation * correlation)
     drift = Enu(
-        correlation * last.drift.east + fresh * senses.drift * n_east,
-        correlation * last.drift.north + fresh * senses.drift * n_north,
-        correlation * last.drift.up + fresh * senses.drift_up * n_up,
+        correlation * last.drift.east + fresh * sensors.drift * n_east,
+        correlation * last.drift.north + fresh * sensors.drift * n_north,
+        correlation * last.drift.up + fresh * sensors.drift_up * n_up,
     )
     error = last.home_height_error
-    measured = senses.height_noise * n_height
+    measured = sensors.height_noise * n_height
     flown = time - state.body.airborne_since
     if flown < CORRECTED_FOR and abs(measured - error) > CORRECTED_BEYOND:
         error = measured
         reported_at = time + NOTICED_S if reported_at < 0.0 else reported_at
     return Errors(
-        seed_1=seed_1, seed_2=seed_2, next_in=last.next_in - constants.dt + senses.every,
+        seed_1=seed_1, seed_2=seed_2, next_in=last.next_in - constants.dt + sensors.every,
         home_height_error=error, reported=reported, reported_at=reported_at, drift=drift,
     )  # fmt: skip
 
