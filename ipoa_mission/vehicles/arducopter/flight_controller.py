@@ -142,7 +142,7 @@ class ArduCopterController:
         situation.yaw = state.yaw % (2.0 * math.pi)
         situation.place = self._copter.place
         situation.motion = state.velocity.real, state.velocity.imag, state.vz
-        situation.tilt_accel = state.lean.real, state.lean.imag
+        situation.tilt_accel = state.tilt.real, state.tilt.imag
         if state.z > self._floor:
             self._floor = -math.inf
         situation.on_ground = state.z <= self._floor

@@ -226,7 +226,7 @@ class _MissionRun:
             planned=this.profile.peak if is_straight and this.length > 1.0 else None,
             allowed=limits_along(this.origin, this.target, copter.speeds, self.limits).speed,
             asked=copter.speeds.horizontal,
-            top=self.airframe.top_speed(self.limits.lean) + self.wind.along(this.direction[0], this.direction[1]),
+            top=self.airframe.top_speed(self.limits.max_tilt) + self.wind.along(this.direction[0], this.direction[1]),
             flown=flown_speed,
             corner=corner_deg(this.origin, this.target, following.target) if following.kind == Kind.STRAIGHT else 0.0,
             stops=self.itinerary.program.onward(n) is None,

@@ -223,8 +223,8 @@ class CopterLimits(NamedTuple):
     shaping_jerk: float
     jerk_z: Annotated[float, "PSC_JERK_Z"]
     radius: Annotated[float, "WPNAV_RADIUS"]
-    lean: float
-    lean_lag: float  # time constant
+    max_tilt: float
+    tilt_lag: float  # time constant
     spool_up: Annotated[float, "MOT_SPOOL_TIME"]
     land_speed: Annotated[float, "LAND_SPEED"]
     land_speed_high: float
@@ -265,7 +265,7 @@ def copter_limits(parameters: Parameters, version: Version | None = None) -> Cop
     """Return the limits of these parameters, with ArduCopter 4.7's defaults.
 
     Since 4.8 a climb is braked with all acceleration, before with half (`shape_pos_vel_accel`). WPNAV_JERK and attitude
-    rates limit the S-curves' jerk. The lean's time constant and angular acceleration, halved, limit their snap.
+    rates limit the S-curves' jerk. The tilt's time constant and angular acceleration, halved, limit their snap.
 
     Raises:
         BadInput: a parameter that must be positive is not.
@@ -282,7 +282,7 @@ def copter_limits(parameters: Parameters, version: Version | None = None) -> Cop
     shaping_jerk = min(p["PSC_JERK_XY"], turning * GRAVITY) if turning > 0 else p["PSC_JERK_XY"]
     if spinning > 0:
         shaping_jerk = min(shaping_jerk, math.sqrt(p["WPNAV_ACCEL"] * spinning * GRAVITY) / 2)
-    lean_deg = p["PSC_ANGLE_MAX"] if p["PSC_ANGLE_MAX"] > 0 else p["ANGLE_MAX"]
+    tilt_deg = p["PSC_ANGLE_MAX"] if p["PSC_ANGLE_MAX"] > 0 else p["ANGLE_MAX"]
     sense = 0.0 if version is not None and version.series < SENSE_OF_RATE else math.copysign(1.0, p["CIRCLE_RATE"])
     return CopterLimits(
         **{field: p[name] for field, name in FIELDS.items()},
@@ -290,8 +290,8 @@ def copter_limits(parameters: Parameters, version: Version | None = None) -> Cop
         jerk=jerk,
         snap=snap / 2,
         shaping_jerk=shaping_jerk,
-        lean=math.radians(min(lean_deg, 80.0)),
-        lean_lag=max(p["ATC_INPUT_TC"], 0.05),
+        max_tilt=math.radians(min(tilt_deg, 80.0)),
+        tilt_lag=max(p["ATC_INPUT_TC"], 0.05),
         land_speed_high=p["LAND_SPEED_HIGH"] if p["LAND_SPEED_HIGH"] > 0 else p["WPNAV_SPEED_DN"],
         land_low=max(p["LAND_ALT_LOW"], 1.0),
         payload_speed=p["PLDP_SPEED_DN"] if p["PLDP_SPEED_DN"] > 0 else p["LAND_SPEED"],

@@ -184,8 +184,8 @@ class Px4Limits(NamedTuple):
     p_climb: Annotated[float, "MPC_Z_VEL_P_ACC"]
     i_climb: Annotated[float, "MPC_Z_VEL_I_ACC"]
     hover_learning: float  # time constant
-    lean: float
-    lean_lag: float  # time constant
+    max_tilt: float
+    tilt_lag: float  # time constant
     spool_up: Annotated[float, "COM_SPOOLUP_TIME"]
     takeoff_speed: float
     takeoff_ramp: float
@@ -242,8 +242,8 @@ def px4_limits(parameters: Parameters, version: Version | None = None) -> Px4Lim
         descent=descent,
         max_descent=max(p["MPC_Z_VEL_MAX_DN"], 1.2 * descent),
         hover_learning=p["MPC_THR_HOVER"] / (p["HTE_HT_NOISE"] * GRAVITY) if learns else math.inf,
-        lean=math.radians(min(p["MPC_TILTMAX_AIR"], 80.0)),
-        lean_lag=1 / p["MC_ROLL_P"],
+        max_tilt=math.radians(min(p["MPC_TILTMAX_AIR"], 80.0)),
+        tilt_lag=1 / p["MC_ROLL_P"],
         takeoff_speed=min(p["MPC_TKO_SPEED"], p["MPC_Z_VEL_MAX_UP"]),
         takeoff_ramp=max(p["MPC_TKO_RAMP_T"], 0.1),
         land_speed=min(p["MPC_LAND_SPEED"], p["MPC_Z_VEL_MAX_DN"]),

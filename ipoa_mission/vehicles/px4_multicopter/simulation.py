@@ -150,7 +150,7 @@ class MissionSimulation:
             planned=min(stop, order.cruise) if length > 1.0 else None,
             allowed=self.allowed(order),
             asked=order.cruise,
-            top=self.airframe.top_speed(limits.lean) + wind,
+            top=self.airframe.top_speed(limits.max_tilt) + wind,
             flown=float(np.hypot(samples[rows, 4], samples[rows, 5]).max(initial=0.0)),
             corner=corner_deg(order.start, order.goal, order.beyond),
             stops=order.beyond == order.goal,

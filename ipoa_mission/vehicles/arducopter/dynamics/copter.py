@@ -275,7 +275,7 @@ class Copter:
         self._begin_over(legs.hold_leg(self.here, seconds))
 
     def brake(self) -> Place:
-        """Reset all but the lean; return the stopping place."""
+        """Reset all but the tilt; return the stopping place."""
         self._restart()
         self._begin_over(legs.hold_leg(self.stopping_place(), math.inf))
         self.passed = True

@@ -39,11 +39,11 @@ class Airframe(NamedTuple):
         density = (1 - 2.25577e-5 * min(max(altitude, low), high)) ** 4.2559 if math.isfinite(altitude) else 1.0
         return self._replace(rotor_drag=self.rotor_drag * math.sqrt(density), body_drag=self.body_drag * density)
 
-    def top_speed(self, lean: float) -> float:
-        """Solve (r + q v) v = g tan(lean) for v [m/s], lean [rad]."""
-        pull = GRAVITY * math.tan(lean)
-        q = self.body_drag * math.cos(lean)
-        r = self.rotor_drag / math.sqrt(math.cos(lean))
+    def top_speed(self, tilt: float) -> float:
+        """Solve (r + q v) v = g tan(tilt) for v [m/s], tilt [rad]."""
+        pull = GRAVITY * math.tan(tilt)
+        q = self.body_drag * math.cos(tilt)
+        r = self.rotor_drag / math.sqrt(math.cos(tilt))
         if r <= 0 and q <= 0:
             return math.inf
         return 2 * pull / (r + math.sqrt(r**2 + 4 * q * pull))
@@ -55,7 +55,7 @@ class Airframe(NamedTuple):
         return np.asarray(self.body_drag * body + self.rotor_drag / np.sqrt(axes[:, 2, 2, None]) * through_air)
 
 
-#: The built-in quadrotor of 3 kg, at sea level: a lean of 45 degrees holds 15.08 m/s at 593 m AMSL. Rotor drag: 0.2 v
+#: The built-in quadrotor of 3 kg, at sea level: a tilt of 45 degrees holds 15.08 m/s at 593 m AMSL. Rotor drag: 0.2 v
 #: sqrt(T rho A), A = 0.385 m^2.
 ARDUPILOT_SIMULATOR = Airframe(rotor_drag=0.2484, body_drag=0.0356, lag=0.02)
 
@@ -120,9 +120,9 @@ class Tuning(NamedTuple):
     limits: CopterLimits
     airframe: Airframe
     wind: WindTable
-    max_lean: float
+    max_tilt_accel: float
     smoothing: float  # share of the velocity error
-    tilt_gain: float  # share of the lean setpoint
+    tilt_gain: float  # share of the tilt setpoint
     rotor_gain: float
     slowing: float
     slew: float  # of the yaw in one step [rad]; 0: fixed
@@ -139,9 +139,9 @@ def tuning(limits: CopterLimits, airframe: Airframe, wind: Wind) -> Tuning:
         limits,
         airframe,
         blows._replace(levels=tuple(blows.levels)),
-        max_lean=GRAVITY * math.tan(limits.lean),
+        max_tilt_accel=GRAVITY * math.tan(limits.max_tilt),
         smoothing=share(1 / (2 * math.pi * limits.velocity_filter)),
-        tilt_gain=share(limits.lean_lag),
+        tilt_gain=share(limits.tilt_lag),
         rotor_gain=share(airframe.lag),
         slowing=share(max(limits.accel / limits.jerk, STEP)),
         slew=limits.yaw_rate * STEP,
@@ -161,9 +161,9 @@ class State:
     vz: float = 0.0
     accel: complex = 0j
     az: float = 0.0
-    setpoint: complex = 0j  # lean setpoint: g tan(angle)
+    setpoint: complex = 0j  # tilt setpoint: g tan(angle)
     shaped: complex = 0j  # of the attitude controller
-    lean: complex = 0j
+    tilt: complex = 0j
     load: float = 1.0  # share of the weight on the rotors
     yaw: float = 0.0  # clockwise from north
     heading: complex = 1j  # unit vector of the yaw

@@ -214,8 +214,8 @@ def control(state: State, tuning: Tuning) -> None:
     error = state.error + gain
     setpoint = state.accel_desired + limits.p_velocity * error + state.integral + limits.d_velocity * gain / STEP
     integral = state.integral + limits.i_velocity * error * STEP
-    if dot(setpoint, setpoint) > tuning.max_lean**2:
-        setpoint = within_lean(setpoint, state.vel_desired, tuning.max_lean)
+    if dot(setpoint, setpoint) > tuning.max_tilt_accel**2:
+        setpoint = within_tilt(setpoint, state.vel_desired, tuning.max_tilt_accel)
         grown = math.sqrt(square(integral))
         integrated = math.sqrt(square(state.integral))
         if dot(error, setpoint) > 0.0 and grown > integrated:  # anti-windup
@@ -223,7 +223,7 @@ def control(state: State, tuning: Tuning) -> None:
     state.error, state.integral, state.setpoint = error, integral, setpoint
 
 
-def within_lean(setpoint: complex, velocity: complex, most: float) -> complex:
+def within_tilt(setpoint: complex, velocity: complex, most: float) -> complex:
     """The part across the path takes precedence."""
     flat = size(velocity)
     if flat < 1e-9:
@@ -236,13 +236,13 @@ def within_lean(setpoint: complex, velocity: complex, most: float) -> complex:
 
 def move(state: State, tuning: Tuning) -> None:
     state.shaped += (state.setpoint - state.shaped) * tuning.tilt_gain
-    state.lean += (state.shaped - state.lean) * tuning.rotor_gain
+    state.tilt += (state.shaped - state.tilt) * tuning.rotor_gain
     turn_yaw(state, tuning)
     climbed = state.vz_desired * state.clock_rate
     state.vz = climbed + tuning.limits.p_height * (state.target_z - state.z - climbed * STEP)
     slowing, lift = drag(state, tuning)
     state.load = 1.0 - lift / GRAVITY
-    state.accel = state.lean * state.load + slowing
+    state.accel = state.tilt * state.load + slowing
     state.velocity += state.accel * STEP
     state.place, state.z = state.place + state.velocity * STEP, state.z + state.vz * STEP
     state.time += STEP
@@ -266,13 +266,13 @@ def drag(state: State, tuning: Tuning) -> tuple[complex, float]:
     """Return the horizontal and upward acceleration by drag [m/s^2]."""
     wind_east, wind_north = wind_at(state.z, tuning.wind)
     air = Enu(state.velocity.real - wind_east, state.velocity.imag - wind_north, state.vz)
-    length = math.sqrt(GRAVITY**2 + state.lean.real**2 + state.lean.imag**2)
-    upward = Enu(state.lean.real / length, state.lean.imag / length, GRAVITY / length)
+    length = math.sqrt(GRAVITY**2 + state.tilt.real**2 + state.tilt.imag**2)
+    upward = Enu(state.tilt.real / length, state.tilt.imag / length, GRAVITY / length)
     heading = state.heading
-    tilt = heading.real * upward.east + heading.imag * upward.north
-    length = math.sqrt(1.0 - tilt * tilt)
-    east = (heading.real - tilt * upward.east) / length
-    forward = Enu(east, (heading.imag - tilt * upward.north) / length, -tilt * upward.up / length)
+    forward_tilt = heading.real * upward.east + heading.imag * upward.north
+    length = math.sqrt(1.0 - forward_tilt * forward_tilt)
+    east = (heading.real - forward_tilt * upward.east) / length
+    forward = Enu(east, (heading.imag - forward_tilt * upward.north) / length, -forward_tilt * upward.up / length)
     left = Enu(
         upward.north * forward.up - upward.up * forward.north,
         upward.up * forward.east - upward.east * forward.up,

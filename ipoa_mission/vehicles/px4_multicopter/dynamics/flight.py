@@ -58,7 +58,7 @@ HOVER_SURE, HOVER_SURE_UP = 10.0, 2.0  # of good hover thrust estimates: HTE_VXY
 def control_velocity(
     state: State, trajectory: Trajectory, order: Order, constants: SimulationConstants
 ) -> tuple[Enu, Control]:
-    """Return the acceleration setpoint (horizontal by lean, up by thrust over weight), and the controller's next state.
+    """Return the acceleration setpoint (horizontal by tilt, up by thrust over weight), and the controller's next state.
 
     A take-off ramps up the climb limit, without acceleration feed-forward.
     """
@@ -84,8 +84,8 @@ def control_velocity(
     up = min(max(climb, -limits.max_descent), max_climb) - body.speed.up
     thrust = max(foreseen + limits.p_climb * up + before.integral.up, -GRAVITY)
     size = math.sqrt(ask_east * ask_east + ask_north * ask_north)
-    share = 1.0 if size <= constants.max_lean else constants.max_lean / size
-    # anti-windup: with too little lean or thrust
+    share = 1.0 if size <= constants.max_tilt_accel else constants.max_tilt_accel / size
+    # anti-windup: with too little tilt or thrust
     back = 2.0 / limits.p_velocity * max(1.0 - share * (1.0 + thrust / GRAVITY) / before.hover, 0.0)
     integral = Enu(
         before.integral.east + limits.i_velocity * (east - back * ask_east) * dt,

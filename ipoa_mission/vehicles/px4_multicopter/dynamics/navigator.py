@@ -42,10 +42,10 @@ def airframe_of(vehicle: LearnedVehicle | None) -> Airframe:
 def simulation_constants(
     limits: Px4Limits, airframe: Airframe, sensors: SensorModel, wind: Wind, dt: float
 ) -> SimulationConstants:
-    tilt_gain = -math.expm1(-dt / limits.lean_lag)
+    tilt_gain = -math.expm1(-dt / limits.tilt_lag)
     rotor_gain = -math.expm1(-dt / airframe.lag)
     sensors = sensors._replace(sees_ground=sensors.sees_ground and limits.has_range_finder)
-    steps = (dt, GRAVITY * math.tan(limits.lean), tilt_gain, rotor_gain)
+    steps = (dt, GRAVITY * math.tan(limits.max_tilt), tilt_gain, rotor_gain)
     return SimulationConstants(limits, airframe, sensors, wind_table(wind), *steps, turns=True, noisy=True)
 
 

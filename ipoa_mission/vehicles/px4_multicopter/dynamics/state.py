@@ -30,9 +30,9 @@ class Airframe(NamedTuple):
     lift_delay: float = 0.0  # of lift-off [s]
     landing_delay: float = 0.0  # of disarming [s]
 
-    def top_speed(self, lean: float) -> float:
-        """Return the horizontal speed [m/s] held by a lean [rad] in calm air."""
-        return GRAVITY * math.tan(lean) / self.drag if self.drag > 0 else math.inf
+    def top_speed(self, tilt: float) -> float:
+        """Return the horizontal speed [m/s] held by a tilt [rad] in calm air."""
+        return GRAVITY * math.tan(tilt) / self.drag if self.drag > 0 else math.inf
 
     def slowing(self, through_air: Points, _axes: Points) -> Points:
         """Return the drag deceleration [m/s^2] (n, 3) of an air velocity."""
@@ -50,7 +50,7 @@ class SensorModel(NamedTuple):
     sees_ground: bool  # a range finder
 
 
-#: SIH's quadrotor (1 kg, drag 1 N s/m): 9.8 m/s at a lean of 45 degrees.
+#: SIH's quadrotor (1 kg, drag 1 N s/m): 9.8 m/s at a tilt of 45 degrees.
 SIH = Airframe(drag=1.0, lag=0.06)
 SIH_SENSORS = SensorModel(every=0.125, height_noise=0.5, drift=0.2, drift_up=0.13, drift_lasts=4.5, sees_ground=True)
 NOISE_FREE = SensorModel(every=math.inf, height_noise=0.0, drift=0.0, drift_up=0.0, drift_lasts=1.0, sees_ground=False)
@@ -79,7 +79,7 @@ class SimulationConstants(NamedTuple):
     sensors: SensorModel
     wind: WindTable
     dt: float  # of a step [s]
-    max_lean: float  # g tan(lean)
+    max_tilt_accel: float  # g tan(tilt)
     tilt_gain: float  # of first-order lags in one step
     rotor_gain: float
     turns: bool  # the yaw matters
@@ -122,8 +122,8 @@ class Body(NamedTuple):
     place: Enu
     speed: Enu  # estimated
     acceleration: EastNorth
-    setpoint: EastNorth  # lean setpoint: acceleration at one g
-    thrust: Enu  # lean, and thrust above weight
+    setpoint: EastNorth  # tilt setpoint: acceleration at one g
+    thrust: Enu  # tilt, and thrust above weight
     on_ground: bool
     airborne_since: float
 
@@ -235,11 +235,11 @@ def integrate(state: State, setpoint: Enu, constants: SimulationConstants, is_he
     drift = state.errors.drift
     dt = constants.dt
     drag = constants.airframe.drag
-    lean_east = body.setpoint.east + (setpoint.east - body.setpoint.east) * constants.tilt_gain
-    lean_north = body.setpoint.north + (setpoint.north - body.setpoint.north) * constants.tilt_gain
+    tilt_east = body.setpoint.east + (setpoint.east - body.setpoint.east) * constants.tilt_gain
+    tilt_north = body.setpoint.north + (setpoint.north - body.setpoint.north) * constants.tilt_gain
     thrust = Enu(
-        body.thrust.east + (lean_east - body.thrust.east) * constants.rotor_gain,
-        body.thrust.north + (lean_north - body.thrust.north) * constants.rotor_gain,
+        body.thrust.east + (tilt_east - body.thrust.east) * constants.rotor_gain,
+        body.thrust.north + (tilt_north - body.thrust.north) * constants.rotor_gain,
         body.thrust.up + (setpoint.up - body.thrust.up) * constants.rotor_gain,
     )
     lift = 1.0 + thrust.up / GRAVITY
@@ -260,5 +260,5 @@ def integrate(state: State, setpoint: Enu, constants: SimulationConstants, is_he
         place = plus(place, scaled(plus(speed, drift), dt))
     return Body(
         place=place, speed=speed, acceleration=EastNorth(felt_east, felt_north),
-        setpoint=EastNorth(lean_east, lean_north), thrust=thrust, on_ground=on_ground, airborne_since=since,
+        setpoint=EastNorth(tilt_east, tilt_north), thrust=thrust, on_ground=on_ground, airborne_since=since,
     )  # fmt: skip
