@@ -58,10 +58,10 @@ def flown_circle(limits: CopterLimits, radius: float, speed: float, turn: float)
         pace = spin * flown
         setpoint = min(pace / math.cos(aside), speed)
         closing = pace * math.cos(aside)
-        law = setpoint + closing
-        if law > accel / gain:
-            law = (setpoint + math.sqrt(setpoint * setpoint + 4.0 * closing * accel / gain)) / 2.0
-        ahead = law / gain if law <= accel / gain else linear / 2.0 + law * law / (2.0 * accel)
+        commanded = setpoint + closing
+        if commanded > accel / gain:
+            commanded = (setpoint + math.sqrt(setpoint * setpoint + 4.0 * closing * accel / gain)) / 2.0
+        ahead = commanded / gain if commanded <= accel / gain else linear / 2.0 + commanded * commanded / (2.0 * accel)
         inward = ahead * math.sin(aside)
         flown = (flown + inward + math.sqrt(max(radius**2 - (ahead * math.cos(aside)) ** 2, CENTIMETER))) / 2.0
     behind = math.atan2(ahead * math.cos(aside), flown - ahead * math.sin(aside))

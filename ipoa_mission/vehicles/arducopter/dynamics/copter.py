@@ -208,12 +208,13 @@ class Copter:
         state = self.state
         if self.passed and planned is not NO_LEG and planned.target == stop.place:
             straight = self.this.kind == Kind.STRAIGHT
-            state.clock_before, state.clock = state.clock, state.clock_next if straight else 0.0
+            state.leg_time_before = state.leg_time
+            state.leg_time = state.leg_time_next if straight else 0.0
             self._before = self.this if straight else NO_LEG
             this = self._as_begun(planned)
         else:
             this = self._unplanned(stop)
-            state.clock = 0.0
+            state.leg_time = 0.0
             self._before = NO_LEG
         onward = NO_LEG
         if following is not None:
@@ -244,7 +245,7 @@ class Copter:
         return legs.spline_leg(origin, stop, previous, self.speeds, self.limits)
 
     def _as_begun(self, planned: CopterLeg) -> CopterLeg:
-        elapsed = self.state.clock
+        elapsed = self.state.leg_time
         enter = self.state.speed if self._before is NO_LEG else 0.0  # a leg after a spline starts at its speed
         if planned.kind == Kind.SPLINE or elapsed > JUST_BEGUN or (enter == 0.0 and planned.speeds == self.speeds):
             return legs.at_speeds(planned, self.speeds, elapsed, self.limits)
@@ -256,7 +257,7 @@ class Copter:
         self.this = this
         self.following = following
         self.passed = False
-        self.state.clock_next = self.state.spline_u = self.state.az = 0.0
+        self.state.leg_time_next = self.state.spline_u = self.state.az = 0.0
 
     def change_speed(self, kind: int, speed: float) -> None:
         """Execute DO_CHANGE_SPEED: kind 0 and 1 horizontal, 2 climb, 3 descent."""
@@ -285,7 +286,7 @@ class Copter:
         state = self.state
         state.integral = state.setpoint
         state.error = 0j
-        state.clock_rate = 1.0
+        state.time_scale = 1.0
 
     def orbit(self, center: Place, radius: float, turn: float) -> None:
         self._restart()
@@ -345,7 +346,7 @@ class Copter:
 
     def _begin_over(self, leg: CopterLeg) -> None:
         self._before = NO_LEG
-        self.state.clock = 0.0
+        self.state.leg_time = 0.0
         self._begin(leg)
 
 

@@ -8,7 +8,7 @@ import ipoa_mission.forecast.itinerary.copter_curves as curves
 from ipoa_mission.geometry import ZERO, Enu, Place
 from ipoa_mission.vehicles.arducopter.dynamics.motion import CopterLeg, Kind, MotionLimits
 from ipoa_mission.vehicles.arducopter.dynamics.scurve import AT_REST, SCurveLimits, change, profile
-from ipoa_mission.vehicles.arducopter.dynamics.steps import along_limit, bend
+from ipoa_mission.vehicles.arducopter.dynamics.steps import along_limit, spline_at
 from ipoa_mission.vehicles.arducopter.limits import CopterLimits
 
 SPLINE_SHARE = 0.5  # of the acceleration limits
@@ -104,7 +104,7 @@ def join(this: CopterLeg, following: CopterLeg, copter: CopterLimits, left: floa
         return this
     speed = following.profile.peak
     if following.kind != Kind.STRAIGHT:
-        _, direction, _, fastest = bend(following, 0.0)
+        _, direction, _, fastest = spline_at(following, 0.0)
         speed = float(fastest)
         if following.kind == Kind.SPLINE:
             brakes = along_limit(direction, following.accel)
@@ -136,4 +136,4 @@ def leg_between(kind: Kind, origin: Place, target: Place, speeds: MotionLimits) 
 
 
 def _speed_at(leg: CopterLeg, end: float) -> float:
-    return leg.profile.peak if leg.kind == Kind.STRAIGHT else float(bend(leg, end)[3])
+    return leg.profile.peak if leg.kind == Kind.STRAIGHT else float(spline_at(leg, end)[3])

@@ -124,7 +124,7 @@ class Tuning(NamedTuple):
     smoothing: float  # share of the velocity error
     tilt_gain: float  # share of the tilt setpoint
     rotor_gain: float
-    slowing: float
+    time_scale_gain: float
     slew: float  # of the yaw in one step [rad]; 0: fixed
     most_astray: float  # farther from its target it is lost [m]
     turning_from: float  # least target speed that turns the yaw [m/s]
@@ -143,7 +143,7 @@ def tuning(limits: CopterLimits, airframe: Airframe, wind: Wind) -> Tuning:
         smoothing=share(1 / (2 * math.pi * limits.velocity_filter)),
         tilt_gain=share(limits.tilt_lag),
         rotor_gain=share(airframe.lag),
-        slowing=share(max(limits.accel / limits.jerk, STEP)),
+        time_scale_gain=share(max(limits.accel / limits.jerk, STEP)),
         slew=limits.yaw_rate * STEP,
         most_astray=ASTRAY + ASTRAY_S * limits.speed if wind.speed > 0 else math.inf,
         turning_from=STANDING_SHARE * limits.speed,
@@ -169,10 +169,10 @@ class State:
     heading: complex = 1j  # unit vector of the yaw
     error: complex = 0j  # filtered velocity error, and its integral
     integral: complex = 0j
-    clock_rate: float = 1.0  # of the path's time
-    clock_before: float = 0.0  # on the previous, this and next leg [s]
-    clock: float = 0.0
-    clock_next: float = 0.0
+    time_scale: float = 1.0  # of the path's time
+    leg_time_before: float = 0.0  # on the previous, this and next leg [s]
+    leg_time: float = 0.0
+    leg_time_next: float = 0.0
     spline_u: float = 0.0  # parameter of a spline, 0 to 1
     bearing: float = 0.0  # from an orbit's center to its start
     spin: float = 0.0  # turn rate [rad/s] and angle turned [rad]

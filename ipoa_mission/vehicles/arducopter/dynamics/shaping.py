@@ -74,7 +74,7 @@ def orbit(state: State, this: CopterLeg, tuning: Tuning) -> bool:
     angle = state.bearing + math.copysign(state.turned, this.turn)
     x, y = this.center.east + way.radius * math.sin(angle), this.center.north + way.radius * math.cos(angle)
     shape_to_place(state, complex(x, y), this.speeds.horizontal, tuning)
-    state.target_z, state.vz_desired, state.clock_rate = this.target.up, 0.0, 1.0
+    state.target_z, state.vz_desired, state.time_scale = this.target.up, 0.0, 1.0
     return state.turned >= abs(this.turn)
 
 
@@ -84,7 +84,7 @@ def level_off(state: State, this: CopterLeg, tuning: Tuning) -> bool:
     shape_to_rest(state, tuning)
     climb_rate = square_root_law(-before, tuning.limits.accel_z, tuning.limits.p_height)
     climb_at(state, min(max(climb_rate, -this.speeds.down), this.speeds.up), tuning)
-    state.clock_rate = 1.0
+    state.time_scale = 1.0
     passed = before * state.above < 0.0
     state.above = before
     return passed or abs(before) < LEVEL_OFF_TOLERANCE

@@ -44,7 +44,7 @@ def along_limit(direction: Enu, limits: MotionLimits) -> float:
     return min(limits.horizontal / horizontal, vertical / abs(direction.up))
 
 
-def bend(leg: CopterLeg, u: float) -> tuple[Enu, Enu, float, float]:
+def spline_at(leg: CopterLeg, u: float) -> tuple[Enu, Enu, float, float]:
     """Return place, direction, length of the derivative, and speed limit at parameter u."""
     a, b, c, d = leg.cubic[0], leg.cubic[1], leg.cubic[2], leg.cubic[3]
     place = plus(a, scaled(plus(b, scaled(plus(c, scaled(d, u)), u)), u))
@@ -55,32 +55,32 @@ def bend(leg: CopterLeg, u: float) -> tuple[Enu, Enu, float, float]:
         size = norm(second)
         if size < 1e-9:
             return place, ZERO, 0.0, 0.0
-        direction = over(second, size)
+        direction = divided(second, size)
         return place, direction, 0.0, along_limit(direction, leg.speeds)
-    direction = over(derivative, rate)
+    direction = divided(derivative, rate)
     top = along_limit(direction, leg.speeds)
     inward = minus(second, scaled(direction, enu_dot(second, direction)))
     across = norm(inward)
     if across > 1e-9:
-        most = along_limit(over(inward, across), leg.accel)
+        most = along_limit(divided(inward, across), leg.accel)
         top = min(top, rate * math.sqrt(most / across))
     return place, direction, rate, top
 
 
-def over(vector: Enu, divisor: float) -> Enu:
+def divided(vector: Enu, divisor: float) -> Enu:
     return Enu(vector.east / divisor, vector.north / divisor, vector.up / divisor)
 
 
-def clock_step(state: State, tuning: Tuning) -> float:
-    """Slow the path's clock if the vehicle lags; return its step [s]."""
+def scaled_step(state: State, tuning: Tuning) -> float:
+    """Slow the path's time if the vehicle lags; return its step [s]."""
     rate = 1.0
     fast = square(state.vel_desired) + state.vz_desired**2
     if fast > 1e-12:
-        flown = dot(state.velocity, state.vel_desired) + state.clock_rate * state.vz_desired**2
+        flown = dot(state.velocity, state.vel_desired) + state.time_scale * state.vz_desired**2
         behind = dot(state.target - state.place, state.vel_desired)
         rate = min(max(0.05 + (flown - tuning.limits.p_position * behind) / fast, 0.0), 1.0)
-    state.clock_rate += (rate - state.clock_rate) * tuning.slowing
-    return state.clock_rate * STEP
+    state.time_scale += (rate - state.time_scale) * tuning.time_scale_gain
+    return state.time_scale * STEP
 
 
 def add_leg(state: State, leg: CopterLeg, t: float, way_back: float) -> None:
@@ -109,35 +109,35 @@ def turn_is_gentle(this: CopterLeg, following: CopterLeg, elapsed: float, tuning
 
 def along_legs(state: State, before: CopterLeg, this: CopterLeg, following: CopterLeg, tuning: Tuning) -> bool:
     """Sum all three legs; return whether this one is over."""
-    h = clock_step(state, tuning)
-    state.clock += h
+    h = scaled_step(state, tuning)
+    state.leg_time += h
     rest_target(state, this.origin)
-    add_leg(state, this, state.clock, 0.0)
+    add_leg(state, this, state.leg_time, 0.0)
     if before.kind == Kind.STRAIGHT:
-        state.clock_before += h
-        add_leg(state, before, state.clock_before, before.length)
-    rest = this.profile.lasts - state.clock
+        state.leg_time_before += h
+        add_leg(state, before, state.leg_time_before, before.length)
+    rest = this.profile.lasts - state.leg_time
     finished = rest <= 0.0
     if following.kind == Kind.STRAIGHT:
-        if state.clock_next > 0.0:
-            state.clock_next += h
+        if state.leg_time_next > 0.0:
+            state.leg_time_next += h
         elif (
-            state.clock >= this.profile.falls
+            state.leg_time >= this.profile.falls
             and 0.0 < rest <= following.profile.risen
-            and turn_is_gentle(this, following, state.clock, tuning)
+            and turn_is_gentle(this, following, state.leg_time, tuning)
         ):
-            state.clock_next = h / 2
-        if state.clock_next > 0.0:
-            add_leg(state, following, state.clock_next, 0.0)
-            finished = finished or state.clock_next >= rest
+            state.leg_time_next = h / 2
+        if state.leg_time_next > 0.0:
+            add_leg(state, following, state.leg_time_next, 0.0)
+            finished = finished or state.leg_time_next >= rest
     state.speed = math.sqrt(square(state.vel_desired) + state.vz_desired**2)
     return finished
 
 
 def along_spline(state: State, this: CopterLeg, h: float) -> bool:
     """Return whether the spline is over."""
-    state.clock += h
-    place, direction, length, top = bend(this, min(state.spline_u, 1.0))
+    state.leg_time += h
+    place, direction, length, top = spline_at(this, min(state.spline_u, 1.0))
     left = norm(minus(this.target, place))
     most = along_limit(direction, this.accel)
     top = min(top, math.sqrt(2 * most * left + this.leave**2))
@@ -161,15 +161,15 @@ def along_spline(state: State, this: CopterLeg, h: float) -> bool:
 
 def braked(error: float, speed: float, accel: float, gain: float) -> float:
     """Return the square-root law's speed, less its decrease."""
-    law = square_root_law(error, accel, gain)
-    if law * speed <= 0.0:
-        return law
+    limit = square_root_law(error, accel, gain)
+    if limit * speed <= 0.0:
+        return limit
     if abs(error) <= accel / (gain * gain):
-        return law - speed
-    return law - accel / abs(law) * speed / gain
+        return limit - speed
+    return limit - accel / abs(limit) * speed / gain
 
 
-def upright(state: State, this: CopterLeg, tuning: Tuning) -> bool:
+def along_vertical(state: State, this: CopterLeg, tuning: Tuning) -> bool:
     """Return whether the climb or descent is over."""
     top = this.target.up
     if this.leave > 0.0:
@@ -178,12 +178,12 @@ def upright(state: State, this: CopterLeg, tuning: Tuning) -> bool:
         state.target = complex(this.target.east, this.target.north)
         state.vel_desired = 0j
         state.accel_desired = 0j
-    state.clock_rate = 1.0
+    state.time_scale = 1.0
     if this.kind == Kind.HOLD:
-        state.clock += STEP
+        state.leg_time += STEP
         state.target_z = top
         state.vz_desired = 0.0
-        return state.clock >= this.lasts
+        return state.leg_time >= this.lasts
     gain = tuning.limits.jerk_z / tuning.limits.accel_z
     if this.kind == Kind.CLIMB and tuning.limits.brakes_climb:
         climb_rate = min(braked(top - state.z, state.vz, tuning.limits.accel_z, gain), this.speeds.up)
@@ -238,11 +238,11 @@ def move(state: State, tuning: Tuning) -> None:
     state.shaped += (state.setpoint - state.shaped) * tuning.tilt_gain
     state.tilt += (state.shaped - state.tilt) * tuning.rotor_gain
     turn_yaw(state, tuning)
-    climbed = state.vz_desired * state.clock_rate
+    climbed = state.vz_desired * state.time_scale
     state.vz = climbed + tuning.limits.p_height * (state.target_z - state.z - climbed * STEP)
-    slowing, lift = drag(state, tuning)
+    drag_accel, lift = drag(state, tuning)
     state.load = 1.0 - lift / GRAVITY
-    state.accel = state.tilt * state.load + slowing
+    state.accel = state.tilt * state.load + drag_accel
     state.velocity += state.accel * STEP
     state.place, state.z = state.place + state.velocity * STEP, state.z + state.vz * STEP
     state.time += STEP
@@ -281,11 +281,11 @@ def drag(state: State, tuning: Tuning) -> tuple[complex, float]:
     thinner = THINNING * state.z
     rotors = tuning.airframe.rotor_drag * (1.0 - thinner / 2.0) * math.sqrt(state.load / upward.up)
     body = tuning.airframe.body_drag * (1.0 - thinner)
-    slowing = scaled(air, -rotors)
+    accel = scaled(air, -rotors)
     for axis in (upward, forward, left):
         speed = enu_dot(air, axis)
-        slowing = minus(slowing, scaled(axis, body * speed * abs(speed)))
-    return complex(slowing.east, slowing.north), slowing.up
+        accel = minus(accel, scaled(axis, body * speed * abs(speed)))
+    return complex(accel.east, accel.north), accel.up
 
 
 def step(state: State, before: CopterLeg, this: CopterLeg, following: CopterLeg, tuning: Tuning) -> bool:
@@ -293,13 +293,13 @@ def step(state: State, before: CopterLeg, this: CopterLeg, following: CopterLeg,
     if this.kind == Kind.STRAIGHT:
         finished = along_legs(state, before, this, following, tuning)
     elif this.kind == Kind.SPLINE:
-        finished = along_spline(state, this, clock_step(state, tuning))
+        finished = along_spline(state, this, scaled_step(state, tuning))
     elif this.kind == Kind.ORBIT:
         finished = orbit(state, this, tuning)
     elif this.kind == Kind.LEVEL_OFF:
         finished = level_off(state, this, tuning)
     else:
-        finished = upright(state, this, tuning)
+        finished = along_vertical(state, this, tuning)
     control(state, tuning)
     move(state, tuning)
     if this.kind > Kind.SPLINE or following.kind > Kind.NOTHING or this.leave > 0.0:
@@ -309,21 +309,23 @@ def step(state: State, before: CopterLeg, this: CopterLeg, following: CopterLeg,
 
 
 def pass_over_cruise(state: State, this: CopterLeg) -> None:
-    left = this.profile.falls - state.clock - SETTLED_S
+    left = this.profile.falls - state.leg_time - SETTLED_S
     if (
         this.kind != Kind.STRAIGHT
         or this.turn != 0.0
         or left < SETTLED_S
-        or state.clock < this.profile.risen + SETTLED_S
-        or state.clock_rate <= 0.0
+        or state.leg_time < this.profile.risen + SETTLED_S
+        or state.time_scale <= 0.0
     ):
         return
     if this.direction.up != 0.0 or abs(state.accel.real) + abs(state.accel.imag) > STEADY:
         return
-    way = left * along(this, state.clock)[1]
+    way = left * along(this, state.leg_time)[1]
     skipped = complex(way * this.direction.east, way * this.direction.north)
-    state.place, state.target = state.place + skipped, state.target + skipped
-    state.time, state.clock = state.time + left / state.clock_rate, state.clock + left
+    state.place += skipped
+    state.target += skipped
+    state.time += left / state.time_scale
+    state.leg_time += left
 
 
 def fly_leg(
@@ -350,7 +352,7 @@ def fly_leg(
         if count % SAMPLE_STEPS == 0:
             if used >= len(samples):
                 return -1
-            keep(state, samples[used])
+            write_sample(state, samples[used])
             used += 1
             lag = state.target - state.place
             if dot(lag, lag) > tuning.most_astray**2:
@@ -358,6 +360,6 @@ def fly_leg(
     return used
 
 
-def keep(state: State, row: Vector) -> None:
+def write_sample(state: State, row: Vector) -> None:
     row[0], row[1], row[2], row[3] = state.time, state.place.real, state.place.imag, state.z
     row[4], row[5], row[6] = state.velocity.real, state.velocity.imag, state.vz
