@@ -69,30 +69,30 @@ def control_velocity(
     velocity = horizontal_velocity(trajectory, body, limits, dt)
     east = velocity.east - body.speed.east - body.acceleration.east * dt
     north = velocity.north - body.speed.north - body.acceleration.north * dt
-    ask_east = trajectory.east.acceleration + limits.p_velocity * east + before.integral.east
-    ask_north = trajectory.north.acceleration + limits.p_velocity * north + before.integral.north
-    ask_east -= limits.d_velocity * body.acceleration.east
-    ask_north -= limits.d_velocity * body.acceleration.north
+    accel_east = trajectory.east.acceleration + limits.p_velocity * east + before.integral.east
+    accel_north = trajectory.north.acceleration + limits.p_velocity * north + before.integral.north
+    accel_east -= limits.d_velocity * body.acceleration.east
+    accel_north -= limits.d_velocity * body.acceleration.north
     max_climb = limits.max_climb
-    foreseen = trajectory.up.acceleration
+    feed_forward = trajectory.up.acceleration
     ramp = state.time - state.begun
     if order.kind == TAKE_OFF and ramp < limits.takeoff_ramp:
         none = -GRAVITY / limits.p_climb
         max_climb = none + ramp / limits.takeoff_ramp * (max_climb - none)
-        foreseen = 0.0
+        feed_forward = 0.0
     climb = trajectory.up.speed + limits.p_height * (trajectory.up.place - body.place.up)
     up = min(max(climb, -limits.max_descent), max_climb) - body.speed.up
-    thrust = max(foreseen + limits.p_climb * up + before.integral.up, -GRAVITY)
-    size = math.sqrt(ask_east * ask_east + ask_north * ask_north)
-    share = 1.0 if size <= constants.max_tilt_accel else constants.max_tilt_accel / size
+    thrust = max(feed_forward + limits.p_climb * up + before.integral.up, -GRAVITY)
+    size = math.sqrt(accel_east * accel_east + accel_north * accel_north)
+    scale = 1.0 if size <= constants.max_tilt_accel else constants.max_tilt_accel / size
     # anti-windup: with too little tilt or thrust
-    back = 2.0 / limits.p_velocity * max(1.0 - share * (1.0 + thrust / GRAVITY) / before.hover, 0.0)
+    back = 2.0 / limits.p_velocity * max(1.0 - scale * (1.0 + thrust / GRAVITY) / before.hover, 0.0)
     integral = Enu(
-        before.integral.east + limits.i_velocity * (east - back * ask_east) * dt,
-        before.integral.north + limits.i_velocity * (north - back * ask_north) * dt,
+        before.integral.east + limits.i_velocity * (east - back * accel_east) * dt,
+        before.integral.north + limits.i_velocity * (north - back * accel_north) * dt,
         before.integral.up + (limits.i_climb * up * dt if up > 0.0 or thrust > -GRAVITY else 0.0),
     )
-    return Enu(ask_east * share, ask_north * share, thrust), Control(integral, before.hover, thrust)
+    return Enu(accel_east * scale, accel_north * scale, thrust), Control(integral, before.hover, thrust)
 
 
 def horizontal_velocity(trajectory: Trajectory, body: Body, limits: Px4Limits, dt: float) -> EastNorth:
@@ -101,8 +101,8 @@ def horizontal_velocity(trajectory: Trajectory, body: Body, limits: Px4Limits, d
     east = x.speed + limits.p_position * (x.place - body.place.east - body.speed.east * dt)
     north = y.speed + limits.p_position * (y.place - body.place.north - body.speed.north * dt)
     size = math.sqrt(east * east + north * north)
-    share = 1.0 if size <= limits.max_speed else limits.max_speed / size
-    return EastNorth(east * share, north * share)
+    scale = 1.0 if size <= limits.max_speed else limits.max_speed / size
+    return EastNorth(east * scale, north * scale)
 
 
 def learn_hover(control: Control, body: Body, constants: SimulationConstants, time: float) -> Control:

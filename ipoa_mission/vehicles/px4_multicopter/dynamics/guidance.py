@@ -64,18 +64,18 @@ class Climb(NamedTuple):
     accel: float
 
 
-def vertical_speed(place: Enu, to: Triplet, climb: Climb, limits: Px4Limits) -> float:
+def vertical_speed(place: Enu, waypoints: Triplet, climb: Climb, limits: Px4Limits) -> float:
     """Return the vertical speed at the goal's height, within the limits of the climb.
 
     As in PX4 the angle is in the plane of height and distance from the origin.
     """
     leave = 0.0
-    goal = to.goal
-    if abs(to.beyond.up - goal.up) > 0.001:
+    goal = waypoints.goal
+    if abs(waypoints.beyond.up - goal.up) > 0.001:
         from_here = horizontal_norm(goal) - horizontal_norm(place)
-        from_beyond = horizontal_norm(goal) - horizontal_norm(to.beyond)
+        from_beyond = horizontal_norm(goal) - horizontal_norm(waypoints.beyond)
         up_from_here = goal.up - place.up
-        up_from_beyond = goal.up - to.beyond.up
+        up_from_beyond = goal.up - waypoints.beyond.up
         here_squared = from_here * from_here + up_from_here * up_from_here
         beyond_squared = from_beyond * from_beyond + up_from_beyond * up_from_beyond
         size = math.sqrt(here_squared * beyond_squared)
@@ -144,7 +144,7 @@ def turn_yaw(state: State, order: Order, limits: Px4Limits, dt: float) -> Yaw:
 
 
 AT_GOAL = 1e-5  # no velocity setpoint nearer [m]
-TURNING = 0.98  # cosine between velocity and aim in a turn
+TURNING = 0.98  # cosine between velocity and way to the goal in a turn
 LEAST_AHEAD = 5.0  # look-ahead in a turn, at least the acceptance radius [m]
 MOVING = 0.2  # least speed of a turn [m/s]
 SEPARATE_AXES_SPEED = 0.5  # below, horizontal and vertical parts are cut separately [m/s]
@@ -223,63 +223,67 @@ def velocity_setpoint(
     """Return velocity setpoint before jerk limits, and guidance; in a turn it aims ahead at constant speed."""
     limits = constants.limits
     x, y = state.trajectory.east, state.trajectory.north
-    to = triplet(guidance, order)
+    waypoints = triplet(guidance, order)
     place = Enu(x.place, y.place, state.trajectory.up.place - reported_home_error(state, order))
-    aim = minus(to.goal, place)
-    distance = horizontal_norm(aim)
-    fast = corner_speed(aim, minus(to.beyond, to.goal), order, limits)
-    held = fast
+    to_point = minus(waypoints.goal, place)
+    distance = horizontal_norm(to_point)
+    horizontal_speed = corner_speed(to_point, minus(waypoints.beyond, waypoints.goal), order, limits)
+    held = horizontal_speed
     speed = math.sqrt(x.speed * x.speed + y.speed * y.speed)
-    is_turning = x.speed * aim.east + y.speed * aim.north < TURNING * speed * distance
+    is_turning = x.speed * to_point.east + y.speed * to_point.north < TURNING * speed * distance
     if speed > MOVING and distance > order.radius and is_turning:
         held = guidance.held
-        fast = min(held, fast)
-        aim = ahead_on_leg(place, to, aim, order.radius)
+        horizontal_speed = min(held, horizontal_speed)
+        to_point = ahead_on_leg(place, waypoints, to_point, order.radius)
     if order.kind == LAND:
-        share = fast / distance if distance > AT_GOAL else 0.0
-        velocity = Enu(aim.east * share, aim.north * share, -sink_rate(state, order, constants))
+        scale = horizontal_speed / distance if distance > AT_GOAL else 0.0
+        velocity = Enu(to_point.east * scale, to_point.north * scale, -sink_rate(state, order, constants))
     else:
         climb = climb_limits(guidance.rising, is_low_take_off(state, order, limits), limits)
-        rise = vertical_speed(place, to, climb, limits)
-        velocity = decoupled_velocity(aim, fast, rise) if limits.decoupled_axes else within(aim, fast, rise)
+        rise = vertical_speed(place, waypoints, climb, limits)
+        velocity = (
+            decoupled_velocity(to_point, horizontal_speed, rise)
+            if limits.decoupled_axes
+            else coupled_velocity(to_point, horizontal_speed, rise)
+        )
     if limits.turns_first and order.may_turn_first and abs(heading_error(state, order)) > limits.yaw_error:
         velocity = ZERO
     return velocity, Guidance(guidance.side, guidance.anchor, held, velocity.up > 0.0)
 
 
-def ahead_on_leg(place: Enu, to: Triplet, aim: Enu, radius: float) -> Enu:
+def ahead_on_leg(place: Enu, waypoints: Triplet, to_point: Enu, radius: float) -> Enu:
     """Return the way from `place` to a point of the leg, `radius` or LEAST_AHEAD away [m]."""
-    leg = minus(to.goal, to.start)
+    leg = minus(waypoints.goal, waypoints.start)
     length = norm(leg)
     if length <= 1e-6:
-        return aim
+        return to_point
     direction = Enu(leg.east / length, leg.north / length, leg.up / length)
-    nearest = plus(to.start, scaled(direction, dot(minus(place, to.start), direction)))
+    nearest = plus(waypoints.start, scaled(direction, dot(minus(place, waypoints.start), direction)))
     aside = minus(nearest, place)
     reach = max(radius, LEAST_AHEAD)
     squared = reach * reach - aside.east * aside.east - aside.north * aside.north - aside.up * aside.up
     return plus(aside, scaled(direction, math.sqrt(max(squared, 0.0))))
 
 
-def decoupled_velocity(aim: Enu, fast: float, rise: float) -> Enu:
-    """Return a velocity along `aim`, of a horizontal and a vertical speed [m/s]."""
-    far = horizontal_norm(aim)
-    share = fast / far if far > 0.0 else 0.0
-    up = 0.0 if aim.up == 0.0 else math.copysign(rise, aim.up)
-    return Enu(aim.east * share, aim.north * share, up)
+def decoupled_velocity(to_point: Enu, horizontal_speed: float, rise: float) -> Enu:
+    """Return a velocity along `to_point`, of a horizontal and a vertical speed [m/s]."""
+    far = horizontal_norm(to_point)
+    scale = horizontal_speed / far if far > 0.0 else 0.0
+    up = 0.0 if to_point.up == 0.0 else math.copysign(rise, to_point.up)
+    return Enu(to_point.east * scale, to_point.north * scale, up)
 
 
-def within(aim: Enu, fast: float, rise: float) -> Enu:
-    """Return a velocity along `aim`, cut to a horizontal and a vertical speed [m/s]."""
-    length = norm(aim)
+def coupled_velocity(to_point: Enu, horizontal_speed: float, rise: float) -> Enu:
+    """Return a velocity along `to_point`, cut to a horizontal and a vertical speed [m/s]."""
+    length = norm(to_point)
     if length <= AT_GOAL:
         return ZERO
-    east, north, up = scaled(aim, math.sqrt(fast * fast + rise * rise) / length)
+    east, north, up = scaled(to_point, math.sqrt(horizontal_speed * horizontal_speed + rise * rise) / length)
     flat = math.sqrt(east * east + north * north)
-    if flat > fast:
-        east, north = east * fast / flat, north * fast / flat
-        if fast >= SEPARATE_AXES_SPEED or flat >= SEPARATE_AXES_SPEED:
-            up *= fast / flat
+    if flat > horizontal_speed:
+        east, north = east * horizontal_speed / flat, north * horizontal_speed / flat
+        if horizontal_speed >= SEPARATE_AXES_SPEED or flat >= SEPARATE_AXES_SPEED:
+            up *= horizontal_speed / flat
     if abs(up) > rise:
         if rise >= SEPARATE_AXES_SPEED or abs(up) >= SEPARATE_AXES_SPEED:
             east, north = east * rise / abs(up), north * rise / abs(up)
