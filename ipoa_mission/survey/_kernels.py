@@ -28,32 +28,32 @@ class OrderChange(NamedTuple):
 
 
 @njit(cache=True, error_model="numpy")
-def seconds_of(clock, east, north):
+def seconds_of(leg_times, east, north):
     length = math.sqrt(east * east + north * north)
-    count = clock.pace.size
+    count = leg_times.pace.size
     if count == 1:
-        return length * clock.pace[0]
+        return length * leg_times.pace[0]
     at = math.atan2(north, east) / (2.0 * math.pi) * count
     low = math.floor(at)
     share, k = at - low, int(low) % count
-    return length * ((1.0 - share) * clock.pace[k] + share * clock.pace[(k + 1) % count])
+    return length * ((1.0 - share) * leg_times.pace[k] + share * leg_times.pace[(k + 1) % count])
 
 
 @njit(cache=True, error_model="numpy")
-def corner_at(clock, cosine, length):
+def corner_at(leg_times, cosine, length):
     """Return the time a corner adds [s]; `length` [m]: its shorter leg."""
-    angles, lengths = clock.corner.shape
+    angles, lengths = leg_times.corner.shape
     a = math.acos(min(max(cosine, -1.0), 1.0)) / math.pi * (angles - 1)
     i = min(int(a), angles - 2)
-    b = 0.0 if length <= clock.shortest else math.log(length / clock.shortest) / clock.ratio
+    b = 0.0 if length <= leg_times.shortest else math.log(length / leg_times.shortest) / leg_times.ratio
     j = min(int(b), lengths - 2)
     b = min(b, lengths - 1.0)
-    s, t, c = a - i, b - j, clock.corner
+    s, t, c = a - i, b - j, leg_times.corner
     return (1 - s) * ((1 - t) * c[i, j] + t * c[i, j + 1]) + s * ((1 - t) * c[i + 1, j] + t * c[i + 1, j + 1])
 
 
 @njit(cache=True, error_model="numpy")
-def path_seconds(clock, path):
+def path_seconds(leg_times, path):
     """Return the time of a polyline (n, 2), at speed at both ends [s]."""
     total, before, was_e, was_n = 0.0, 0.0, 0.0, 0.0
     for k in range(len(path) - 1):
@@ -61,9 +61,9 @@ def path_seconds(clock, path):
         length = math.sqrt(e * e + n * n)
         if length < 1e-6:
             continue
-        total += seconds_of(clock, e, n)
+        total += seconds_of(leg_times, e, n)
         if before > 0.0:
-            total += corner_at(clock, (e * was_e + n * was_n) / (length * before), min(length, before))
+            total += corner_at(leg_times, (e * was_e + n * was_n) / (length * before), min(length, before))
         before, was_e, was_n = length, e, n
     return total
 
@@ -146,7 +146,7 @@ def _other(end):
 
 
 @njit(cache=True, error_model="numpy")
-def ways_between(clock, ends, corners, near, between, edges, bend):
+def ways_between(leg_times, ends, corners, near, between, edges, bend):
     """Return the times of the ways between all line ends (n, n), corners at both ends included [s].
 
     `near` and `between`: straight `times.Ways` from ends to corners and between corners. Also return the last corner
@@ -192,15 +192,15 @@ def ways_between(clock, ends, corners, near, between, edges, bend):
                 n = y - by
                 leg = math.hypot(e, n)
                 if leg > 1e-6:
-                    total += seconds_of(clock, e, n)
+                    total += seconds_of(leg_times, e, n)
                     if length > 1e-6:
-                        total += corner_at(clock, (e * in_e + n * in_n) / (leg * length), min(leg, length))
+                        total += corner_at(leg_times, (e * in_e + n * in_n) / (leg * length), min(leg, length))
                     in_e, in_n, length = e, n, leg
                 if c == DIRECT:
                     break
                 x, y, c = bx, by, prev[i, c]
             if out > 1e-6 and length > 1e-6:
-                total += corner_at(clock, (out_e * in_e + out_n * in_n) / (out * length), min(out, length))
+                total += corner_at(leg_times, (out_e * in_e + out_n * in_n) / (out * length), min(out, length))
             times[i, j] = total
     return times, last, prev
 

@@ -51,7 +51,7 @@ class FreeSpace:
         no_arms = np.zeros((len(ends), 4))
         near = listed(straight_ways(ends, no_arms, self.corners, self.arms, self.edges))
         bend_m = 1.0 * cost.speed
-        return ways_between(cost.clock, ends, self.corners, near, self.between, self.edges, bend_m)
+        return ways_between(cost.table, ends, self.corners, near, self.between, self.edges, bend_m)
 
 
 class Transits:

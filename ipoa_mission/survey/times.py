@@ -43,7 +43,7 @@ class LegTimes:
     """Times at one speed [m/s] in one wind; `past_corners`: overshoot past 90 degrees [m]."""
 
     speed: float
-    clock: LegTimeTable
+    table: LegTimeTable
     past_corners: float
 
     @classmethod
@@ -58,12 +58,12 @@ class LegTimes:
         alone, pairs = costs[: len(ANGLES) - 1], costs[len(ANGLES) - 1 :].reshape(-1, len(SHORT_LEGS_S)) / 2
         sharp = np.repeat(pairs[-1:], len(ANGLES) - len(pairs), axis=0)
         corner = np.column_stack([np.concatenate([pairs, sharp]), [0.0, *alone]])
-        clock = LegTimeTable(pace, np.ascontiguousarray(corner), float(SHORT_LEGS_S[0]) * speed, math.log(10 / 3))
-        return cls(speed, clock, float(past[-len(SHORT_LEGS_S) :].max()))
+        table = LegTimeTable(pace, np.ascontiguousarray(corner), float(SHORT_LEGS_S[0]) * speed, math.log(10 / 3))
+        return cls(speed, table, float(past[-len(SHORT_LEGS_S) :].max()))
 
     def seconds(self, path: Plane) -> float:
         """Return the time of a polyline (n, 2), at speed at both ends [s]."""
-        return float(path_seconds(self.clock, np.ascontiguousarray(path, float)))
+        return float(path_seconds(self.table, np.ascontiguousarray(path, float)))
 
 
 Stretch: TypeAlias = list[tuple[float, float]]  # bearings [rad] and lengths [m]
@@ -117,8 +117,8 @@ def _corners(trial: _TrialFlight, stretches: list[Stretch], pace: Vector) -> tup
     done, track = trial.fly(corners)
     middles = np.flatnonzero(np.isin(np.arange(len(path)), ends)) - np.arange(len(ends)) - 1
     passed = [_passing(track, path[at], corners[n], done[n : n + 2]) for at, n in zip(ends, middles, strict=True)]
-    clock = LegTimeTable(pace, np.zeros((2, 2)), 1.0, 1.0)
-    alone = [path_seconds(clock, np.ascontiguousarray(path[a : b + 1])) for a, b in pairwise(ends)]
+    table = LegTimeTable(pace, np.zeros((2, 2)), 1.0, 1.0)
+    alone = [path_seconds(table, np.ascontiguousarray(path[a : b + 1])) for a, b in pairwise(ends)]
     legs = np.array([path[at + 1] - path[at] for at in ends[:-1]])
     ahead = legs / np.linalg.norm(legs, axis=1, keepdims=True)
     flown = [track.between(*times).points[:, :2] for times in pairwise(passed)]

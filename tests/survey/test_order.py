@@ -75,7 +75,7 @@ def test_ways_lead_round_holes_and_are_as_short_as_a_grid_finds_them() -> None:
             assert shape.covers(shapely.LineString(corners))
             length = float(np.linalg.norm(np.diff(corners, axis=0), axis=1).sum())
             assert 0.97 * shortest[i, j] <= length <= shortest[i, j] + 0.5
-            assert ways.times[2 * i, 2 * j] == pytest.approx(path_seconds(cost.clock, corners))
+            assert ways.times[2 * i, 2 * j] == pytest.approx(path_seconds(cost.table, corners))
 
 
 def on_a_grid(shape: shapely.Geometry, places: Points) -> Points:

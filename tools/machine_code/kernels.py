@@ -76,7 +76,7 @@ def kernels() -> Iterator[Kernel]:
     shifts = ControlPointShifts(1, 0, *(_numbers(1, np.int64),) * 2, _numbers(1))
     inputs = PolishInputs(basis, shifts, 1.0)
     ways = Ways(_numbers(2), *(_numbers(1, np.int64),) * 2)
-    clock = LegTimeTable(_numbers(1), _numbers(2), 1.0, 1.0)
+    leg_times = LegTimeTable(_numbers(1), _numbers(2), 1.0, 1.0)
     examples = {
         "path_costs": (_numbers(3), grid, rules),
         "slack_and_threat": (_numbers(2), grid, rules),
@@ -90,9 +90,9 @@ def kernels() -> Iterator[Kernel]:
         "nearest": (_numbers(2), _numbers(2), 0.0, 1.0, _numbers(1), _numbers(1)),
         "balance": (*(_numbers(2),) * 3, *(_numbers(1),) * 2, True),
         "distances": (_numbers(2),) * 3,
-        "path_seconds": (clock, _numbers(2)),
+        "path_seconds": (leg_times, _numbers(2)),
         "straight_ways": (_numbers(2),) * 5,
-        "ways_between": (clock, *(_numbers(2),) * 2, *(ways,) * 2, _numbers(2), 1.0),
+        "ways_between": (leg_times, *(_numbers(2),) * 2, *(ways,) * 2, _numbers(2), 1.0),
         "search_order": (_numbers(2), _numbers(1), 0),
         "spread": (nodes, (_numbers(2, np.int64), _numbers(1)), True, (0, 0, 1.0), grid, rules),
     }
