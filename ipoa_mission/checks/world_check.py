@@ -126,7 +126,7 @@ def _near(forecast: Forecast, things: Sequence[Any], code: str) -> Iterator[Find
     required = scenario.limits.obstacle_distance + scenario.route.tolerance
     for leg in forecast.legs:
         line = shapely.LineString(leg.points[:, :2])
-        near = [things[i] for i in tree.query(line, "dwithin", required + leg.stray)]
+        near = [things[i] for i in tree.query(line, "dwithin", required + leg.chord_error)]
         if not near:
             continue
         distances = [float(shapely.distance(line, thing.shape)) for thing in near]

@@ -349,13 +349,13 @@ def breaches(mission: Mission, fence: OwnFence, there: Geodetic) -> tuple[str, .
 
 
 def _beyond(
-    mission: Mission, limit: FenceLimit, reached: list[tuple[Leg, float]], where: str, stray: float
+    mission: Mission, limit: FenceLimit, reached: list[tuple[Leg, float]], where: str, deviation: float
 ) -> Iterator[str]:
-    sign = math.copysign(1.0, stray)
+    sign = math.copysign(1.0, deviation)
     leg, value = max(reached, key=lambda place: sign * place[1], default=(None, 0.0))
-    if leg is None or sign * (value + stray - limit.value) < 0.0:
+    if leg is None or sign * (value + deviation - limit.value) < 0.0:
         return
     allowed = f"{limit.value:.1f} m at {'least' if sign < 0.0 else 'most'} ({limit.name})"
-    flown = f"{value:.1f} m {where} ({value + stray:.1f} m with the deviation of flights)"
+    flown = f"{value:.1f} m {where} ({value + deviation:.1f} m with the deviation of flights)"
     after = f" on {leg.name}" if leg.jumped_from >= 0 else ""
     yield f"{item_of(mission, leg.seq)}: {flown}{after}, and the vehicle's own fence allows {allowed}"

@@ -276,8 +276,8 @@ class Forecast:
     def proof(self) -> "Proof":
         from ipoa_mission.planning.proof import prove
 
-        points, stray = join(self.cruise)
-        return prove(points, self.world, stray)
+        points, chord_error = join(self.cruise)
+        return prove(points, self.world, chord_error)
 
 
 def _refusal(at: Unknown, quantity: str) -> MissionError:

@@ -26,7 +26,7 @@ def broken_limits(leg: Leg, scenario: "Scenario") -> "list[Check]":
         limits |= {"ground", "ceiling", "bounds"}
     if leg.stage is FlightStage.ROUTE and np.ptp(leg.points[:, :2], axis=0).max() >= ROUNDING["m"]:
         limits |= {"climb", "descent"}
-    checks = prove(leg.points, scenario, leg.stray).checks
+    checks = prove(leg.points, scenario, leg.chord_error).checks
     return [c for c in checks if c.limit in limits and c.slack < -ROUNDING[c.unit]]
 
 

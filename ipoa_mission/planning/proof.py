@@ -79,13 +79,13 @@ class Proof:
         return self.worst.words()
 
 
-def prove(legs: Points, task: PathTask, stray: float = 0.0, spare: float = np.inf) -> Proof:
+def prove(legs: Points, task: PathTask, chord_error: float = 0.0, spare: float = np.inf) -> Proof:
     """Prove the limits of the task for the straight legs between waypoints (n, 3), exactly.
 
-    With `stray` [m] the legs represent a path within that distance. A clearance of `spare` [m] more than required is
-    not computed further.
+    With `chord_error` [m] the legs represent a path within that distance. A clearance of `spare` [m] more than required
+    is not computed further.
     """
-    return Proof(tuple(_leg_checks(legs, task, stray, spare)))
+    return Proof(tuple(_leg_checks(legs, task, chord_error, spare)))
 
 
 def doubtful_legs(points: Points, task: PathTask) -> NDArray[np.intp]:
@@ -106,7 +106,7 @@ def doubtful_legs(points: Points, task: PathTask) -> NDArray[np.intp]:
 def unproved_legs(points: Points, task: PathTask) -> Iterator[int]:
     """Yield unproved legs between points (n, 3)."""
     for leg in doubtful_legs(points, task).tolist():
-        if not all(check.is_kept for check in _leg_checks(points[leg : leg + 2], task, stray=0.0, spare=0.0)):
+        if not all(check.is_kept for check in _leg_checks(points[leg : leg + 2], task, chord_error=0.0, spare=0.0)):
             yield leg
 
 
@@ -120,22 +120,22 @@ def prove_curve(curve: Spline, task: PathTask) -> Proof:
     return Proof(tuple(_checks(legs, task, steepness, tolerance, np.inf)))
 
 
-def _leg_checks(legs: Points, task: PathTask, stray: float, spare: float) -> Iterator[Check]:
+def _leg_checks(legs: Points, task: PathTask, chord_error: float, spare: float) -> Iterator[Check]:
     angles = climb_angles(legs)
-    return _checks(legs, task, (angles, -angles), stray, spare)
+    return _checks(legs, task, (angles, -angles), chord_error, spare)
 
 
 def _checks(
-    legs: Points, task: PathTask, steepness: tuple[Vector, Vector], stray: float, spare: float
+    legs: Points, task: PathTask, steepness: tuple[Vector, Vector], chord_error: float, spare: float
 ) -> Iterator[Check]:
     """`steepness`: angles of climb and descent, (n-1,) each [rad]."""
     airspace = task.airspace
     limits = task.limits
     if airspace.obstacles:
-        clearance = airspace.obstacle_clearance(legs, within=limits.obstacle_distance + stray + spare)
-        yield Check("obstacles", clearance.minus(stray), limits.obstacle_distance)
-    yield Check("bounds", airspace.bounds_margin(legs, within=stray + spare).minus(stray), 0.0)
-    yield from prove_heights(legs, task, stray, spare)
+        clearance = airspace.obstacle_clearance(legs, within=limits.obstacle_distance + chord_error + spare)
+        yield Check("obstacles", clearance.minus(chord_error), limits.obstacle_distance)
+    yield Check("bounds", airspace.bounds_margin(legs, within=chord_error + spare).minus(chord_error), 0.0)
+    yield from prove_heights(legs, task, chord_error, spare)
     climbs, descents = steepness
     for limit, angles, most in (("climb", climbs, limits.climb_angle), ("descent", descents, limits.descent_angle)):
         if np.isfinite(most):
@@ -145,21 +145,21 @@ def _checks(
             yield Check(limit, clearance, float(np.degrees(most)), at_most=True, unit="deg")
 
 
-def prove_heights(legs: Points, task: PathTask, stray: float = 0.0, spare: float = np.inf) -> Iterator[Check]:
-    """Prove ground and ceiling for straight legs (n, 3); `stray` and `spare` as in `prove`."""
-    yield from prove_ground(legs, task, stray, spare)
+def prove_heights(legs: Points, task: PathTask, chord_error: float = 0.0, spare: float = np.inf) -> Iterator[Check]:
+    """Prove ground and ceiling for straight legs (n, 3); `chord_error` and `spare` as in `prove`."""
+    yield from prove_ground(legs, task, chord_error, spare)
     if np.isfinite(task.limits.ceiling_above_ground):
-        vertical = stray * (1 + task.airspace.terrain.steepness)
+        vertical = chord_error * (1 + task.airspace.terrain.steepness)
         reached = task.airspace.height_reached(legs)
         yield Check("ceiling", reached.minus(-vertical), task.limits.ceiling_above_ground, at_most=True)
 
 
-def prove_ground(legs: Points, task: PathTask, stray: float = 0.0, spare: float = np.inf) -> Iterator[Check]:
+def prove_ground(legs: Points, task: PathTask, chord_error: float = 0.0, spare: float = np.inf) -> Iterator[Check]:
     airspace = task.airspace
     limits = task.limits
-    vertical = stray * (1 + airspace.terrain.steepness)
+    vertical = chord_error * (1 + airspace.terrain.steepness)
     heights: dict[float, Clearance] = {}
-    for required, run, first_leg in _runs(legs, limits, stray):
+    for required, run, first_leg in _runs(legs, limits, chord_error):
         clearance = airspace.terrain_clearance(run, within=required + vertical + spare)
         leg = first_leg + clearance.leg
         clearance = Clearance(clearance.distance - vertical, clearance.place, clearance.what, leg)
@@ -182,12 +182,14 @@ def _steepness(velocity: Points, bend: Points, steps: Vector) -> tuple[Vector, V
     return np.arctan2(rise, ahead).max(axis=1), np.arctan2(-rise, ahead).max(axis=1)
 
 
-def _runs(legs: Points, limits: Limits, stray: float) -> Iterator[tuple[float, Points, int]]:
+def _runs(legs: Points, limits: Limits, chord_error: float) -> Iterator[tuple[float, Points, int]]:
     """Yield runs of legs cut at low zones: required height, polyline, index of its first leg (at most two off)."""
     if not limits.low_zones:
         yield limits.height_above_ground, legs, 0
         return
-    limits = replace(limits, low_zones=tuple(replace(z, radius=max(z.radius - stray, 0.0)) for z in limits.low_zones))
+    limits = replace(
+        limits, low_zones=tuple(replace(z, radius=max(z.radius - chord_error, 0.0)) for z in limits.low_zones)
+    )
     cuts = [(np.arange(len(legs)), np.zeros(len(legs)))]
     for zone in limits.low_zones:
         step = np.diff(legs[:, :2], axis=0)

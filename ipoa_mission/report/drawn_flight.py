@@ -141,17 +141,17 @@ def item_legs(forecast: Forecast) -> tuple[ItemLeg, ...]:
     legs = []
     items = placed_items(forecast)
     rows = rows_of(forecast)
-    bent = {leg.seq for leg in forecast.cruise if leg.stray > 0}
+    bent = {leg.seq for leg in forecast.cruise if leg.chord_error > 0}
     curves = {seq: join([leg for leg in forecast.cruise if leg.seq == seq]) for seq in bent}
     before = forecast.home
     is_flying = False
     for time in forecast.estimate.items:
         item, place = items[time.seq - 1]
         leg = (place if place is not None else before) - before
-        path, stray = curves.get(time.seq, (before + np.array([[0.0], [1.0]]) * leg, 0.0))
+        path, chord_error = curves.get(time.seq, (before + np.array([[0.0], [1.0]]) * leg, 0.0))
         moves = item.command in {*WAYPOINTS, Command.NAV_TAKEOFF} and np.linalg.norm(leg) > 0
         is_proved = place is not None and is_flying and moves and not forecast.unknown
-        proof = prove(path, forecast.world, stray) if is_proved else None
+        proof = prove(path, forecast.world, chord_error) if is_proved else None
         legs.append(ItemLeg(item, time, rows[time.seq], item_words(item), place, path, proof))
         if place is not None:
             before = place

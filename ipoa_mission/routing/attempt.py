@@ -84,8 +84,8 @@ class Attempt:
         if not self.route.spline:
             return prove(self.route.points, self.scenario, spare=0.0)
         between = {index + 1 for index in items_of_waypoints(self.route)[1:]}
-        points, stray = join([leg for leg in self.draft.cruise if leg.seq in between])
-        return prove(points, self.scenario, stray, spare=0.0)
+        points, chord_error = join([leg for leg in self.draft.cruise if leg.seq in between])
+        return prove(points, self.scenario, chord_error, spare=0.0)
 
     @cached_property
     def is_fit(self) -> bool:

@@ -221,15 +221,15 @@ def _replan(first: SurveyPlan, scenario: Scenario, flown: Sequence[Flown], seed:
     rest = rest_of(first, [path for log in paths.values() for path in log], seed)
     rest = replace(rest, scenario=rest.scenario.model_copy(update={"name": f"{scenario.name}-rest"}))
     length, left = (sum(swath.length for swath in plan.tour.swaths) for plan in (first, rest))
-    stray = "no flight in it follows the lines of this survey"
+    reason = "no flight in it follows the lines of this survey"
     if left >= length:
-        raise BadInput(stray, place=", ".join(paths))
+        raise BadInput(reason, place=", ".join(paths))
     source = "the log" if len(paths) == 1 else "the logs"
     ground = first.scenario.airspace.ground
     remarks = [f"by {source}, {length - left:.0f} m of {length:.0f} m of lines were flown before"]
     for name, flights in paths.items():
         if not any(runs_in_order(first.tour, path, first.sight, ground) for path in flights):
-            remarks.append(f"{name}: {stray}")
+            remarks.append(f"{name}: {reason}")
     return rest, remarks + [f"{name}: {remark}" for name, log in logs for remark in log.remarks]
 
 

@@ -77,12 +77,12 @@ def test_mast_on_a_spline_is_found_but_not_one_on_its_chord() -> None:
 def test_the_chords_stand_for_the_curve_as_closely_as_they_say() -> None:
     mission, scenario = zigzag((-40.0, -80.0), is_spline=True)
     for leg in flown_legs(mission, scenario.frame):
-        if leg.stray > 0:
+        if leg.chord_error > 0:
             u = np.linspace(0.0, 1.0, len(leg.points))
             cubic = scipy.interpolate.CubicSpline(u, leg.points)  # the leg's own, through points of it
             fine = cubic(np.linspace(0, 1, 2000))
             apart = shapely.distance(shapely.LineString(leg.points[:, :2]), shapely.points(fine[:, :2]))
-            assert 0.2 * leg.stray < apart.max() < leg.stray
+            assert 0.2 * leg.chord_error < apart.max() < leg.chord_error
 
 
 @pytest.mark.parametrize("end", some(2, ["long curve", "short curve", "straight"]))

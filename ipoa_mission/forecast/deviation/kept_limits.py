@@ -136,14 +136,14 @@ def least_slacks(stretches: list[Stretch], task: PathTask) -> dict[str, Vector]:
     firsts = _firsts([path for path, _ in stretches])
     lateral, down, up = np.array([(bound.lateral, bound.down, bound.up) for _, bound in stretches]).T
     steepness = airspace.terrain.steepness
-    stray = 2 * THINNING_TOLERANCE
-    aside = stray + float(leg_lengths(points).max()) / 2  # from the points
-    uneven = stray + steepness * (lateral + aside)
+    thinning_error = 2 * THINNING_TOLERANCE
+    aside = thinning_error + float(leg_lengths(points).max()) / 2  # from the points
+    uneven = thinning_error + steepness * (lateral + aside)
     heights = points[:, 2] - airspace.ground(points)
     low = np.minimum.reduceat(heights, firsts) - uneven
     high = np.maximum.reduceat(heights, firsts) + uneven
     if steepness > 0:
-        rough = stray * (1 + steepness)
+        rough = thinning_error * (1 + steepness)
         near = np.flatnonzero(low <= heights.min() + rough)  # others cannot be the lowest
         legs = [sliding_window_view(_swept(stretches[n][0], airspace, stretches[n][1]), 2, axis=0) for n in near]
         starts, ends = np.moveaxis(np.vstack(legs), 2, 0)
@@ -153,7 +153,7 @@ def least_slacks(stretches: list[Stretch], task: PathTask) -> dict[str, Vector]:
     inside = np.minimum.reduceat(
         np.minimum(points - np.asarray(bounds.lower), np.asarray(bounds.upper) - points), firsts
     )
-    inside -= np.column_stack([lateral, lateral, np.maximum(down, up)]) + stray
+    inside -= np.column_stack([lateral, lateral, np.maximum(down, up)]) + thinning_error
     if bounds.footprint is not None:
         away = np.maximum.reduceat(bounds.footprint.distance(points[:, :2]), firsts)
         inside = np.column_stack([inside, -away - lateral - aside])

@@ -46,8 +46,8 @@ def arc_length(origin: Place, target: Place, turn: float) -> float:
     return math.hypot(arc_radius(origin, target, turn) * turn, target[2] - origin[2])
 
 
-def arc_chords(origin: Place, target: Place, turn: float, stray: float) -> Points:
-    widest = 2.0 * math.acos(max(1.0 - stray / arc_radius(origin, target, turn), 0.0))
+def arc_chords(origin: Place, target: Place, turn: float, tolerance: float) -> Points:
+    widest = 2.0 * math.acos(max(1.0 - tolerance / arc_radius(origin, target, turn), 0.0))
     share = np.linspace(0.0, 1.0, max(2, math.ceil(abs(turn) / widest) + 1))
     x, y = arc_center(origin, target, turn)
     sine, cosine = np.sin(turn * share), np.cos(turn * share)
@@ -103,18 +103,18 @@ def bearing_from(center: Place, place: Place) -> float:
     return math.atan2(place[0] - center[0], place[1] - center[1])
 
 
-def circle_chords(begin: Place, center: Place, flown: FlownCircle, turn: float, stray: float) -> Points:
-    """Return level points from `begin`: one turn, the rest of the last, straight to the stop; within `stray` [m]."""
+def circle_chords(begin: Place, center: Place, flown: FlownCircle, turn: float, tolerance: float) -> Points:
+    """Return level points from `begin`: one turn, the rest of the last, straight to the stop."""
     whole, sense = math.fmod(turn, math.tau), math.copysign(1.0, turn)
     swept = turn if abs(turn) <= math.tau else sense * math.tau + whole
     swept = sense * max(abs(swept) - flown.behind, 0.0)
-    widest = 2.0 * math.acos(max(1.0 - stray / flown.radius, 0.0))
+    widest = 2.0 * math.acos(max(1.0 - tolerance / flown.radius, 0.0))
     bearings = bearing_from(center, begin) + np.linspace(0.0, swept, max(2, math.ceil(abs(swept) / widest) + 1))
     around = np.column_stack([np.sin(bearings), np.cos(bearings)])
     onward = sense * flown.runs_on * np.array([around[-1, 1], -around[-1, 0]])
     top_view = np.array(center[:2]) + np.vstack([flown.radius * around, flown.radius * around[-1] + onward])
     points = np.column_stack([top_view, np.full(len(top_view), begin[2])])
-    return np.vstack([[begin], points]) if math.dist(begin, points[0]) > stray else points
+    return np.vstack([[begin], points]) if math.dist(begin, points[0]) > tolerance else points
 
 
 # ArduPilot stores these with a place, and reads the data of the others as one.

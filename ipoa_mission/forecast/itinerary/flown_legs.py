@@ -31,8 +31,8 @@ HOME_RADIUS = 0.5  # of a take-off at home [m]
 class Leg:
     """The path to item `seq`: points (k, 3) [m].
 
-    `alternative`: flown after a jump or to a rally point only. `stray`: greatest distance of the path to the lines [m].
-    `jumped_from`: the item before a jump; -1: none.
+    `alternative`: flown after a jump or to a rally point only. `chord_error`: greatest distance of the path to the lines
+    [m]. `jumped_from`: the item before a jump; -1: none.
     """
 
     seq: int
@@ -40,7 +40,7 @@ class Leg:
     points: Points
     alternative: bool = False
     over_terrain: bool = False
-    stray: float = 0.0
+    chord_error: float = 0.0
     jumped_from: int = -1
 
     @property
@@ -69,7 +69,7 @@ def trace_returns(mission: Mission, frame: LocalFrame, places: Points) -> NDArra
 def join(legs: Sequence[Leg]) -> tuple[Points, float]:
     """Return joined points, and the greatest distance to their lines [m]."""
     points = np.vstack([legs[0].points, *(leg.points[1:] for leg in legs[1:])])
-    return points, max(leg.stray for leg in legs)
+    return points, max(leg.chord_error for leg in legs)
 
 
 def item_places(mission: Mission, frame: LocalFrame, ground: Ground) -> list[Vector | None]:
@@ -177,7 +177,7 @@ class _LegBuilder:
             points = np.column_stack([np.interp(steps, traveled, axis) for axis in points.T])
             points[:, 2] += self.ground(points)
         self.at = points[-1]
-        return Leg(seq, FlightStage.ROUTE, points, over_terrain=follows, stray=CHORD_TOLERANCE)
+        return Leg(seq, FlightStage.ROUTE, points, over_terrain=follows, chord_error=CHORD_TOLERANCE)
 
     def _circle(self, seq: int, item: Item) -> Iterator[Leg]:
         if (center := self.places[seq - 1]) is None:

@@ -57,8 +57,8 @@ class Track:
         return Track(self.times, sunk, self.speeds)
 
 
-def thinned(path: Points, stray: float = THINNING_TOLERANCE) -> Points:
-    """Thin the path to within about `stray` [m]."""
+def thinned(path: Points, tolerance: float = THINNING_TOLERANCE) -> Points:
+    """Thin the path to within about `tolerance` [m]."""
     if len(path) < 3:
         return path
     import shapely  # imported only where a world is used
@@ -74,9 +74,9 @@ def thinned(path: Points, stray: float = THINNING_TOLERANCE) -> Points:
         side_view = np.column_stack([traveled[batch], path[batch, 2]])
         for view in (top_view, side_view):
             numbered = shapely.linestrings(np.column_stack([view, numbers]))
-            few = shapely.simplify(numbered, stray, preserve_topology=False)  # checked by `_folded`
+            few = shapely.simplify(numbered, tolerance, preserve_topology=False)  # checked by `_folded`
             is_kept[shapely.get_coordinates(few, include_z=True)[:, 2].astype(int)] = True
-        is_kept[batch] |= _folded(path[batch], np.flatnonzero(is_kept[batch]), 1.5 * stray)
+        is_kept[batch] |= _folded(path[batch], np.flatnonzero(is_kept[batch]), 1.5 * tolerance)
     return np.asarray(path[is_kept])
 
 
