@@ -101,10 +101,10 @@ class ContingencyPaths:
         horizontal_speed = np.hypot(*velocity[:, :2].T)
         speed = np.maximum(horizontal_speed, STATIONARY_SPEED)
         along = velocity[:, :2] / speed[:, None]
-        gains = np.gradient(horizontal_speed, step_s) if len(times) > 1 else np.zeros(1)
+        speed_rate = np.gradient(horizontal_speed, step_s) if len(times) > 1 else np.zeros(1)
         accel = (after + before - 2 * begins) / step_s**2
         del before, after  # large
-        accel[:, :2] += along * (gains - (accel[:, :2] * along).sum(axis=1))[:, None]
+        accel[:, :2] += along * (speed_rate - (accel[:, :2] * along).sum(axis=1))[:, None]
         stops = begins + autopilot.stopping_displacement(parameters, velocity, accel, contingency)
         seqs = np.array([visit.seq for visit in self.flight.itinerary.visits])
         ahead = np.minimum(np.searchsorted(self.flight.prediction.done, times), len(seqs) - 1)

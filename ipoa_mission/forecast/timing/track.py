@@ -137,8 +137,8 @@ def _bends(track: Track) -> tuple[Vector, Vector]:
     horizontal = track.at(times)[:, :2]
     mean = np.full(smoothed, 1 / smoothed)
     speeds = [np.gradient(axis, step_s) for axis in horizontal.T]
-    gains = [np.convolve(np.gradient(speed, step_s), mean, "same") for speed in speeds]
-    across = np.abs(speeds[0] * gains[1] - speeds[1] * gains[0]) / np.maximum(np.hypot(*speeds), 0.5)
+    accels = [np.convolve(np.gradient(speed, step_s), mean, "same") for speed in speeds]
+    across = np.abs(speeds[0] * accels[1] - speeds[1] * accels[0]) / np.maximum(np.hypot(*speeds), 0.5)
     reach = round(reach_s / step_s)
     near = np.lib.stride_tricks.sliding_window_view(np.pad(across, reach), 2 * reach + 1)
     return times, near.max(axis=1)

@@ -349,13 +349,13 @@ class Px4Multicopter(Autopilot):
 
 
 def _braking_distance(speed: Vector, accel: Vector, brakes: Vector | float, jerk: float) -> Vector:
-    """Return the distance to a stop (n,) [m] of VelocitySmoothing, from `accel` to `brakes`."""
-    gains = np.clip(accel, 0.0, brakes)
-    turns = (gains + brakes) / jerk  # [s]
-    slowed = np.maximum(speed + (gains - brakes) * turns / 2, 0.0)
-    turns = np.minimum(turns, (gains + np.sqrt(gains**2 + 2 * jerk * speed)) / jerk)
-    turning = turns * (speed + turns * (gains / 2 - jerk * turns / 6))
-    return np.asarray(turning + slowed**2 / (2 * brakes))
+    """Return the distance to a stop (n,) [m] of VelocitySmoothing, from `accel` to a deceleration `brakes`."""
+    begin_accel = np.clip(accel, 0.0, brakes)
+    jerk_s = (begin_accel + brakes) / jerk
+    after_jerk = np.maximum(speed + (begin_accel - brakes) * jerk_s / 2, 0.0)
+    jerk_s = np.minimum(jerk_s, (begin_accel + np.sqrt(begin_accel**2 + 2 * jerk * speed)) / jerk)
+    distance = jerk_s * (speed + jerk_s * (begin_accel / 2 - jerk * jerk_s / 6))
+    return np.asarray(distance + after_jerk**2 / (2 * brakes))
 
 
 def _vertical_run_on(limits: Px4Limits, horizontal_speed: Vector, climb: Vector, braked: Vector) -> Vector:
