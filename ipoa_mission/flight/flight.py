@@ -121,7 +121,8 @@ class Flight:
     def write(self, folder: str | Path = ".", report: bool = False) -> tuple[Path, ...]:
         """Write to `folder` NAME.plan, .waypoints, .json, .params for parameters, NAME.html for `report`, together.
 
-        With parts the missions are of those. The same flight gives the same bytes.
+        With parts the missions are of those. Missions that an earlier NAME.json records are removed unless they were
+        edited. The same flight gives the same bytes.
 
         Raises:
             BadInput: the folder cannot be written.

@@ -2,6 +2,7 @@
 
 import json
 import math
+import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from hashlib import sha256
@@ -196,7 +197,10 @@ def write_files(
     pages: Mapping[Path, str] | None = None,
     whole: tuple[str, About] | None = None,
 ) -> tuple[Path, ...]:
-    """Write missions by name, the pages, and a NAME.json of each and of the `whole` together; return the paths."""
+    """Write missions by name, the pages, and a NAME.json of each and of the `whole` together; return the paths.
+
+    Missions that an earlier NAME.json records, and this one does not, are removed unless they were edited.
+    """
     contents = Contents()
     digests = dict[str, str]()
     for name, mission, about in missions:
@@ -212,8 +216,33 @@ def write_files(
     if whole is not None:
         name, about = whole
         contents[folder / f"{name}.json"] = _about_text(about, digests)
+    for path in [path for path in contents if path.suffix == ".json"]:
+        contents |= dict.fromkeys(_left_over(path, contents))
     write_together(contents)
     return tuple(path for path, text in contents.items() if text is not None)
+
+
+def _left_over(about: Path, contents: Contents) -> Iterator[Path]:
+    """Yield missions as an earlier `about` records them, with their parameters and records, without the `contents`."""
+    record = _read(about)
+    for path, recorded in recorded_missions(about).items():
+        if path in contents or not path.is_file() or digest(_text(path)) != recorded:
+            continue
+        yield path
+        own = path.with_suffix(".json")
+        vehicle = parameter_path(path)
+        parameters = (_read(own) or record).get("parameters")
+        if parameters and vehicle not in contents and vehicle.is_file() and _parameters(vehicle) == parameters:
+            yield vehicle
+        if own not in contents and recorded_missions(own):
+            yield own
+
+
+def recorded_missions(about: Path) -> dict[Path, str]:
+    """Return the digests of NAME.plan, NAME-1.plan and so on, and of .waypoints, in NAME.json."""
+    own = re.compile(rf"{re.escape(about.stem)}(-\d+)?({'|'.join(map(re.escape, MISSIONS))})")
+    digests = _table(_read(about).get("sha256"))
+    return {about.with_name(file): recorded for file, recorded in digests.items() if own.fullmatch(file)}
 
 
 def _about_text(about: About, digests: Mapping[str, str]) -> str:
@@ -221,12 +250,12 @@ def _about_text(about: About, digests: Mapping[str, str]) -> str:
 
 
 def not_as_written(folder: Path, name: str, report: bool = False) -> list[Path]:
-    """Return files that differ from `Flight.write`."""
+    """Return files of the name, and of its parts, that differ from those that NAME.json records."""
     about = folder / f"{name}.json"
     record = _read(about)
-    digests = _table(record.get("sha256"))
-    missions = (folder / f"{name}{suffix}" for suffix in MISSIONS)
-    differing = [path for path in missions if path.exists() and digest(_text(path)) != digests.get(path.name)]
+    digests = recorded_missions(about)
+    missions = dict.fromkeys((*(folder / f"{name}{suffix}" for suffix in MISSIONS), *digests))
+    differing = [path for path in missions if path.exists() and digest(_text(path)) != digests.get(path)]
     vehicle = parameter_path(about)
     if about.exists() and vehicle.exists() and _parameters(vehicle) != record.get("parameters", {}):
         differing.append(vehicle)
