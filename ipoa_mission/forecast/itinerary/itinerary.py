@@ -107,10 +107,9 @@ def itinerary(mission: Mission, ground: Ground = FLAT_GROUND, ground_at_home: fl
 
 def _expect_short_holds(mission: Mission, order: Sequence[int]) -> None:
     """Refuse holds of more than a day in all, with the wait of an RTL before it lands."""
-    table = mission.autopilot.parameter_table
-    wait = "wait before landing"
-    held_s = table.meant(wait, mission.complete_parameters)
-    place = table.by_meaning[wait].name
+    wait = mission.autopilot.parameter_table.by_meaning.get("wait before landing")
+    held_s = 0.0 if wait is None else wait.si(mission.complete_parameters[wait.name])
+    place = "" if wait is None else wait.name
     for n in order:
         if held_s > LONGEST_HOLD:
             break
