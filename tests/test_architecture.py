@@ -137,7 +137,7 @@ def test_rooms_import_the_listed_rooms() -> None:
 
 def test_no_room_names_an_autopilot() -> None:
     """A vehicle is an object that rooms ask."""
-    named = re.compile(r"Autopilot\.(PX4|ARDUPILOT)\b|is_(ardupilot|px4)|[\"'](px4|ardupilot)[\"']")
+    named = re.compile(r"Autopilot\.(PX4|ARDUPILOT)\b|is_(ardupilot|px4)|[\"'](px4|ardupilot)[\"']|\bArduCopter\b")
     naming = {
         f"{path.relative_to(PACKAGE)}: {line.strip()}"
         for path in FILES

@@ -142,7 +142,7 @@ def _height(at: Numbered, mission: Mission) -> Iterator[Finding]:
         return
     if item.is_as_high_as_now(mission.autopilot):
         if item.command != Command.NAV_PAYLOAD_PLACE:
-            yield at.warning("altitude-kept", "altitude 0: ArduCopter keeps its height")
+            yield at.warning("altitude-kept", f"altitude 0: {mission.autopilot.model} keeps its height")
         return
     if plain_frame(item.frame) == Frame.GLOBAL_TERRAIN_ALT:
         if not (item.altitude > 0 or item.command == Command.NAV_LAND) or abs(item.altitude) > MAX_HEIGHT:
