@@ -75,6 +75,10 @@ def refuse_unsound(mission: Mission) -> None:
     """Raise BadInput for a mission that cannot be drawn."""
     for finding in unsound(check_positions(mission)):
         raise BadInput(finding.message, code=finding.code)
+    for n, part in enumerate(mission.fence):
+        if isinstance(part, FencePolygon) and len(part.vertices) < 3:
+            words = f"expected a polygon of three vertices or more, not {len(part.vertices)}"
+            raise BadInput(words, code="fence-shape", place=f"fence[{n}]")
 
 
 def refusals(mission: Mission) -> tuple[str, ...]:

@@ -73,6 +73,13 @@ def test_infinite_param_is_not_exported(suffix: str, tmp_path: Path) -> None:
         write_export(mission, tmp_path / f"flight{suffix}")
 
 
+@pytest.mark.parametrize("suffix", EXPORTS)
+def test_a_fence_of_two_vertices_is_not_exported(suffix: str, tmp_path: Path) -> None:
+    line = FencePolygon(((39.10, 121.81), (39.11, 121.81)))
+    with refuses("fence-shape", "fence[0]"):
+        write_export(replace(MISSION, fence=(line,)), tmp_path / f"flight{suffix}")
+
+
 def test_speed_of_nan_is_an_empty_cell(tmp_path: Path) -> None:
     mission = replace(MISSION, items=(MISSION.items[0], change_speed(np.nan)))
     assert "nan" not in exported(mission, ".csv", tmp_path)
