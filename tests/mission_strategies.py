@@ -49,6 +49,36 @@ def missions(draw: st.DrawFn, frames: tuple[int, ...] = (0, 3, 10), nan: bool = 
     )
 
 
+def any_missions() -> st.SearchStrategy[Mission]:
+    """Missions of numbers in and beyond their ranges: all that the API can build."""
+    degrees = LATITUDE | st.floats(-500, 500)
+    number = st.floats() | PARAM
+    item = st.builds(
+        Item,
+        st.integers(-1, 70_000) | st.sampled_from(list(Command)),
+        st.integers(-1, 300) | st.sampled_from([0, 2, 3, 10]),
+        st.tuples(number, number, number, number),
+        degrees,
+        degrees,
+        number,
+        st.booleans(),
+    )
+    corner = st.tuples(degrees, degrees)
+    polygon = st.builds(FencePolygon, st.lists(corner, max_size=4).map(tuple), st.booleans())
+    circle = st.builds(FenceCircle, corner, number, st.booleans())
+    place = st.builds(Geodetic, degrees, degrees, number)
+    return st.builds(
+        Mission,
+        place | PLACES,
+        st.lists(item, max_size=3).map(tuple),
+        st.sampled_from(list(registered())),
+        st.none() | number,
+        st.lists(polygon | circle, max_size=2).map(tuple),
+        st.lists(place, max_size=2).map(tuple),
+        vehicle_type=st.just(2) | st.integers(-1, 300),
+    )
+
+
 def same(one: Mission, other: Mission) -> bool:
     """Take NaN for NaN, -0 for 0, and a command for its number."""
     return _bare(one) == _bare(other)

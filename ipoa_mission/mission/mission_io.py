@@ -46,10 +46,14 @@ def read_mission(path: str | Path, autopilot: Autopilot | None = None) -> Missio
         True
     """
     file = read_mission_file(path, autopilot)
+    _refuse_errors(file, path)
+    return file.mission
+
+
+def _refuse_errors(file: MissionFile, path: str | Path) -> None:
     for finding in file.findings:
         if finding.severity is Severity.ERROR:
             raise BadInput(finding.message, hint=finding.hint, code=finding.code, place=path)
-    return file.mission
 
 
 def read_mission_file(
@@ -134,7 +138,7 @@ def write_mission(mission: Mission, path: str | Path, read_from: MissionFile | N
         Losses in words: data that the format cannot hold, or a reader drops.
 
     Raises:
-        BadInput: the suffix is unknown, or the format cannot hold the mission.
+        BadInput: the suffix is unknown, the format cannot hold the mission, or `read_mission` would refuse the file.
 
     Example:
         >>> from ipoa_mission import read_mission, write_mission
@@ -144,9 +148,18 @@ def write_mission(mission: Mission, path: str | Path, read_from: MissionFile | N
     suffix = Path(path).suffix.lower()
     if suffix not in MISSIONS:
         raise WrongSuffix(f'expected a name that ends in .plan or .waypoints, not in "{suffix}"', place=path)
+    path = Path(path)
     text = mission_text(mission, suffix, read_from)
-    write_together({Path(path): text, **parameter_contents(mission, Path(path))})
+    if read_from is None or text != read_from.source:
+        text = _readable(text, path, mission.autopilot)
+    write_together({path: text, **parameter_contents(mission, path)})
     return lost_in_waypoints(mission) if suffix == ".waypoints" else ()
+
+
+def _readable(text: str, path: Path, autopilot: Autopilot) -> str:
+    """Return the text; raise BadInput as `read_mission` would for it at `path`."""
+    _refuse_errors(_parsed(path, text, autopilot, None), path)
+    return text
 
 
 def mission_text(mission: Mission, suffix: str, read_from: MissionFile | None = None) -> str:
@@ -205,7 +218,8 @@ def write_files(
     digests = dict[str, str]()
     for name, mission, about in missions:
         plan = folder / f"{name}.plan"
-        texts = {plan: plan_text(mission), folder / f"{name}.waypoints": waypoints_text(mission)}
+        texts = {plan: plan_text(mission), plan.with_name(f"{name}.waypoints"): waypoints_text(mission)}
+        texts = {path: _readable(text, path, mission.autopilot) for path, text in texts.items()}
         of_mission = {path.name: digest(text) for path, text in texts.items()}
         contents |= texts
         if about is not None:

@@ -6,6 +6,7 @@ from typing import Any
 
 import pytest
 from hypothesis import given
+from hypothesis import strategies as st
 
 from ipoa_mission.autopilot import autopilot as autopilots
 from ipoa_mission.autopilot.autopilot import Autopilot
@@ -13,10 +14,10 @@ from ipoa_mission.errors import BadInput
 from ipoa_mission.finding import Severity
 from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.mission.items import ComplexItem, FenceCircle, FencePolygon, Item, Mission, land, takeoff, waypoint
-from ipoa_mission.mission.mission_io import read_mission_file, write_mission
+from ipoa_mission.mission.mission_io import read_mission, read_mission_file, write_files, write_mission
 from ipoa_mission.mission.parameter_file import read_parameter_file
 from ipoa_mission.mission.plan_file import plan_text
-from tests.mission_strategies import missions, same
+from tests.mission_strategies import any_missions, missions, same
 from tests.refused import refuses
 
 FILES = Path(__file__).parent / "files"
@@ -131,6 +132,47 @@ def test_only_nan_of_an_item_is_written_as_null(place: str, tmp_path: Path) -> N
     with refuses("bad-input", place, kind=BadInput):
         write_mission(replace(MISSION, **fields), tmp_path / "no.plan")
     assert not list(tmp_path.iterdir())
+
+
+TRIANGLE = ((39.1, 121.8), (39.1, 121.9), (39.2, 121.9))
+REFUSED = {
+    "geoFence.circles[0].circle.radius": {"fence": (FenceCircle((39.1, 121.8), -5.0),)},
+    "geoFence.circles[0].circle.center[1]": {"fence": (FenceCircle((39.1, 181.0), 5.0),)},
+    "geoFence.polygons[0].polygon": {"fence": (FencePolygon(TRIANGLE[:2]),)},
+    "geoFence.polygons[0].polygon[0][0]": {"fence": (FencePolygon(((200.0, 121.8), *TRIANGLE)),)},
+    "mission.items[1].params[4]": {"items": (MISSION.items[0], replace(MISSION.items[1], latitude_deg=200.0))},
+    "mission.items[0].command": {"items": (Item(70_000, 2),)},
+    "mission.items[0].frame": {"items": (Item(16, 300),)},
+    "mission.plannedHomePosition[0]": {"home": replace(HOME, latitude_deg=200.0)},
+    "mission.vehicleType": {"vehicle_type": 256},
+    "rallyPoints.points[0][1]": {"rally": (replace(HOME, longitude_deg=470.0),)},
+}
+
+
+@pytest.mark.parametrize("place", REFUSED)
+def test_what_read_mission_refuses_is_not_written(place: str, tmp_path: Path) -> None:
+    fields: Any = REFUSED[place]
+    mission = replace(MISSION, **fields)
+    with refuses("bad-input", f"no.plan: {place}", kind=BadInput):
+        write_mission(mission, tmp_path / "no.plan")
+    with refuses("bad-input", f"no.plan: {place}", kind=BadInput):
+        write_files([("no", mission, {})], tmp_path)
+    assert not list(tmp_path.iterdir())
+
+
+@given(mission=any_missions(), suffix=st.sampled_from([".plan", ".waypoints"]))
+def test_a_mission_is_written_readable_or_not_at_all(mission: Mission, suffix: str, tmp_path_factory: Any) -> None:
+    path = tmp_path_factory.getbasetemp() / f"any{suffix}"
+    path.unlink(missing_ok=True)
+    try:
+        write_mission(mission, path)
+    except BadInput:
+        assert not path.exists()
+        return
+    read = read_mission(path, mission.autopilot)
+    assert len(read.items) == len(mission.items)
+    if suffix == ".plan":
+        assert (len(read.fence), len(read.rally)) == (len(mission.fence), len(mission.rally))
 
 
 def test_a_jump_to_nowhere_is_not_written(tmp_path: Path) -> None:
