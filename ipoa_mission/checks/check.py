@@ -105,7 +105,7 @@ def sound_part(forecast: Forecast, positions: Iterable[Finding]) -> Forecast | N
         else:
             items[seq - 1] = LEFT_OUT
             left_out.add(seq)
-    return Forecast(replace(mission, items=tuple(items)), forecast.scenario, left_out=frozenset(left_out))
+    return forecast.with_mission(replace(mission, items=tuple(items)), frozenset(left_out))
 
 
 def guarantee_if_flown(forecast: Forecast) -> "ClearanceGuarantee | None":

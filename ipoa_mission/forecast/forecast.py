@@ -94,8 +94,8 @@ class Forecast:
         mission = replace(self.mission_as_read, firmware_version=version)
         return Forecast(mission, self.scenario, self.wind, self.left_out)
 
-    def with_mission(self, mission: Mission) -> "Forecast":
-        return Forecast(mission, self.scenario, None if self.scenario else self.wind, self.left_out)
+    def with_mission(self, mission: Mission, left_out: frozenset[int] = frozenset()) -> "Forecast":
+        return Forecast(mission, self.scenario, None if self.scenario else self.wind, self.left_out | left_out)
 
     def cached(self, make: "Callable[[Forecast], Made]", by: "Callable[[Forecast], Made] | None" = None) -> "Made":
         """Return `make` of this forecast, computed once; `by` is a faster way."""

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 
 from ipoa_mission.autopilot.autopilot import Autopilot, registered
-from ipoa_mission.checks.check import check_mission
+from ipoa_mission.checks.check import check_mission, sound_part
 from ipoa_mission.finding import Severity
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.geodesy import Geodetic
@@ -25,7 +25,9 @@ from ipoa_mission.mission.items import (
     waypoint,
 )
 from ipoa_mission.mission.mission_io import read_mission
+from ipoa_mission.mission.positions import check_positions
 from ipoa_mission.scenario import read_scenario
+from ipoa_mission.wind import Wind
 from tests.finding_codes import codes_of
 from tests.mission_strategies import missions
 from tests.px4_waypoints import PX4_117
@@ -237,6 +239,15 @@ def test_too_long_mission_is_refused_before_its_forecast(monkeypatch: pytest.Mon
         refused = "error too-many" in codes_of(check_mission(mission, scenario))
         assert (len(asked), refused) == (predicted, not predicted)
         asked.clear()
+
+
+def test_the_sound_part_of_a_mission_is_judged_in_the_same_wind() -> None:
+    bad = flight(UP, replace(AWAY, latitude_deg=95.0), AWAY, DOWN)
+    for scenario in (None, read_scenario(Path(__file__).parents[2] / "missions" / "sitl.toml")):
+        forecast = Forecast(bad, scenario, Wind(9.0, 270.0), frozenset({3}))
+        sound = sound_part(forecast, check_positions(bad))
+        assert sound is not None
+        assert (sound.wind, sound.left_out) == (Wind(9.0, 270.0), {2, 3})
 
 
 @pytest.mark.parametrize(("name", "autopilot"), [("corners-ardupilot", ARDUPILOT), ("hold-px4", PX4)])
