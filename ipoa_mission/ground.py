@@ -1,5 +1,3 @@
-"""Heights of the ground over a terrain."""
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import NamedTuple, Protocol

@@ -1,5 +1,3 @@
-"""Check parameter names."""
-
 from collections.abc import Iterable
 from difflib import get_close_matches
 

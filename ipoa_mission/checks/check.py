@@ -1,5 +1,3 @@
-"""Find the errors and risks of a mission before it flies."""
-
 import math
 from collections.abc import Iterable
 from dataclasses import replace

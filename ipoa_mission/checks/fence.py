@@ -1,5 +1,3 @@
-"""Check a mission against its own geofence."""
-
 from collections.abc import Iterator
 
 import numpy as np

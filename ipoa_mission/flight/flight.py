@@ -1,5 +1,3 @@
-"""Plan a flight in one call."""
-
 import logging
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace

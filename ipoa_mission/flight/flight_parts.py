@@ -1,5 +1,3 @@
-"""Split a flight into several, with a battery each."""
-
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 

@@ -1,5 +1,3 @@
-"""Compare a flight with its plan: clearance, and landing place."""
-
 from dataclasses import replace
 from typing import NamedTuple
 

@@ -1,5 +1,3 @@
-"""Compare a mission with the vehicle before the upload."""
-
 import logging
 import math
 from collections.abc import Iterable, Iterator

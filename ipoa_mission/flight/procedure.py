@@ -1,5 +1,3 @@
-"""Upload and fly a mission on a vehicle."""
-
 from collections.abc import Callable, Iterable, Sequence
 from contextlib import AbstractContextManager, nullcontext, suppress
 from dataclasses import dataclass, replace

@@ -1,5 +1,3 @@
-"""Compare samples of a flight with its forecast: outside its corridor, past an item, or late."""
-
 import math
 from functools import cache
 from typing import NamedTuple

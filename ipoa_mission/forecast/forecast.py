@@ -1,5 +1,3 @@
-"""Forecast the flight of a mission, each part computed once."""
-
 from collections.abc import Callable
 from dataclasses import replace
 from functools import cached_property

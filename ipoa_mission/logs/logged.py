@@ -1,5 +1,3 @@
-"""The content of a log, of whatever format: positions, events, batteries and attitude."""
-
 import re
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field

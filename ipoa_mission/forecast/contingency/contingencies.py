@@ -1,5 +1,3 @@
-"""Grade and time each contingency by second."""
-
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace

@@ -1,5 +1,3 @@
-"""Look up contingencies at the present place of a flight."""
-
 import math
 from dataclasses import dataclass
 from functools import lru_cache

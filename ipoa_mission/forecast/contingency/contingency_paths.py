@@ -1,4 +1,4 @@
-"""Compute the paths of contingencies at many times of one flight. Obstacles are enlarged by the deviation bound."""
+"""Obstacles are enlarged by the deviation bound."""
 
 import math
 from collections.abc import Iterable, Iterator

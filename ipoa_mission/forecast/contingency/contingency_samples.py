@@ -1,4 +1,4 @@
-"""Samples of one contingency. Between two clear times no path moves farther than the slack of both."""
+"""Between two clear times no path moves farther than the slack of both."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, fields

@@ -1,5 +1,3 @@
-"""Compare the energy of a flight, and of an RTL from each place, with the battery."""
-
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cached_property

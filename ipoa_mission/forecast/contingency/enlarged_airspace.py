@@ -1,5 +1,3 @@
-"""Obstacles enlarged by the deviation bound, or by the room that is left around a given place."""
-
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace

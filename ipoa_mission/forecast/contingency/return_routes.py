@@ -1,4 +1,4 @@
-"""Compute returns along the mission, and returns over terrain. The kind of return may change on the way."""
+"""Returns along the mission, and over terrain. The kind of return may change on the way."""
 
 import math
 from collections.abc import Iterator

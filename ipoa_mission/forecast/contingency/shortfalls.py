@@ -1,5 +1,3 @@
-"""Find contingencies too near to something, and a return altitude without one."""
-
 import math
 from collections.abc import Callable, Iterable, Iterator
 from typing import NamedTuple

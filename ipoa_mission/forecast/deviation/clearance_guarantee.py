@@ -1,5 +1,3 @@
-"""Compute predicted and kept clearance of a flight."""
-
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field, replace
 from functools import cached_property

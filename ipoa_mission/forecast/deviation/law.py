@@ -1,5 +1,3 @@
-"""The distribution of a vehicle's distance from its predicted path, as measured."""
-
 from dataclasses import dataclass, replace
 from functools import cached_property
 

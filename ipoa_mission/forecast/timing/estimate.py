@@ -1,5 +1,3 @@
-"""Estimate the time of a mission by item, of its route, and as QGroundControl shows it."""
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass

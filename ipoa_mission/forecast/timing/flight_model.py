@@ -1,5 +1,3 @@
-"""The interface of an autopilot's flight model, and what it predicts."""
-
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Hashable, Sequence

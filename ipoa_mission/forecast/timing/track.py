@@ -1,5 +1,3 @@
-"""A path with its times, predicted or flown; thinned, or cut into short straight pieces."""
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 
