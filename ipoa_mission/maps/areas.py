@@ -1,5 +1,3 @@
-"""Find no-fly zones and flight areas in a map."""
-
 import math
 import re
 from collections.abc import Mapping, Sequence

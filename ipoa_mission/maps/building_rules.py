@@ -1,5 +1,3 @@
-"""Assume sizes of map features whose tags give none."""
-
 import math
 import re
 from collections.abc import Mapping

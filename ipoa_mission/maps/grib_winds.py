@@ -1,5 +1,3 @@
-"""Read winds from GRIB by eccodes."""
-
 import re
 from collections import defaultdict
 from collections.abc import Iterator, Mapping

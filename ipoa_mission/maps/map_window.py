@@ -1,5 +1,3 @@
-"""Select map features around a flight."""
-
 from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple, Self, TypeAlias

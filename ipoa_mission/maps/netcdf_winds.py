@@ -1,4 +1,4 @@
-"""Read winds from NetCDF by xarray; CF attributes take precedence over names."""
+"""CF attributes take precedence over names."""
 
 import re
 import warnings

@@ -1,5 +1,3 @@
-"""Describe map features that are no obstacle, or may be one."""
-
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from itertools import groupby

@@ -1,5 +1,3 @@
-"""Convert properties to tags."""
-
 import json
 import math
 import re

@@ -1,5 +1,3 @@
-"""A flight as flown, with its deviations from the forecast."""
-
 from dataclasses import dataclass
 from enum import StrEnum
 from functools import cached_property

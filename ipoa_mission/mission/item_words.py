@@ -1,5 +1,3 @@
-"""Words for items and for lists of item numbers."""
-
 import math
 from collections.abc import Iterable
 

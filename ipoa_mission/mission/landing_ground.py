@@ -1,5 +1,3 @@
-"""Height of the ground at the landing place."""
-
 import math
 from dataclasses import replace
 

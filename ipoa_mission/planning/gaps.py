@@ -1,5 +1,3 @@
-"""Find places in the narrow gaps between obstacles, in plan view."""
-
 from collections.abc import Iterator
 from itertools import pairwise
 

@@ -1,5 +1,3 @@
-"""The planner's task: a `Scenario`, or a `PathProblem`."""
-
 from dataclasses import dataclass, field, fields, replace
 from typing import TypeAlias
 

@@ -1,5 +1,3 @@
-"""Build the mission for a plan."""
-
 from collections.abc import Iterator
 from dataclasses import replace
 

@@ -1,5 +1,3 @@
-"""Build a mission from a route."""
-
 from collections.abc import Iterator
 from dataclasses import replace
 

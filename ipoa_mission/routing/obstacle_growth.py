@@ -1,5 +1,3 @@
-"""Enlarge obstacles and tighten limits to keep the asked clearance."""
-
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 

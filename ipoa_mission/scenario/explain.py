@@ -1,5 +1,3 @@
-"""Explain pydantic's errors in a scenario."""
-
 import difflib
 from collections.abc import Mapping, Sequence
 from functools import cache

@@ -1,5 +1,3 @@
-"""Tables of safety, wind, route, cost, planning and optimizer."""
-
 from itertools import pairwise
 from pathlib import Path
 from typing import Annotated, Any, Literal

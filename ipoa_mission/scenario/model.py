@@ -1,5 +1,3 @@
-"""A scenario: the tables of its file, and their world."""
-
 from abc import abstractmethod
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace

@@ -1,5 +1,3 @@
-"""Limits of a path."""
-
 from dataclasses import dataclass, replace
 
 import numpy as np

@@ -1,5 +1,3 @@
-"""Find the quickest tour of parallel lines over an area."""
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace

@@ -1,5 +1,3 @@
-"""Find the lines that logged paths flew, and the tour of those left."""
-
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise

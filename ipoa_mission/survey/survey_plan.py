@@ -187,8 +187,6 @@ def _refusal(nearest: _TooNear, scenario: Scenario) -> MissionError:
 
 @dataclass(frozen=True)
 class FlightMaker:
-    """Forecasts flights."""
-
     task: SurveyTask
     seed: int
     _longest: dict[bytes, tuple[Tour, Forecast]] = field(default_factory=dict, init=False, repr=False, compare=False)

@@ -1,5 +1,3 @@
-"""Report a survey as JSON and HTML."""
-
 from collections.abc import Sequence
 from html import escape
 from typing import Any

@@ -1,5 +1,3 @@
-"""Tours of lines, and their split into flights."""
-
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -69,7 +67,6 @@ class Tour:
 
     @property
     def transits(self) -> list[Plane]:
-        """Return the ways between lines."""
         return [self.places[[a + 1, *range(a + 2, b), b]] for a, b in pairwise(np.flatnonzero(self.is_on).tolist())]
 
     @property

@@ -172,7 +172,6 @@ class Airspace:
         return np.flatnonzero((away**2).sum(axis=1) <= (radii + max(distance, 0.0)) ** 2)
 
     def _distance_of_few(self, points: Points) -> Vector:
-        """Return the distances of a few points (n,) [m]."""
         middles, radii = self._circles
         least = np.full(len(points), np.inf)
         floors = np.linalg.norm(middles - points[:, None, :2], axis=2) - radii - ROUNDING
