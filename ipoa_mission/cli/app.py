@@ -1,5 +1,3 @@
-"""Exit codes: 0 done; 1 not done (refused, collides, unreachable); 2 bad input."""
-
 import errno
 import logging
 import os
@@ -145,7 +143,6 @@ def format_help(by_typer: Callable[..., None], *context: object) -> None:
 
 
 def convert(by_typer: Callable[[], Any], value: Any, param: Any, ctx: object) -> Any:
-    """Return the value as Typer converts it."""
     kind = param.type_descriptor.annotation
     is_list = get_origin(kind) is list
     if value is None:

@@ -1,5 +1,3 @@
-"""Check mission files, and print findings as lines or JSON."""
-
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple

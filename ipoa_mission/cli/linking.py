@@ -87,7 +87,7 @@ def _vehicle_on(link: str, options: LinkOptions, usual_log: Path | None, reading
 
 
 def states_firmware(file: Path, autopilot: Autopilot | None) -> bool:
-    """Return whether a mission file names its firmware; `.waypoints` does not."""
+    """A `.waypoints` file names none."""
     return autopilot is not None or file.suffix.lower() != ".waypoints"
 
 

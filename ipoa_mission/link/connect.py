@@ -1,5 +1,3 @@
-"""Find the vehicle on a link by its heartbeat."""
-
 from collections.abc import Mapping
 from functools import partial
 from pathlib import Path

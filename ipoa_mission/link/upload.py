@@ -1,5 +1,3 @@
-"""Upload a list, by items or as a file, until the vehicle provably holds it."""
-
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field

@@ -1,5 +1,3 @@
-"""The public client of one vehicle: upload, download, prepare, start and watch a mission."""
-
 import itertools
 import logging
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence

@@ -1,5 +1,3 @@
-"""The state that a vehicle reports, and a watch of its mode in flight."""
-
 import logging
 from collections.abc import Iterator
 from contextlib import contextmanager

@@ -1,7 +1,7 @@
 """Words of a vehicle: its texts (STATUSTEXT), and PX4's events, of which it sends the number and the arguments.
 
-PX4 1.17 and 1.18 send those of a mission's feasibility as events alone. Others come as both: their words are the text's,
-so that a reason counts once.
+PX4 1.17 and 1.18 send those of a mission's feasibility as events alone. Others come as both: their words are the
+text's, so that a reason counts once.
 """
 
 import struct

@@ -1,5 +1,3 @@
-"""The parts of a forecast that report and studio draw."""
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

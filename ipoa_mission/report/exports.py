@@ -81,7 +81,7 @@ def _stretches(leg: Leg, frame: LocalFrame, unknown_ground: float | None) -> Ite
 
 
 def _cut_at_antimeridian(places: list[LonLatUp]) -> list[list[LonLatUp]]:
-    """Cut a line at longitude 180: RFC 7946, 3.1.9."""
+    """RFC 7946, 3.1.9."""
     lines = [[places[0]]]
     for place in places[1:]:
         before = lines[-1][-1]
@@ -124,7 +124,7 @@ def _cut_ring(ring: Ring) -> Iterator[Ring]:
 
 
 def _placed_items(mission: Mission) -> Iterator[tuple[int, Item, LonLatUp]]:
-    """Yield number, item and place; the altitude is NaN above terrain."""
+    """The altitude is NaN above terrain."""
     for seq, item in enumerate(mission.items, start=1):
         if item.has_position:
             amsl = mission.home.altitude + mission.altitude_above_home(item)

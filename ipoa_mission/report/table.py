@@ -1,5 +1,3 @@
-"""A row for home and each item, also as CSV."""
-
 import csv
 import io
 import math

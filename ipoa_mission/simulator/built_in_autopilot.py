@@ -1,5 +1,3 @@
-"""The built-in autopilot joins the services of one simulated vehicle."""
-
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field

@@ -1,5 +1,3 @@
-"""Fly a mission over MAVLink bytes, on a virtual clock."""
-
 from pathlib import Path
 
 from ipoa_mission.autopilot.known_parameters import expect_known

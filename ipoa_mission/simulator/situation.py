@@ -1,5 +1,3 @@
-"""Conditions and state of a simulated flight."""
-
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from enum import IntEnum

@@ -1,5 +1,3 @@
-"""Change the survey's area in a scenario's table."""
-
 from collections.abc import Callable, MutableMapping
 from typing import Any, TypeAlias
 

@@ -1,5 +1,3 @@
-"""Sketches, plans and contingencies as messages to the page."""
-
 import math
 from collections.abc import Iterator
 from dataclasses import replace

@@ -1,5 +1,3 @@
-"""The survey on the map: its area, lines and coverage."""
-
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress

@@ -1,5 +1,3 @@
-"""Charts along the flight: heights, distance to obstacles, speed."""
-
 from collections.abc import Iterator
 from dataclasses import dataclass
 from html import escape

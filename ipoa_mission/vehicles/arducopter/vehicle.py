@@ -1,5 +1,3 @@
-"""The ArduCopter plug-in."""
-
 import math
 import re
 from collections.abc import Mapping, Sequence

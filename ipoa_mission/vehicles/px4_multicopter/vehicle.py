@@ -1,5 +1,3 @@
-"""The PX4 multicopter plug-in."""
-
 import math
 import re
 from collections.abc import Container, Mapping, Sequence, Set
