@@ -70,9 +70,8 @@ def _barrier(slack, smoothing, mean_leg):
     slope = 2.0 - near - 1.0 / near
     curvature = 1.0 / near**2 - 1.0
     value = (2.0 - 0.5 * near) * near - 1.5 - math.log(near) + beyond * (slope + 0.5 * curvature * beyond)
-    weight = smoothing.barrier * mean_leg
-    reach = smoothing.reach
-    return weight * value, weight * (slope + curvature * beyond) / reach, weight * curvature / reach**2
+    scale = smoothing.barrier * mean_leg
+    return scale * value, scale * (slope + curvature * beyond) / smoothing.reach, scale * curvature / smoothing.reach**2
 
 
 @njit(cache=True, error_model="numpy")
@@ -87,10 +86,8 @@ def _steps(nodes):
         leg = math.sqrt(level**2 + up**2)
         steps.level[i] = level
         steps.leg[i] = leg
-        steps.east[i] = east / level
-        steps.north[i] = north / level
-        steps.rise[i] = up / leg
-        steps.flat[i] = level / leg
+        steps.east[i], steps.north[i] = east / level, north / level
+        steps.rise[i], steps.flat[i] = up / leg, level / leg
     return steps
 
 
@@ -153,8 +150,7 @@ def _position_terms(nodes, leg, threats, grid, rules, smoothing, mean_leg, by_no
 
 @njit(cache=True, error_model="numpy")
 def _angle_terms(steps, rules, smoothing, signs, angles):
-    east = steps.east
-    north = steps.north
+    east, north = steps.east, steps.north
     n = len(angles)
     by_angle = Derivatives(np.zeros((2, n)), np.zeros((2, n)))
     value = 0.0
@@ -179,13 +175,10 @@ def _angle_terms(steps, rules, smoothing, signs, angles):
 @njit(cache=True, error_model="numpy")
 def _leg_terms(steps, by_angle, threats, rules, smoothing, mean_leg, by_step):
     """Add the cost of each leg. A longer leg is a bent one: bend at its begin minus bend at its end."""
-    level = steps.level
-    leg = steps.leg
+    level, leg = steps.level, steps.leg
     value = 0.0
-    turn = by_angle.slope[0]
-    climb = by_angle.slope[1]
-    turns = by_angle.curvature[0]
-    climbs = by_angle.curvature[1]
+    turn, climb = by_angle.slope[0], by_angle.slope[1]
+    turns, climbs = by_angle.curvature[0], by_angle.curvature[1]
     stretch = smoothing.evenness / mean_leg
     lever = LEVER / mean_leg
     for i in range(len(leg) - 1):
@@ -235,17 +228,13 @@ def _mixed(steps, by_angle):
 @njit(inline="always")
 def _block(by_node, by_step, mixed, values, k, m, some):
     """Return second derivatives by control points k and m: EE, EN, EU, NE, ..."""
-    here = values[0]
-    before = values[1]
-    after = values[2]
-    twice = by_node.curvature
-    stepwise = by_step.curvature
+    here, before, after = values[0], values[1], values[2]
+    twice, stepwise = by_node.curvature, by_step.curvature
     ee, en, eu, ne, nn, nu, ue, un, uu = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     for i in some:
         place = here[k, i] * here[m, i]
         step = after[k, i] * after[m, i]
-        back = before[k, i] * after[m, i]
-        forth = after[k, i] * before[m, i]
+        back, forth = before[k, i] * after[m, i], after[k, i] * before[m, i]
         ee += place * twice[EE, i] + step * stepwise[EE, i] + (back + forth) * mixed[0, i]
         nn += place * twice[NN, i] + step * stepwise[NN, i] + (back + forth) * mixed[4, i]
         uu += place * twice[UU, i] + step * stepwise[UU, i] + (back + forth) * mixed[8, i]
@@ -266,9 +255,7 @@ def gradient_and_hessian(derivatives, basis, count):
     """Return gradient (3 count,) and Gauss-Newton's Hessian (15, 3 count) by control points, for `solve_banded`."""
     by_node, by_step, steps, by_angle = derivatives
     first, values = basis
-    here = values[0]
-    before = values[1]
-    after = values[2]
+    here, before, after = values[0], values[1], values[2]
     mixed = _mixed(steps, by_angle)
     n = len(first)
     gradient = np.zeros(3 * count)
