@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from ipoa_mission.compiled import njit
-from ipoa_mission.planning._places import FASTMATH, _cell, _distance, _ground, _least_height, _look
+from ipoa_mission.planning._places import FASTMATH, _cell, _distance, _ground, _least_height, _slack_and_threat
 from ipoa_mission.planning.obstacle_grid import FENCE, LEAST, UNLIMITED
 
 
@@ -101,7 +101,7 @@ def slack_and_threat(points, grid, rules):
     n = len(points)
     slack, threat = np.empty(n), np.empty(n)
     for i in range(n):
-        slack[i], threat[i] = _look(grid, rules, (points[i, 0], points[i, 1], points[i, 2]))
+        slack[i], threat[i] = _slack_and_threat(grid, rules, (points[i, 0], points[i, 1], points[i, 2]))
     return slack, threat
 
 
@@ -118,35 +118,35 @@ def centered(points, offsets, box, grid, rules):
                 e = min(max(x + offsets[number, k, 0], lower[0]), upper[0])
                 n = min(max(y + offsets[number, k, 1], lower[1]), upper[1])
                 u = min(max(z + offsets[number, k, 2], lower[2]), upper[2])
-                slack, _ = _look(grid, rules, (e, n, u), best)
+                slack, _ = _slack_and_threat(grid, rules, (e, n, u), best)
                 if slack > best:
                     best, moved[i, 0], moved[i, 1], moved[i, 2] = slack, e, n, u
     return moved
 
 
-GLANCES = 100  # at most on a leg between two nodes
+MAX_LEG_SAMPLES = 100  # at most on a leg between two nodes
 
 
 @njit(inline="always")
-def _ahead(spacing, i, j, k, rules):
+def _least_cost_ahead(spacing, i, j, k, rules):
     """Return a bound of the cost of these steps."""
     east, north, up = i * spacing[0], j * spacing[1], k * spacing[2]
     return 0.97 * rules.length * math.sqrt(east * east + north * north + up * up)  # detours cost less
 
 
 @njit(cache=True, fastmath=FASTMATH, error_model="numpy")
-def spread(nodes, stepping, look, ends, grid, rules):
+def lattice_costs(nodes, stepping, check_legs, ends, grid, rules):
     """Return the least cost from a lattice node to others (n,), and each predecessor (n,), in the order of A*.
 
     `ends`: source, target and ratio; nodes on no route of less than `ratio` times the cheapest are not reached. A
-    step of `stepping` (steps (s, 3), lengths (s,)) costs its length times the mean price of its ends. With `look`, its
-    leg is checked for obstacles.
+    step of `stepping` (steps (s, 3), lengths (s,)) costs its length times the mean price of its ends. `check_legs`: of
+    steps, for obstacles.
     """
     steps, lengths = stepping
     source, target, ratio = ends
     places = nodes.places
     price = nodes.price.ravel()
-    room = nodes.slack.ravel()
+    slack = nodes.slack.ravel()
     nx, ny, nz = nodes.price.shape
     total = nx * ny * nz
     onward = (steps[:, 0] * ny + steps[:, 1]) * nz + steps[:, 2]
@@ -177,13 +177,13 @@ def spread(nodes, stepping, look, ends, grid, rules):
         if key > most:
             break
         reached, i, j, k = cost[here], here // (ny * nz), here // nz % ny, here % nz
-        bound = reached + _ahead(nodes.spacing, i - goal_i, j - goal_j, k - goal_k, rules)
+        bound = reached + _least_cost_ahead(nodes.spacing, i - goal_i, j - goal_j, k - goal_k, rules)
         if key > bound * (1.0 + 1e-12):  # rounded otherwise
             continue
         if here == target:
             most = ratio * reached
         x, y, z = places[here, 0], places[here, 1], places[here, 2]
-        price_here, room_here = price[here], room[here]
+        price_here, slack_here = price[here], slack[here]
         for s in range(len(steps)):
             a, b, c = i + steps[s, 0], j + steps[s, 1], k + steps[s, 2]
             if not (0 <= a < nx and 0 <= b < ny and 0 <= c < nz):
@@ -192,20 +192,20 @@ def spread(nodes, stepping, look, ends, grid, rules):
             trial = reached + lengths[s] * 0.5 * (price_here + price[there])
             if not trial < cost[there] or size >= len(keys):
                 continue
-            if look:  # from clearance ball to ball
+            if check_legs:  # from clearance ball to ball
                 e, n, u = places[there, 0] - x, places[there, 1] - y, places[there, 2] - z
                 length = math.sqrt(e * e + n * n + u * u)
-                least = max(0.5 * rules.clearance, length / GLANCES)
-                along, end, free = max(room_here, least), length - room[there], True
+                least = max(0.5 * rules.clearance, length / MAX_LEG_SAMPLES)
+                along, end, free = max(slack_here, least), length - slack[there], True
                 while free and along < end:
                     t = along / length
-                    spare, _ = _look(grid, rules, (x + t * e, y + t * n, z + t * u))
-                    free = spare >= -0.5 * rules.clearance
-                    along += max(spare, least)
+                    slack_there, _ = _slack_and_threat(grid, rules, (x + t * e, y + t * n, z + t * u))
+                    free = slack_there >= -0.5 * rules.clearance
+                    along += max(slack_there, least)
                 if not free:
                     continue
             cost[there], before[there] = trial, here
-            trial += _ahead(nodes.spacing, a - goal_i, b - goal_j, c - goal_k, rules)
+            trial += _least_cost_ahead(nodes.spacing, a - goal_i, b - goal_j, c - goal_k, rules)
             hole = size
             size += 1
             while hole > 0 and keys[(hole - 1) // 2] > trial:

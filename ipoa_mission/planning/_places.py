@@ -93,20 +93,20 @@ def _distance(kind, shape, edges, body, x, y, z):
 
 
 @njit(inline="always")
-def _look(grid, rules, place, least=-np.inf):
+def _slack_and_threat(grid, rules, place, least=-np.inf):
     """Return slack [m] and threat per meter at a place."""
     x, y, z = place
     cells, first, listed, _, around, kind, shape, edges, raster, heights, lower, upper, reach, zones = grid
     threat = 0.0
     ground = _ground(raster, heights, x, y)[0]
-    spare = min(z - ground - _least_height(zones, rules.height, x, y), rules.ceiling - (z - ground))
-    spare = min(spare, reach - rules.clearance)
+    slack = min(z - ground - _least_height(zones, rules.height, x, y), rules.ceiling - (z - ground))
+    slack = min(slack, reach - rules.clearance)
     if not (lower[0] <= x <= upper[0] and lower[1] <= y <= upper[1] and lower[2] <= z <= upper[2]):
-        spare = -np.inf
+        slack = -np.inf
     cell = _cell(cells, x, y)
     for k in range(first[cell], first[cell + 1]):
         body = listed[k]
-        if spare < least:  # the caller needs no more
+        if slack < least:  # the caller needs no more
             break
         if not around[body, 3] < z < around[body, 4]:
             continue
@@ -114,9 +114,9 @@ def _look(grid, rules, place, least=-np.inf):
             continue
         distance = _distance(kind, shape, edges, body, x, y, z)[0]
         if kind[body] == FENCE:
-            spare = min(spare, distance)
+            slack = min(slack, distance)
             continue
-        spare = min(spare, distance - rules.clearance)
+        slack = min(slack, distance - rules.clearance)
         if distance - rules.radius < rules.d_safe:
             threat += rules.threat / max(distance - rules.radius, LEAST)
-    return spare, threat
+    return slack, threat

@@ -116,7 +116,7 @@ def guesses(problem: PreparedProblem, coarsest: int, strategy: LatticeStrategy =
         if routes:
             routes = _mend(routes, lattice, problem)
             break
-    routes = routes or find_routes(lattice, problem, most, looking=False)
+    routes = routes or find_routes(lattice, problem, most, check_legs=False)
     tolerance = min(2 * lattice.spacing[0], max(lattice.spacing[0], problem.rules.d_safe))
     lines = [shapely.LineString(route[:, :2]) for route in routes]  # corners: Douglas and Peucker
     turns = max(shapely.get_num_points(shapely.simplify(lines, tolerance, preserve_topology=False)) - 2, default=0)
@@ -215,14 +215,14 @@ def lay_lattice(problem: PreparedProblem, fineness: float = 1.0, strategy: Latti
     return Lattice(spacing, nodes, slack.reshape(count), price.reshape(count), steepest, detour_cost, strategy)
 
 
-def find_routes(lattice: Lattice, problem: PreparedProblem, most: int, looking: bool = True) -> list[Points]:
-    """Return up to `most` distinct routes (k, 3), cheapest first; thin obstacles are missed without `looking`."""
+def find_routes(lattice: Lattice, problem: PreparedProblem, most: int, check_legs: bool = True) -> list[Points]:
+    """Return up to `most` distinct routes (k, 3), cheapest first; thin obstacles are missed without `check_legs`."""
     places = problem.task.places
     ends = zip(places, (_end_node(lattice, problem, place) for place in places), strict=True)
     legs = list[list[Points]]()
     wanted = most
     for leg in pairwise(ends):
-        legs.append(_leg_routes(lattice, problem, leg, wanted, looking))
+        legs.append(_leg_routes(lattice, problem, leg, wanted, check_legs))
         if not legs[-1]:
             return []
         wanted -= len(legs[-1]) - 1
@@ -316,24 +316,26 @@ End = tuple[Vector, int | None]  # a place and its node
 
 
 def _leg_routes(
-    lattice: Lattice, problem: PreparedProblem, ends: tuple[End, End], most: int, looking: bool
+    lattice: Lattice, problem: PreparedProblem, ends: tuple[End, End], most: int, check_legs: bool
 ) -> list[Points]:
-    from ipoa_mission.planning._kernels import spread
+    from ipoa_mission.planning._kernels import lattice_costs
 
     (start, source), (goal, target) = ends
     if source is None or target is None:
         return []
-    look = looking and float(np.linalg.norm(lattice.spacing)) > 2 * problem.limits.obstacle_distance
+    checks = check_legs and float(np.linalg.norm(lattice.spacing)) > 2 * problem.limits.obstacle_distance
     nodes = Nodes(lattice.price, lattice.slack, lattice.places, lattice.spacing)
     ratio = lattice.strategy.max_cost_ratio * (1 + ROUNDING)
-    cost_from, before = spread(nodes, lattice.steps(), look, (source, target, ratio), problem.grid, problem.rules)
+    cost_from, before = lattice_costs(
+        nodes, lattice.steps(), checks, (source, target, ratio), problem.grid, problem.rules
+    )
     if not np.isfinite(cost_from[target]):
         return []
     if most == 1:
         passed = _trace(before, target)[::-1]
         return [np.vstack([start, lattice.places[passed], goal])]
     steps = lattice.steps(backwards=True)
-    cost_to, after = spread(nodes, steps, look, (target, source, ratio), problem.grid, problem.rules)
+    cost_to, after = lattice_costs(nodes, steps, checks, (target, source, ratio), problem.grid, problem.rules)
     routes = list[Points]()
     courses = np.empty((most, 24, 3))
     for node in [target, *_passages(cost_from, cost_to, lattice)]:

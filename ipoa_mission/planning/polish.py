@@ -155,8 +155,8 @@ def _prepare(candidate: Candidate, problem: PreparedProblem, part: slice, nodes:
 
 @lru_cache(maxsize=64)
 def _node_basis(n: int, nodes: int) -> NodeBasis:
-    look = even_basis(n, nodes)
-    around = np.stack([look[np.clip(np.arange(nodes) + k, 0, nodes - 1)] for k in (-1, 0, 1)])
+    node_basis = even_basis(n, nodes)
+    around = np.stack([node_basis[np.clip(np.arange(nodes) + k, 0, nodes - 1)] for k in (-1, 0, 1)])
     first = np.minimum(np.argmax(np.abs(around).max(axis=0) > 1e-14, axis=1), n - 5)
     before, here, after = (part[np.arange(nodes), first + np.arange(5)[:, None]] for part in around)
     return NodeBasis(first, np.stack([here, here - before, after - here]))

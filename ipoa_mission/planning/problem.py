@@ -189,17 +189,17 @@ class PreparedProblem:
         """Return the cost function of a search: candidates (m, D) to costs (m,) of the changed part."""
         from ipoa_mission.planning._kernels import path_costs  # compiled, or loaded, on first use
 
-        look = even_basis(len(encoding.origin), self.nodes)
-        changed = np.nonzero(look @ np.abs(encoding.matrix).max(axis=(0, 2)))[0]
-        look = look[max(changed[0] - 2, 0) : changed[-1] + 3]
-        active = np.nonzero(look.any(axis=0))[0]
-        look = np.ascontiguousarray(look[:, active].T)
+        node_basis = even_basis(len(encoding.origin), self.nodes)
+        changed = np.nonzero(node_basis @ np.abs(encoding.matrix).max(axis=(0, 2)))[0]
+        node_basis = node_basis[max(changed[0] - 2, 0) : changed[-1] + 3]
+        active = np.nonzero(node_basis.any(axis=0))[0]
+        node_basis = np.ascontiguousarray(node_basis[:, active].T)
         start = _by_axis(encoding.origin[None, active])[0]
         span = _by_axis(encoding.matrix[:, active])
 
         def cost(x: Candidates) -> Costs:
             control = (x @ span + start).reshape(-1, len(active))
-            return np.asarray(path_costs((control @ look).reshape(len(x), 3, -1), self.grid, self.rules))
+            return np.asarray(path_costs((control @ node_basis).reshape(len(x), 3, -1), self.grid, self.rules))
 
         return cost
 
@@ -233,8 +233,7 @@ class PreparedProblem:
 
 
 def without_penalty(costs: Costs) -> Costs:
-    """Return costs of `PreparedProblem.cost` without the penalty of a breach."""
-    return costs % BREACH_PENALTY  # lower costs are unchanged
+    return costs % BREACH_PENALTY  # costs without a breach are unchanged
 
 
 def prepare(task: PathTask) -> PreparedProblem:

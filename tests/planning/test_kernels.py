@@ -169,7 +169,7 @@ def test_slack_and_threat_are_those_of_the_twin(town: Town) -> None:
 
 
 def test_costs_spread_over_a_lattice_as_in_the_twin(scenario: Make) -> None:
-    from ipoa_mission.planning._kernels import spread
+    from ipoa_mission.planning._kernels import lattice_costs
 
     anywhere = prepare(scenario())
     rng = np.random.default_rng(5)
@@ -181,8 +181,8 @@ def test_costs_spread_over_a_lattice_as_in_the_twin(scenario: Make) -> None:
         steps = every[rng.random(26) < 0.7]
         lengths = np.linalg.norm(steps * rng.uniform(1, 3, 3), axis=1)
         nodes = Nodes(price, np.zeros(price.shape), np.zeros((price.size, 3)), np.ones(3))
-        cost, before = spread(nodes, (steps, lengths), False, (source, 0, np.inf), anywhere.grid, anywhere.rules)
-        np.testing.assert_allclose(cost, twins.spread(price, steps, lengths, source), rtol=1e-12)
+        cost, before = lattice_costs(nodes, (steps, lengths), False, (source, 0, np.inf), anywhere.grid, anywhere.rules)
+        np.testing.assert_allclose(cost, twins.lattice_costs(price, steps, lengths, source), rtol=1e-12)
         reached = np.isfinite(cost)
         reached[source] = False
         assert (before[reached] >= 0).all()
@@ -192,20 +192,23 @@ def test_costs_spread_over_a_lattice_as_in_the_twin(scenario: Make) -> None:
 
 def test_no_step_leads_through_what_is_between_two_nodes(scenario: Make) -> None:
     """Two nodes on either side of a wall, and one beside each by which it can be passed."""
-    from ipoa_mission.planning._kernels import spread
+    from ipoa_mission.planning._kernels import lattice_costs
 
     wall = {"kind": "box", "east": 50, "north": 0, "width": 0.2, "depth": 20, "height": 99, "base": 0.0}
     problem = prepare(scenario(obstacles=[wall], vehicle={"radius": 0.1}, safety_distance=0.1))
     places = np.array([(40.0, north, 20.0) for north in (0.0, 15.0)] + [(60.0, north, 20.0) for north in (0.0, 15.0)])
     price, steps = np.ones((2, 2, 1)), np.array([(1, 0, 0), (-1, 0, 0), (0, 1, 0), (0, -1, 0)])
     lengths = np.array([20.0, 20.0, 15.0, 15.0])
-    for look, through in ((False, 20.0), (True, 50.0)):
+    for check_legs, through in ((False, 20.0), (True, 50.0)):
         nodes = Nodes(price, np.zeros((2, 2, 1)), places, np.array([20.0, 15.0, 1.0]))
-        assert spread(nodes, (steps, lengths), look, (0, 2, np.inf), problem.grid, problem.rules)[0][2] == through
+        assert (
+            lattice_costs(nodes, (steps, lengths), check_legs, (0, 2, np.inf), problem.grid, problem.rules)[0][2]
+            == through
+        )
 
 
 def test_nodes_on_cheap_routes_cost_the_same_within_a_ratio(scenario: Make) -> None:
-    from ipoa_mission.planning._kernels import spread
+    from ipoa_mission.planning._kernels import lattice_costs
 
     anywhere, rng = prepare(scenario()), np.random.default_rng(3)
     for _ in range(10):
@@ -216,7 +219,7 @@ def test_nodes_on_cheap_routes_cost_the_same_within_a_ratio(scenario: Make) -> N
         fixed = ((steps, np.linalg.norm(steps * spacing, axis=1)), False)
         source, target = rng.choice(price.size, 2, replace=False).tolist()
         there, back = (
-            [spread(nodes, *fixed, (*ends, ratio), anywhere.grid, anywhere.rules)[0] for ratio in (1.3, np.inf)]
+            [lattice_costs(nodes, *fixed, (*ends, ratio), anywhere.grid, anywhere.rules)[0] for ratio in (1.3, np.inf)]
             for ends in ((source, target), (target, source))
         )
         cheap = there[1] + back[1] < 1.3 * there[1][target]

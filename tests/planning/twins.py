@@ -104,7 +104,7 @@ def slack_and_threat(
     return slack, threat
 
 
-def spread(price: NDArray[np.float64], steps: NDArray[np.int64], lengths: Vector, source: int) -> Vector:
+def lattice_costs(price: NDArray[np.float64], steps: NDArray[np.int64], lengths: Vector, source: int) -> Vector:
     """Return least costs between lattice nodes, by relaxing all steps."""
     cost = np.full(price.shape, np.inf)
     cost.ravel()[source] = 0.0

@@ -30,7 +30,7 @@ MODULES = {
     "slack_and_threat": "planning._kernels",
     "centered": "planning._kernels",
     "minimize_path_model": "planning._path_model",
-    "spread": "planning._kernels",
+    "lattice_costs": "planning._kernels",
     "solve_banded": "planning.banded",
     "extreme": "world._analytic",
     "least_heights": "world._analytic",
@@ -94,7 +94,7 @@ def kernels() -> Iterator[Kernel]:
         "straight_ways": (_numbers(2),) * 5,
         "ways_between": (leg_times, *(_numbers(2),) * 2, *(ways,) * 2, _numbers(2), 1.0),
         "search_order": (_numbers(2), _numbers(1), 0),
-        "spread": (nodes, (_numbers(2, np.int64), _numbers(1)), True, (0, 0, 1.0), grid, rules),
+        "lattice_costs": (nodes, (_numbers(2, np.int64), _numbers(1)), True, (0, 0, 1.0), grid, rules),
     }
     for name, arguments in examples.items():
         module = f"ipoa_mission.{MODULES[name]}"
