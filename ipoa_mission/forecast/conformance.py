@@ -198,11 +198,11 @@ class ConformanceMonitor:
         evenly = np.interp(np.arange(0.0, flown[-1], SPACING), flown, track.times)
         times = np.unique(np.concatenate([track.times[:1], evenly, track.times[-1:]]))
         pieces = pieces_of(track)
-        across = np.interp(times, (pieces.times[:-1] + pieces.times[1:]) / 2, pieces.across)
+        lateral_accel = np.interp(times, (pieces.times[:-1] + pieces.times[1:]) / 2, pieces.lateral_accel)
         bound = np.tile(self._width(self._law), (len(times), 1))
         goals = [item.done_s for n, item in enumerate(self._estimate.items) if self._goal(n) is not None]
         bound[times > max(goals, default=math.inf)] = self._width(self._law.after_cruise())
-        bound[:, 0] *= self._law.widening(across)
+        bound[:, 0] *= self._law.widening(lateral_accel)
         return times, track.at(times), bound
 
     def _goal(self, visit: int) -> Vector | None:

@@ -104,7 +104,7 @@ def test_beside_a_wall_the_chance_is_that_of_one_side_of_a_pass() -> None:
 @pytest.mark.parametrize(("seconds", "across", "kept"), [(3.9, 0.0, 2.83), (11.9, 0.0, 2.59), (3.9, 4.0, 2.24)])
 def test_clearance_of_the_example_in_safety_md(seconds: float, across: float, kept: float) -> None:
     course, world = straight(wall(4.0), seconds=seconds)
-    course = replace(course, across=np.full(len(course.across), across))
+    course = replace(course, lateral_accel=np.full(len(course.lateral_accel), across))
     assert proximity_risks(course, world, PX4, 4.0).clearance_at(0.01) == pytest.approx(kept, abs=0.006)
     assert f"{kept:.2f} m" in (Path(__file__).parents[2] / "docs" / "safety.md").read_text(encoding="utf-8")
 
@@ -130,7 +130,7 @@ def test_height_errors_over_a_roof_last_a_whole_flight() -> None:
 
 def test_a_bend_widens_the_deviation_bound() -> None:
     course, world = straight(wall(5.0))
-    bent = replace(course, across=np.full(len(course.across), PX4.doubling_acceleration))
+    bent = replace(course, lateral_accel=np.full(len(course.lateral_accel), PX4.doubling_acceleration))
     assert proximity_risks(bent, world, PX4, 4.0).clearance_at(0.01) == pytest.approx(
         5.0 - 2 * PX4.lateral.distance(0.01), abs=0.002
     )

@@ -85,8 +85,8 @@ class DeviationLaw:
     source: str
     strongest: float
 
-    def widening(self, across: Vector) -> Vector:
-        return np.asarray(1.0 + across / self.doubling_acceleration)
+    def widening(self, lateral_accel: Vector) -> Vector:
+        return np.asarray(1.0 + lateral_accel / self.doubling_acceleration)
 
     def lateral_bound(self, chance: float) -> float:
         """Return the lateral deviation [m] exceeded with this probability."""

@@ -162,7 +162,7 @@ class ProximityRisks:
 
 def proximity_risks(flown: Pieces, airspace: Airspace, law: DeviationLaw, clearance: float) -> ProximityRisks:
     a, b = flown.points[:-1], flown.points[1:]
-    widening = law.widening(flown.across)
+    widening = law.widening(flown.lateral_accel)
     rare = 1e-5  # the chance of obstacles that are ignored
     reach = max(clearance, 0.0) + widening * law.lateral.distance(rare) + flown.spread[:, 0]
     near_pieces, near_obstacles = airspace.beside(shapely.linestrings(np.stack([a[:, :2], b[:, :2]], axis=1)), reach)

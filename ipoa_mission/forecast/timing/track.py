@@ -93,12 +93,12 @@ def _folded(path: Points, kept: NDArray[np.intp], most: float) -> NDArray[np.boo
 
 @dataclass(frozen=True, eq=False)
 class Pieces(Track):
-    """Short straight pieces, with the lateral acceleration `across` of each, (n-1,) [m/s^2].
+    """Short straight pieces, with the lateral acceleration `lateral_accel` of each, (n-1,) [m/s^2].
 
     `spread`: deviation beyond the vehicle's law, to a side, below and above (n-1, 3) [m].
     """
 
-    across: Vector
+    lateral_accel: Vector
     spread: Points
 
     def part(self, begin: float, end: float) -> "Pieces":
@@ -108,7 +108,9 @@ class Pieces(Track):
         last = max(last, first + 1)
         flown = slice(first, last + 1)
         each = slice(first, last)
-        return Pieces(self.times[flown], self.points[flown], self.speeds[flown], self.across[each], self.spread[each])
+        return Pieces(
+            self.times[flown], self.points[flown], self.speeds[flown], self.lateral_accel[each], self.spread[each]
+        )
 
 
 def pieces_of(track: Track, spread: Points | None = None) -> Pieces:
@@ -118,14 +120,14 @@ def pieces_of(track: Track, spread: Points | None = None) -> Pieces:
     kept = np.flatnonzero(is_kept) if is_kept.sum() > 1 else np.zeros(2, dtype=int)
     times = track.times[kept]
     middles = (times[:-1] + times[1:]) / 2
-    across = np.interp(middles, *_bends(track))
+    lateral_accel = np.interp(middles, *_lateral_accels(track))
     wider = np.zeros((len(middles), 3))
     if spread is not None:
         wider = interpolate(middles, track.times, spread)
-    return Pieces(times, track.points[kept], track.speeds[kept], across, wider)
+    return Pieces(times, track.points[kept], track.speeds[kept], lateral_accel, wider)
 
 
-def _bends(track: Track) -> tuple[Vector, Vector]:
+def _lateral_accels(track: Track) -> tuple[Vector, Vector]:
     begin = float(track.times[0])
     end = float(track.times[-1])
     step_s = 0.1
@@ -136,7 +138,7 @@ def _bends(track: Track) -> tuple[Vector, Vector]:
     mean = np.full(smoothed, 1 / smoothed)
     speeds = [np.gradient(axis, step_s) for axis in horizontal.T]
     accels = [np.convolve(np.gradient(speed, step_s), mean, "same") for speed in speeds]
-    across = np.abs(speeds[0] * accels[1] - speeds[1] * accels[0]) / np.maximum(np.hypot(*speeds), 0.5)
+    lateral = np.abs(speeds[0] * accels[1] - speeds[1] * accels[0]) / np.maximum(np.hypot(*speeds), 0.5)
     reach = round(reach_s / step_s)
-    near = np.lib.stride_tricks.sliding_window_view(np.pad(across, reach), 2 * reach + 1)
+    near = np.lib.stride_tricks.sliding_window_view(np.pad(lateral, reach), 2 * reach + 1)
     return times, near.max(axis=1)
