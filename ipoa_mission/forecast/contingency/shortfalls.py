@@ -92,23 +92,23 @@ def clear_in(scenario: Scenario) -> Callable[[Iterable[Leg]], bool]:
 
 
 def try_return_altitudes(
-    paths: ContingencyPaths, forecast: Forecast, short: list[Shortfall]
+    paths: ContingencyPaths, forecast: Forecast, shortfalls: list[Shortfall]
 ) -> list[tuple[Forecast, list[Shortfall]]]:
     """Return the lowest clear return altitude that was tried, else all tried ones, the smallest shortfall first."""
 
     def merit(tried: tuple[Forecast, list[Shortfall]]) -> tuple[bool, float, float]:
-        returns = sum(short.missing for short in tried[1] if short.part >= ReturnLeg.RETURNS)
-        return return_altitude(tried[0]) > allowed, returns, sum(short.missing for short in tried[1])
+        returns = sum(each.missing for each in tried[1] if each.part >= ReturnLeg.RETURNS)
+        return return_altitude(tried[0]) > allowed, returns, sum(each.missing for each in tried[1])
 
     table = forecast.mission.autopilot.parameter_table
     by = table.by_meaning["return height"]
     now = by.si(table.complete(forecast.mission.parameters)[by.name])
     allowed = highest_return(forecast)
     highest = allowed - (return_altitude(forecast) - now)  # PX4 measures from the height of its goal
-    others = [(forecast, short)]
+    others = [(forecast, shortfalls)]
     tried = {now}
-    least = now + _ground_missing(short)
-    heights = list(_heights(paths, short, now))
+    least = now + _ground_missing(shortfalls)
+    heights = list(_heights(paths, shortfalls, now))
     if now > highest:
         heights.append(float(HEIGHT_STEP * math.floor(highest / HEIGHT_STEP)))
     for _ in range(8):
@@ -126,16 +126,18 @@ def try_return_altitudes(
     return sorted(others, key=merit)
 
 
-def _ground_missing(short: list[Shortfall]) -> float:
+def _ground_missing(shortfalls: list[Shortfall]) -> float:
     """Return by how much a level return has to be higher over the ground at least [m]."""
-    return max((each.missing for each in short if not each.body and each.part == ReturnLeg.RETURNS), default=-math.inf)
+    return max(
+        (each.missing for each in shortfalls if not each.body and each.part == ReturnLeg.RETURNS), default=-math.inf
+    )
 
 
-def _heights(paths: ContingencyPaths, short: list[Shortfall], now: float) -> Iterator[float]:
+def _heights(paths: ContingencyPaths, shortfalls: list[Shortfall], now: float) -> Iterator[float]:
     """Return multiples of 5 m above obstacles in the way, below those overhead."""
     required = paths.required + SAG - float(paths.forecast.home[2])
-    over = [now + each.missing for each in short if each.body == "" and each.part >= ReturnLeg.CLIMBS]
-    for each in short:
+    over = [now + each.missing for each in shortfalls if each.body == "" and each.part >= ReturnLeg.CLIMBS]
+    for each in shortfalls:
         if each.body and each.part >= ReturnLeg.CLIMBS:
             base, top = paths.enlarged.whole.obstacles[each.number].bounds[:, 2]
             over += [float(top) + required] if each.part >= ReturnLeg.RETURNS else []
@@ -150,11 +152,11 @@ def find_shortfalls(
 ) -> Iterator[Shortfall]:
     """Return the worst shortfall to each body by leg, the greatest first; `samples`: by default at all times."""
     samples = paths.samples(contingency) if samples is None else samples
-    short = np.where(samples.possible[..., None] & ~samples.clear[:, None, None], samples.near - paths.required, 0.0)
-    where = np.argwhere(short < 0.0)
+    slack = np.where(samples.possible[..., None] & ~samples.clear[:, None, None], samples.near - paths.required, 0.0)
+    where = np.argwhere(slack < 0.0)
     reported = set[tuple[int, int]]()
     bodies = paths.enlarged.whole.obstacles
-    for n, k, leg in where[np.argsort(short[tuple(where.T)], kind="stable")].tolist():
+    for n, k, leg in where[np.argsort(slack[tuple(where.T)], kind="stable")].tolist():
         number = int(samples.which[n, k, leg])
         if (number, leg) in reported:
             continue
@@ -162,7 +164,7 @@ def find_shortfalls(
         name = "" if number == GROUND else bodies[number].name
         climbs = number >= 0 and leg == ReturnLeg.CLIMBS and contingency is Contingency.RTL
         over = climbs and float(bodies[number].bounds[0, 2]) > float(samples.paths[n, k, 1, 2])
-        yield Shortfall(contingency, float(samples.times[n]), name, number, -float(short[n, k, leg]), leg, over)
+        yield Shortfall(contingency, float(samples.times[n]), name, number, -float(slack[n, k, leg]), leg, over)
 
 
 def nearest_of_legs(paths: ContingencyPaths, samples: ContingencySamples, n: int, legs: range) -> Check:
