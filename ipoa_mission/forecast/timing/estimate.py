@@ -146,11 +146,11 @@ def _item_times(itinerary: Itinerary, prediction: Prediction) -> tuple[ItemTime,
     times = (map(float, values) for values in (prediction.done, prediction.low, prediction.high))
     risks = prediction.missed or (NEVER_MISSED,) * len(itinerary.visits)
     track = prediction.track
-    clock = np.ascontiguousarray(track.times)
+    track_times = np.ascontiguousarray(track.times)
     speeds = np.ascontiguousarray(track.speeds)
     axes = [np.ascontiguousarray(axis) for axis in track.points.T]  # NumPy would copy strided ones for each item
     for visit, done, low, high, reason, missed in zip(itinerary.visits, *times, prediction.reasons, risks, strict=True):
-        length, peak = _flown(clock, axes, speeds, begun, done)
+        length, peak = _flown(track_times, axes, speeds, begun, done)
         lasted = done - begun
         items.append(
             ItemTime(
@@ -171,14 +171,16 @@ def _item_times(itinerary: Itinerary, prediction: Prediction) -> tuple[ItemTime,
     return tuple(items)
 
 
-def _flown(clock: Vector, axes: Sequence[Vector], speeds: Vector, begin: float, end: float) -> tuple[float, float]:
+def _flown(
+    track_times: Vector, axes: Sequence[Vector], speeds: Vector, begin: float, end: float
+) -> tuple[float, float]:
     if end <= begin:
         return 0.0, 0.0
-    first, last = np.searchsorted(clock, [begin, end])
-    times = np.concatenate([[begin], clock[first:last], [end]])
-    points = np.column_stack([np.interp(times, clock, axis) for axis in axes])
+    first, last = np.searchsorted(track_times, [begin, end])
+    times = np.concatenate([[begin], track_times[first:last], [end]])
+    points = np.column_stack([np.interp(times, track_times, axis) for axis in axes])
     length = float(np.linalg.norm(np.diff(points, axis=0), axis=1).sum())
-    return length, float(np.interp(times, clock, speeds).max())
+    return length, float(np.interp(times, track_times, speeds).max())
 
 
 def qgroundcontrol_time(mission: Mission) -> float:

@@ -67,9 +67,9 @@ class Px4Model(FlightModel):
         low, high = _interval(itinerary, times)
 
         track = Track.of(samples, _in_mean_time(samples[:, 0], exact_times, done))
-        clock = np.ascontiguousarray(samples[:, 0])
+        sample_times = np.ascontiguousarray(samples[:, 0])
         numbers = range(0 if noise_free else len(itinerary.visits))
-        reasons = tuple(simulation.why_slow(n, exact_times, clock, samples) for n in numbers)
+        reasons = tuple(simulation.why_slow(n, exact_times, sample_times, samples) for n in numbers)
         return Prediction(done, low, high, reasons, track, remarks, _missed(itinerary, times))
 
     def predict_contingency(
@@ -204,11 +204,11 @@ def _interval(itinerary: Itinerary, times: Matrix) -> tuple[Vector, Vector]:
     return done - np.sqrt(below**2 + unsure), done + np.sqrt(above**2 + unsure)
 
 
-def _in_mean_time(clock: Vector, exact_times: Vector, done: Vector) -> Vector:
+def _in_mean_time(sample_times: Vector, exact_times: Vector, done: Vector) -> Vector:
     """Return times (m,) of the exact run in the mean run: each visit ends at `done`."""
-    warped = np.interp(clock, [0.0, *exact_times], [0.0, *done])
+    warped = np.interp(sample_times, [0.0, *exact_times], [0.0, *done])
     exact_end = exact_times[-1] if len(exact_times) else 0.0
-    return np.asarray(warped + np.maximum(clock - exact_end, 0.0))
+    return np.asarray(warped + np.maximum(sample_times - exact_end, 0.0))
 
 
 def _missed(itinerary: Itinerary, runs: Matrix) -> tuple[Missed, ...]:
@@ -230,20 +230,20 @@ def spread_of(path: Track, runs: list[Matrix]) -> Points:
     A run is time on the path and place (m, 4).
     """
     every = 3  # samples
-    clock = path.times[::every]
+    sample_times = path.times[::every]
     places = path.points[::every]
     ahead = np.gradient(places[:, :2], axis=0)
     across = ahead[:, ::-1] * (-1.0, 1.0) / np.maximum(np.linalg.norm(ahead, axis=1), 0.01)[:, None]
-    moments = clock + np.arange(-RUNS.nearest_s, RUNS.nearest_s + 0.1, 0.2)[:, None]
-    offsets = np.empty((len(runs), len(clock), 2))
+    moments = sample_times + np.arange(-RUNS.nearest_s, RUNS.nearest_s + 0.1, 0.2)[:, None]
+    offsets = np.empty((len(runs), len(sample_times), 2))
     for run, offset in zip(runs, offsets, strict=True):
         away = np.stack([np.interp(moments, run[:, 0], axis) for axis in run[:, 1:].T], axis=-1) - places
-        nearest = away[np.argmin(np.sum(away**2, axis=-1), axis=0), np.arange(len(clock))]
+        nearest = away[np.argmin(np.sum(away**2, axis=-1), axis=0), np.arange(len(sample_times))]
         offset[:] = np.column_stack([np.sum(nearest[:, :2] * across, axis=1), nearest[:, 2]])
     side, up = offsets.mean(axis=0).T
     wider, higher = np.maximum(2.0 * offsets.std(axis=0) - RUNS.usual_spread, 0.0).T
     beyond = (np.abs(side) + wider, np.maximum(higher - up, 0.0), np.maximum(higher + up, 0.0))
-    return np.column_stack([np.interp(path.times, clock, column) for column in beyond])
+    return np.column_stack([np.interp(path.times, sample_times, column) for column in beyond])
 
 
 MODEL = Px4Model()

@@ -130,7 +130,7 @@ class MissionSimulation:
         height = self.itinerary.start_height or 0.0
         return FlownOrders(np.zeros(1), np.array([[0.0, 0.0, 0.0, height, 0.0, 0.0, 0.0]]), _start(height, seed))
 
-    def why_slow(self, n: int, done: Vector, clock: Vector, samples: Samples) -> str:
+    def why_slow(self, n: int, done: Vector, sample_times: Vector, samples: Samples) -> str:
         """Return why visit n was slow, by samples at these times (m,) [s]."""
         command = self.itinerary.visits[n].item.command
         params = self.itinerary.visits[n].item.params
@@ -141,7 +141,7 @@ class MissionSimulation:
         order = self.mission_orders.orders[self.mission_orders.done[n] - 1]
         if order.hold_s > LEAST_HOLD:
             return "hold"
-        rows = slice(*np.searchsorted(clock, [done[n - 1] if n else 0.0, done[n]], side="right"))
+        rows = slice(*np.searchsorted(sample_times, [done[n - 1] if n else 0.0, done[n]], side="right"))
         length = math.dist(order.start[:2], order.goal[:2])
         limits = self.limits
         stop = speed_to(length / 2, 0.0, limits.accel, limits.jerk)
