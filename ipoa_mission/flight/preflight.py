@@ -140,17 +140,17 @@ class FarFromHome(MissionError, code="far-from-home"):
     rise = 15.0
 
 
-def expect_same_height(here: Geodetic, there: Geodetic | None) -> None:
-    if there is None:
+def expect_same_height(home: Geodetic, vehicle_home: Geodetic | None) -> None:
+    if vehicle_home is None:
         return
-    if apart(here, there) <= FarFromHome.reach and abs(there.altitude - here.altitude) > FarFromHome.rise:
-        words = f"expected the vehicle's home at {here.altitude:.1f} m AMSL, not {there.altitude:.1f} m"
+    if apart(home, vehicle_home) <= FarFromHome.reach and abs(vehicle_home.altitude - home.altitude) > FarFromHome.rise:
+        words = f"expected the vehicle's home at {home.altitude:.1f} m AMSL, not {vehicle_home.altitude:.1f} m"
         raise FarFromHome(words, hint="heights count from the vehicle's home: plan from its position, or use --anyway")
 
 
-def expect_home_here(position: Position | None, here: Geodetic) -> None:
+def expect_home_here(position: Position | None, home: Geodetic) -> None:
     """Raise NotAtStart if a vehicle on the ground at the mission's home counts heights from elsewhere."""
-    if position is None or apart(Geodetic(position.latitude_deg, position.longitude_deg), here) > HOME_RADIUS:
+    if position is None or apart(Geodetic(position.latitude_deg, position.longitude_deg), home) > HOME_RADIUS:
         return
     if abs(position.height) > 3.0:  # [m]
         words = f"expected the vehicle on the ground at the height of its home, not at {position.height:+.1f} m"
@@ -262,20 +262,20 @@ def expect_fit(
     aboard, remarks_aboard = check_aboard(mission, vehicle.autopilot, vehicle.firmware_version())
     findings = (*remarks_aboard, *check_mission(aboard, ignore=ignore))
     refuse_errors([finding for finding in findings if not anyway or finding.code == "version-not-measured"])
-    there = None
+    vehicle_home = None
     with suppress(NoAnswer):
-        there = vehicle.home()
+        vehicle_home = vehicle.home()
     is_other = mission.firmware_version is not None and str(mission.firmware) != str(aboard.firmware)
     return (
         *([f"the mission was made for {mission.firmware}, and the vehicle has {aboard.firmware}"] if is_other else []),
-        *_compare_home(mission, there, anyway),
-        *_compare_fence(mission, vehicle, there, anyway, written),
+        *_compare_home(mission, vehicle_home, anyway),
+        *_compare_fence(mission, vehicle, vehicle_home, anyway, written),
         *(finding.message for finding in findings),
     )
 
 
 def _compare_fence(
-    mission: Mission, vehicle: Vehicle, there: Geodetic | None, anyway: bool, written: Parameters
+    mission: Mission, vehicle: Vehicle, vehicle_home: Geodetic | None, anyway: bool, written: Parameters
 ) -> tuple[str, ...]:
     try:
         fence = vehicle.autopilot.own_fence({**vehicle.parameters(vehicle.autopilot.own_fence_by), **written})
@@ -286,26 +286,32 @@ def _compare_fence(
     unsafe = refusals(mission)
     if unsafe:
         return (f"the mission was not compared with the vehicle's own fence: {'; '.join(unsafe)}",)
-    wrong = breaches(replace(mission, autopilot=vehicle.autopilot), fence, there or mission.home)
+    wrong = breaches(replace(mission, autopilot=vehicle.autopilot), fence, vehicle_home or mission.home)
     if wrong and not anyway:
         raise OutsideOwnFence("\n".join(wrong), hint=vehicle.autopilot.protocol_profile.widen_fence)
     return wrong
 
 
-def _compare_home(mission: Mission, there: Geodetic | None, anyway: bool) -> tuple[str, ...]:
+def _compare_home(mission: Mission, vehicle_home: Geodetic | None, anyway: bool) -> tuple[str, ...]:
     """Refuse a far home, if heights count from it."""
-    if there is None:
+    if vehicle_home is None:
         return ("the vehicle does not report its home: it was not compared with the mission's",)
-    log.info("the vehicle's home: %.6f, %.6f, %.1f m AMSL", there.latitude_deg, there.longitude_deg, there.altitude)
-    here = mission.home
+    log.info(
+        "the vehicle's home: %.6f, %.6f, %.1f m AMSL",
+        vehicle_home.latitude_deg,
+        vehicle_home.longitude_deg,
+        vehicle_home.altitude,
+    )
+    home = mission.home
     remarks = list[str]()
-    distance = apart(here, there)
-    higher = there.altitude - here.altitude
+    distance = apart(home, vehicle_home)
+    higher = vehicle_home.altitude - home.altitude
     if distance > FarFromHome.reach:
         away = f"{distance:.0f} m" if distance < 10_000 else f"{distance / 1000:.0f} km"
         words = (
-            f"the vehicle's home is {away} from the mission's: it is at {there.latitude_deg:.5f}, "
-            f"{there.longitude_deg:.5f}, and the mission takes off at {here.latitude_deg:.5f}, {here.longitude_deg:.5f}"
+            f"the vehicle's home is {away} from the mission's: it is at {vehicle_home.latitude_deg:.5f}, "
+            f"{vehicle_home.longitude_deg:.5f}, and the mission takes off at {home.latitude_deg:.5f}, "
+            f"{home.longitude_deg:.5f}"
         )
         placed = (item for item in mission.items if item.has_position)
         if not anyway and any(plain_frame(item.frame) == Frame.GLOBAL_RELATIVE_ALT for item in placed):
@@ -313,27 +319,27 @@ def _compare_home(mission: Mission, there: Geodetic | None, anyway: bool) -> tup
                 words,
                 hint="heights count from the vehicle's home: plan from its position, or send with --anyway. "
                 "A vehicle moved since its last arming sets its home there after a restart (the built-in autopilot "
-                f"starts there with `mock --home {here.latitude_deg:.6f} {here.longitude_deg:.6f} "
-                f"{here.altitude:.1f}`)",
+                f"starts there with `mock --home {home.latitude_deg:.6f} {home.longitude_deg:.6f} "
+                f"{home.altitude:.1f}`)",
             )
         remarks.append(words)
     elif math.isfinite(higher) and abs(higher) > 5.0:
         remarks.append(
             f"the vehicle's home is {abs(higher):.1f} m {'higher' if higher > 0 else 'lower'} than the mission's "
-            f"({there.altitude:.1f} m AMSL, not {here.altitude:.1f} m); heights count from the vehicle's"
+            f"({vehicle_home.altitude:.1f} m AMSL, not {home.altitude:.1f} m); heights count from the vehicle's"
         )
-    wrong = refusals(replace(mission, home=replace(there, altitude=here.altitude)))
+    wrong = refusals(replace(mission, home=replace(vehicle_home, altitude=home.altitude)))
     if wrong and not anyway:
         raise Unsafe("\n".join(f"from the vehicle's position: {words}" for words in wrong))
     return (*remarks, *wrong)
 
 
-def breaches(mission: Mission, fence: OwnFence, there: Geodetic) -> tuple[str, ...]:
-    """Report each limit that a flight from home `there` would reach, with the furthest place."""
+def breaches(mission: Mission, fence: OwnFence, vehicle_home: Geodetic) -> tuple[str, ...]:
+    """Report each limit that a flight from `vehicle_home` would reach, with the furthest place."""
     law = law_of(mission.autopilot)
     share = 0.01  # of flights deviates farther
     forecast = Forecast(mission)
-    center = forecast.frame.local(there)[:2]
+    center = forecast.frame.local(vehicle_home)[:2]
     legs = forecast.legs
     heights = [forecast.frame.to_geodetic(leg.points)[2] - mission.home.altitude for leg in legs]
     farthest = [(leg, float(np.hypot(*(leg.points[:, :2] - center).T).max())) for leg in legs]
