@@ -136,24 +136,24 @@ def _climbing(routes: list[Points], inner: int, problem: PreparedProblem, step: 
             if detour < DETAILS.long_detour:
                 yield Guess(lifted, None, inner)
         if both or detour >= DETAILS.long_detour:
-            way = _without_detours(route, problem)
-            legs = leg_lengths(way)
-            yield Guess(way, inner * legs / max(float(legs.sum()), DETAILS.shortest_detour), inner)
+            shortened = _without_detours(route, problem)
+            legs = leg_lengths(shortened)
+            yield Guess(shortened, inner * legs / max(float(legs.sum()), DETAILS.shortest_detour), inner)
 
 
-def lift_to_slopes(way: Points, problem: PreparedProblem, step: float) -> tuple[Points, float]:
+def lift_to_slopes(route: Points, problem: PreparedProblem, step: float) -> tuple[Points, float]:
     """Return the route (k, 3) lifted to keep the slope limits, and the longest detour it needs.
 
     A detour is a share of the distance of the climb; infinite if the lifted route is not free.
     """
-    lifted = way.copy()
+    lifted = route.copy()
     longest = 0.0
     lift_climb_slope = DETAILS.lift_slope_share * problem.rules.climb_slope
     lift_descent_slope = DETAILS.lift_slope_share * problem.rules.descent_slope
-    traveled = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(way[:, :2], axis=0).T))])
-    for first, last in pairwise([0, *via_indices(way, problem.task.places[1:-1]), len(way) - 1]):
+    traveled = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(route[:, :2], axis=0).T))])
+    for first, last in pairwise([0, *via_indices(route, problem.task.places[1:-1]), len(route) - 1]):
         along = traveled[first : last + 1] - traveled[first]
-        height = way[first : last + 1, 2]
+        height = route[first : last + 1, 2]
         climb, descent = lift_climb_slope * along, lift_descent_slope * along
         after = np.maximum.accumulate(height + descent) - descent  # no lower than a descent from behind
         before = np.maximum.accumulate((after - climb)[::-1])[::-1]  # and than a climb to what is ahead
@@ -167,18 +167,18 @@ def lift_to_slopes(way: Points, problem: PreparedProblem, step: float) -> tuple[
     return lifted, longest if _free(lifted, problem) else np.inf
 
 
-def _without_detours(way: Points, problem: PreparedProblem) -> Points:
+def _without_detours(route: Points, problem: PreparedProblem) -> Points:
     stops = {tuple(place) for place in problem.task.places}
-    kept = np.ones(len(way), bool)
-    for k in range(1, len(way) - 1):
-        beside = tuple(way[k - 1]) in stops or tuple(way[k + 1]) in stops
-        if beside and tuple(way[k]) not in stops and kept[k - 1]:
-            kept[k] = not _free(way[[k - 1, k + 1]], problem)
-    return way[kept]
+    kept = np.ones(len(route), bool)
+    for k in range(1, len(route) - 1):
+        beside = tuple(route[k - 1]) in stops or tuple(route[k + 1]) in stops
+        if beside and tuple(route[k]) not in stops and kept[k - 1]:
+            kept[k] = not _free(route[[k - 1, k + 1]], problem)
+    return route[kept]
 
 
-def _free(way: Points, problem: PreparedProblem) -> bool:
-    spots = np.vstack([way[1:-1], (way[1:] + way[:-1]) / 2])
+def _free(route: Points, problem: PreparedProblem) -> bool:
+    spots = np.vstack([route[1:-1], (route[1:] + route[:-1]) / 2])
     return bool((problem.slack_and_threat(spots)[0] >= -0.5 * problem.rules.clearance).all())
 
 

@@ -117,9 +117,9 @@ class Searcher:
     def search(self, around: Candidate, width: float, part: slice = ALL, progress: Progress = silent) -> Candidate:
         """Return the best curve found around one, or around a `part` of it, within a `width` (a share)."""
         task = self.problem.task
-        spread = width * polyline_length(around.curve.control[1:-1][part])
+        half_width = width * polyline_length(around.curve.control[1:-1][part])
         name = task.planning.encoding or ("absolute" if task.planning.planner == "paper" else "sine")
-        encoding = surround(name, around, spread, task, part)
+        encoding = surround(name, around, half_width, task, part)
         costs = self.problem.costs(encoding)
         optimum = minimize(costs, encoding.box, self.optimizer, self.rng, budget=self.budget, progress=progress)
         spent, best = (self.spent[-1], self.best[-1]) if self.spent else (0, np.inf)
@@ -207,8 +207,8 @@ def move_aside(plan: Plan, task: PathTask) -> Spline | None:
     """Move a plan's curve until it keeps another task's limits; None if it cannot."""
     problem = prepare(task)
     with threads().limit(limits=1, user_api="blas"):
-        near = polish(Candidate(plan.curve, plan.via_at), problem, FIRM_POLISH)
-        candidate, proof = polish_until_proved(near, problem, replace(FINE_POLISH, enough=1e-5, finer=1), attempts=2)
+        rough = polish(Candidate(plan.curve, plan.via_at), problem, FIRM_POLISH)
+        candidate, proof = polish_until_proved(rough, problem, replace(FINE_POLISH, enough=1e-5, finer=1), attempts=2)
     return candidate.curve if proof.is_proved else None
 
 
@@ -244,12 +244,12 @@ def _find_passages(searcher: Searcher, coarsest: int, progress: Progress) -> lis
     straight, *routes = guesses(problem, coarsest, strategy.lattice)
     candidates = [straight.candidate(problem)]
     polished = [polish(candidates[0], problem)]
-    for candidate, near in _rivals([route.candidate(problem) for route in routes], searcher):
-        if len(candidate.curve.control) < strategy.coarse_control_points and problem.cost(near) > BREACH_PENALTY:
+    for candidate, rough in _rivals([route.candidate(problem) for route in routes], searcher):
+        if len(candidate.curve.control) < strategy.coarse_control_points and problem.cost(rough) > BREACH_PENALTY:
             candidate = refine(candidate)
-            near = _approach(candidate, problem)
+            rough = _approach(candidate, problem)
         candidates.append(candidate)
-        polished.append(near)
+        polished.append(rough)
 
     costs = [problem.cost(candidate) for candidate in polished]
     cheapest_route = list(range(1, len(costs)))[:1]

@@ -271,8 +271,8 @@ def null_space(candidate: Candidate, task: PathTask, part: slice = ALL) -> Matri
     return np.ascontiguousarray(project[:, np.setdiff1d(np.arange(1, len(project) - 1)[part], moved)])
 
 
-def surround(name: str, around: Candidate, spread: float, task: PathTask, part: slice = ALL) -> Encoding:
-    """Return the search space `name`, `spread` [m] wide in each direction, around a curve or a `part` of it.
+def surround(name: str, around: Candidate, half_width: float, task: PathTask, part: slice = ALL) -> Encoding:
+    """Return the search space `name`, `half_width` [m] in each direction, around a curve or a `part` of it.
 
     `absolute` varies control points within the bounds, `chord` their lateral and vertical offsets from the curve,
     `sine` amplitudes of sine waves of such offsets.
@@ -292,7 +292,7 @@ def surround(name: str, around: Candidate, spread: float, task: PathTask, part: 
     else:
         shapes = np.eye(inner) if name == "chord" else _waves(inner)
         origin = control
-        box = Box(np.full(2 * inner, -spread), np.full(2 * inner, spread))
+        box = Box(np.full(2 * inner, -half_width), np.full(2 * inner, half_width))
         matrix = np.zeros((inner, 2, n, 3))
         matrix[:, :, varied] = np.einsum("mi,iak->maik", shapes, _axes(control)[part])
     lift, project, _ = _pins(around, task)
