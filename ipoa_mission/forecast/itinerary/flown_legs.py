@@ -31,8 +31,8 @@ HOME_RADIUS = 0.5  # of a take-off at home [m]
 class Leg:
     """The path to item `seq`: points (k, 3) [m].
 
-    `alternative`: flown after a jump or to a rally point only. `chord_error`: greatest distance of the path to the lines
-    [m]. `jumped_from`: the item before a jump; -1: none.
+    `alternative`: flown after a jump or to a rally point only. `chord_error`: greatest distance of path to lines [m].
+    `jumped_from`: the item before a jump; -1: none.
     """
 
     seq: int
