@@ -116,7 +116,7 @@ def straight_ways(places, place_arms, others, arms, edges):
 
 
 @njit(cache=True, error_model="numpy")
-def _spread(start, near, between, bend, dist, prev):
+def _shortest_ways(start, near, between, bend, dist, prev):
     """Return the shortest ways from one end to all corners [m], and each previous corner."""
     count = near.shape[1]
     done = np.empty(count, np.bool_)
@@ -153,13 +153,13 @@ def ways_between(leg_times, ends, corners, near, between, edges, bend):
     before an end (n, n) and before a corner (n, m), or DIRECT, or NONE for no way.
     """
     count = len(ends)
-    room = max(len(corners), 1)
+    size = max(len(corners), 1)
     times = np.empty((count, count))
     last = np.empty((count, count), np.int16)
-    prev = np.empty((count, room), np.int16)
-    dist = np.empty(room)
+    prev = np.empty((count, size), np.int16)
+    dist = np.empty(size)
     for i in range(count):
-        _spread(i, near.lengths, between, bend, dist, prev)
+        _shortest_ways(i, near.lengths, between, bend, dist, prev)
         out_e = ends[i, 0] - ends[_other(i), 0]
         out_n = ends[i, 1] - ends[_other(i), 1]
         out = math.hypot(out_e, out_n)

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Annotated, NamedTuple
 
 Triple = tuple[float, float, float]
-Moment = tuple[float, float, float, float]  # time, acceleration, speed, way
+Moment = tuple[float, float, float, float]  # time, acceleration, speed, distance
 CONSTANT, RISING, FALLING = 0.0, 1.0, 2.0  # jerk over a segment
 MOST_SEGMENTS = 24
 
@@ -31,7 +31,7 @@ class Segment(NamedTuple):
     jerk: float
     accel: float
     speed: float
-    way: float
+    distance: float
 
 
 class Profile(NamedTuple):
@@ -48,7 +48,7 @@ def _fill(segments: list[Segment]) -> list[Segment]:
 
 
 AT_REST = Profile(
-    _fill([Segment(begin=0.0, lasts=0.0, shape=CONSTANT, jerk=0.0, accel=0.0, speed=0.0, way=0.0)]), 0.0, 0.0, 0.0, 0.0
+    _fill([Segment(begin=0.0, lasts=0.0, shape=CONSTANT, jerk=0.0, accel=0.0, speed=0.0, distance=0.0)]), *[0.0] * 4
 )
 
 
@@ -102,11 +102,13 @@ def _cruise_and_brake(
     segments: list[Segment], state: Moment, speeds: tuple[float, float], down: Ramp, length: float
 ) -> tuple[float, float]:
     """Append the leg after its peak; return when it brakes and ends [s]."""
-    (begin, _, _, way), (peak, leave) = state, speeds
-    cruise = max(0.0, (length - way - (peak + leave) / 2 * down.lasts) / peak)
-    segments.append(Segment(begin=begin, lasts=cruise, shape=CONSTANT, jerk=0.0, accel=0.0, speed=peak, way=way))
+    (begin, _, _, distance), (peak, leave) = state, speeds
+    cruise = max(0.0, (length - distance - (peak + leave) / 2 * down.lasts) / peak)
+    segments.append(
+        Segment(begin=begin, lasts=cruise, shape=CONSTANT, jerk=0.0, accel=0.0, speed=peak, distance=distance)
+    )
     falls = begin + cruise
-    return falls, _append(segments, down, -1.0, (falls, 0.0, peak, way + peak * cruise))[0]
+    return falls, _append(segments, down, -1.0, (falls, 0.0, peak, distance + peak * cruise))[0]
 
 
 def _distance(peak: float, enter: float, leave: float, limits: SCurveLimits) -> float:
@@ -133,17 +135,17 @@ def change(current: Profile, time: float, length: float, limits: SCurveLimits) -
     begin = max(time, current.risen)
     segments = [s for s in current.segments if s.begin + s.lasts <= current.risen]
     cruise = next(s for s in current.segments if s.begin >= current.risen)
-    way = cruise.way + before * (begin - current.risen)
-    if limits.speed < before and _distance(limits.speed, before, 0.0, limits) > length - way:
+    distance = cruise.distance + before * (begin - current.risen)
+    if limits.speed < before and _distance(limits.speed, before, 0.0, limits) > length - distance:
         return current
-    peak = _fit_peak(limits.speed, before, 0.0, length - way, limits)
+    peak = _fit_peak(limits.speed, before, 0.0, length - distance, limits)
     at_limit = Segment(
         begin=current.risen, lasts=begin - current.risen, shape=CONSTANT,
-        jerk=0.0, accel=0.0, speed=before, way=cruise.way,
+        jerk=0.0, accel=0.0, speed=before, distance=cruise.distance,
     )  # fmt: skip
     segments.append(at_limit)
     over = ramp_for(abs(peak - before), limits, from_rest=False)
-    state = _append(segments, over, math.copysign(1.0, peak - before), (begin, 0.0, before, way))
+    state = _append(segments, over, math.copysign(1.0, peak - before), (begin, 0.0, before, distance))
     falls, lasts = _cruise_and_brake(segments, state, (peak, 0.0), ramp_for(peak, limits), length)
     return Profile(_fill(segments), lasts=lasts, risen=current.risen, falls=falls, peak=max(peak, before))
 
@@ -187,15 +189,15 @@ def _append(segments: list[Segment], ramp: Ramp, sign: float, state: Moment) -> 
 
 
 def motion_in(segment: Segment, t: float) -> Triple:
-    """Return acceleration, speed and way after `t` s: integrals of j t, or of the module's jerk."""
-    j, a, v, way = segment.jerk, segment.accel, segment.speed, segment.way
+    """Return acceleration, speed and distance after `t` s: integrals of j t, or of the module's jerk."""
+    j, a, v, distance = segment.jerk, segment.accel, segment.speed, segment.distance
     if segment.shape == CONSTANT or segment.lasts <= 0.0:
-        return a + j * t, v + t * (a + j * t / 2), way + t * (v + t * (a / 2 + j * t / 6))
+        return a + j * t, v + t * (a + j * t / 2), distance + t * (v + t * (a / 2 + j * t / 6))
     b = segment.lasts / math.pi
     s = b if segment.shape == RISING else -b
     sine, cosine, half = math.sin(t / b), math.cos(t / b), j / 2
     return (
         a + half * (t - s * sine),
         v + a * t + half * (t * t / 2 + s * b * (cosine - 1.0)),
-        way + v * t + a * t * t / 2 + half * (t * t * t / 6 + s * b * (b * sine - t)),
+        distance + v * t + a * t * t / 2 + half * (t * t * t / 6 + s * b * (b * sine - t)),
     )

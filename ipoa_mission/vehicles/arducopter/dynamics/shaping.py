@@ -11,7 +11,7 @@ from ipoa_mission.vehicles.arducopter.dynamics.scurve import Triple, motion_in
 
 
 def along(leg: CopterLeg, t: float) -> Triple:
-    """Return acceleration, speed and way after t seconds."""
+    """Return acceleration, speed and distance after t seconds."""
     segments = leg.profile.segments
     n = len(segments) - 1
     if t <= 0.0:
@@ -23,7 +23,7 @@ def along(leg: CopterLeg, t: float) -> Triple:
     return motion_in(segments[n], t - segments[n].begin)
 
 
-def on_way(
+def leg_motion(
     leg: CopterLeg, a: float, v: float, s: float, way_back: float
 ) -> tuple[complex, float, complex, float, complex, float]:
     """Return place, velocity and acceleration, each horizontal and upwards [m, m/s, m/s^2].
@@ -68,11 +68,11 @@ LEVEL_OFF_TOLERANCE = 0.03  # replaces LOITER_TO_ALT's 5 cm and 0.5 s, as flown 
 
 def orbit(state: State, this: CopterLeg, tuning: Tuning) -> bool:
     """Follow a circle; return whether the turn is complete. A radius of 0 leads to the center."""
-    way = this.orbit
-    state.spin = min(state.spin + way.spin_up * STEP, way.spin)
+    circle = this.orbit
+    state.spin = min(state.spin + circle.spin_up * STEP, circle.spin)
     state.turned += state.spin * STEP
     angle = state.bearing + math.copysign(state.turned, this.turn)
-    x, y = this.center.east + way.radius * math.sin(angle), this.center.north + way.radius * math.cos(angle)
+    x, y = this.center.east + circle.radius * math.sin(angle), this.center.north + circle.radius * math.cos(angle)
     shape_to_place(state, complex(x, y), this.speeds.horizontal, tuning)
     state.target_z, state.vz_desired, state.time_scale = this.target.up, 0.0, 1.0
     return state.turned >= abs(this.turn)
@@ -82,7 +82,7 @@ def level_off(state: State, this: CopterLeg, tuning: Tuning) -> bool:
     """Return whether the height is reached."""
     before = state.z - this.target.up
     shape_to_rest(state, tuning)
-    climb_rate = square_root_law(-before, tuning.limits.accel_z, tuning.limits.p_height)
+    climb_rate = sqrt_controller(-before, tuning.limits.accel_z, tuning.limits.p_height)
     climb_at(state, min(max(climb_rate, -this.speeds.down), this.speeds.up), tuning)
     state.time_scale = 1.0
     passed = before * state.above < 0.0
@@ -99,8 +99,8 @@ def climb_at(state: State, climb_rate: float, tuning: Tuning) -> None:
     state.target_z = state.z + state.vz_desired * STEP
 
 
-def square_root_law(error: float, accel: float, gain: float) -> float:
-    """Return the speed for a position error."""
+def sqrt_controller(error: float, accel: float, gain: float) -> float:
+    """Return the speed for a position error, as ArduPilot's function of this name."""
     linear = accel / (gain * gain)
     if abs(error) <= linear:
         return gain * error
@@ -116,7 +116,7 @@ def shape_to_place(state: State, place: complex, fastest: float, tuning: Tuning)
     far = size(error)
     if far > 0.0:
         closing = dot(state.vel_desired, error) / far
-        speed = min(square_root_law(far, accel, gain), far / STEP)
+        speed = min(sqrt_controller(far, accel, gain), far / STEP)
         if closing > 0.0:
             speed -= closing * (1.0 if far <= accel / (gain * gain) else accel / (speed * gain))
         speed = min(max(speed, -fastest), fastest)
@@ -128,7 +128,7 @@ def shape_to_rest(state: State, tuning: Tuning) -> None:
     advance(state)
     speed = math.sqrt(square(state.vel_desired))
     jerk = tuning.limits.shaping_jerk
-    slowed = square_root_law(speed, jerk, jerk / tuning.limits.accel) / speed if speed > 0.0 else 0.0
+    slowed = sqrt_controller(speed, jerk, jerk / tuning.limits.accel) / speed if speed > 0.0 else 0.0
     shape(state, -slowed * state.vel_desired, tuning)
 
 
@@ -150,17 +150,17 @@ def shape(state: State, target_accel: complex, tuning: Tuning) -> None:
     target_accel = within(target_accel, 2.0 * most)
     speed = math.sqrt(square(state.vel_desired))
     if speed > 0.0:
-        way = state.vel_desired / speed
-        turned = target_accel * way.conjugate()
+        direction = state.vel_desired / speed
+        turned = target_accel * direction.conjugate()
         along, across = turned.real, turned.imag
         if along > 0.0:
             across = min(max(across, -most), most)
             along = min(along, math.sqrt(most**2 - across * across))
         else:
             along = max(along, -most)
-            room = math.sqrt(most**2 - along * along)
-            across = min(max(across, -room), room)
-        target_accel = complex(along, across) * way
+            most_across = math.sqrt(most**2 - along * along)
+            across = min(max(across, -most_across), most_across)
+        target_accel = complex(along, across) * direction
     target_accel = within(target_accel, most)
     state.accel_desired += within(target_accel - state.accel_desired, tuning.limits.shaping_jerk * STEP)
 

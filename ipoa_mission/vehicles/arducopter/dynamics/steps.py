@@ -18,14 +18,14 @@ from ipoa_mission.vehicles.arducopter.dynamics.shaping import (
     along,
     climb_at,
     dot,
+    leg_motion,
     level_off,
-    on_way,
     orbit,
     rest_target,
     shape_to_rest,
     size,
+    sqrt_controller,
     square,
-    square_root_law,
 )
 from ipoa_mission.wind import wind_at
 
@@ -84,9 +84,9 @@ def scaled_step(state: State, tuning: Tuning) -> float:
 
 
 def add_leg(state: State, leg: CopterLeg, t: float, way_back: float) -> None:
-    """Add a leg's motion to the target's; `way_back` as in `on_way`."""
+    """Add a leg's motion to the target's; `way_back` as in `leg_motion`."""
     a, v, s = along(leg, t)
-    place, z, velocity, vz, accel, _ = on_way(leg, a, v, s, way_back)
+    place, z, velocity, vz, accel, _ = leg_motion(leg, a, v, s, way_back)
     state.target += place
     state.target_z += z
     state.vel_desired += velocity
@@ -98,9 +98,9 @@ def turn_is_gentle(this: CopterLeg, following: CopterLeg, elapsed: float, tuning
     """Return whether the overlap's middle is within radius and corner acceleration."""
     half = (this.profile.lasts - elapsed) / 2
     a, v, s = along(this, elapsed + half)
-    place, z, _, _, accel, az = on_way(this, a, v, s, this.length)
+    place, z, _, _, accel, az = leg_motion(this, a, v, s, this.length)
     a, v, s = along(following, half)
-    place_2, z_2, _, _, accel_2, az_2 = on_way(following, a, v, s, 0.0)
+    place_2, z_2, _, _, accel_2, az_2 = leg_motion(following, a, v, s, 0.0)
     place, z, accel, az = place + place_2, z + z_2, accel + accel_2, az + az_2
     if dot(place, place) + z * z >= tuning.limits.radius**2:
         return False
@@ -160,8 +160,8 @@ def along_spline(state: State, this: CopterLeg, h: float) -> bool:
 
 
 def braked(error: float, speed: float, accel: float, gain: float) -> float:
-    """Return the square-root law's speed, less its decrease."""
-    limit = square_root_law(error, accel, gain)
+    """Return the square-root controller's speed, less its decrease."""
+    limit = sqrt_controller(error, accel, gain)
     if limit * speed <= 0.0:
         return limit
     if abs(error) <= accel / (gain * gain):
@@ -188,9 +188,9 @@ def along_vertical(state: State, this: CopterLeg, tuning: Tuning) -> bool:
     if this.kind == Kind.CLIMB and tuning.limits.brakes_climb:
         climb_rate = min(braked(top - state.z, state.vz, tuning.limits.accel_z, gain), this.speeds.up)
     elif this.kind == Kind.CLIMB:
-        climb_rate = min(square_root_law(top - state.z, tuning.limits.accel_z / 2, gain / 2), this.speeds.up)
+        climb_rate = min(sqrt_controller(top - state.z, tuning.limits.accel_z / 2, gain / 2), this.speeds.up)
     else:
-        fall = square_root_law(tuning.limits.land_low - state.z, tuning.limits.accel_z, tuning.limits.p_height)
+        fall = sqrt_controller(tuning.limits.land_low - state.z, tuning.limits.accel_z, tuning.limits.p_height)
         climb_rate = min(
             max(fall, -max(tuning.limits.land_speed_high, tuning.limits.land_speed)), -tuning.limits.land_speed
         )
@@ -205,14 +205,16 @@ def along_vertical(state: State, this: CopterLeg, tuning: Tuning) -> bool:
 
 def control(state: State, tuning: Tuning) -> None:
     limits = tuning.limits
-    way = state.target - state.place - state.velocity * STEP
-    far = size(way)
-    if far > limits.accel / limits.p_position**2:
-        way *= square_root_law(far, limits.accel, limits.p_position) / (limits.p_position * far)
-    raw_error = state.vel_desired + limits.p_position * way - state.velocity - state.accel * STEP
-    gain = tuning.smoothing * (raw_error - state.error)
-    error = state.error + gain
-    setpoint = state.accel_desired + limits.p_velocity * error + state.integral + limits.d_velocity * gain / STEP
+    position_error = state.target - state.place - state.velocity * STEP
+    distance = size(position_error)
+    if distance > limits.accel / limits.p_position**2:
+        position_error *= sqrt_controller(distance, limits.accel, limits.p_position) / (limits.p_position * distance)
+    raw_error = state.vel_desired + limits.p_position * position_error - state.velocity - state.accel * STEP
+    error_change = tuning.smoothing * (raw_error - state.error)
+    error = state.error + error_change
+    setpoint = (
+        state.accel_desired + limits.p_velocity * error + state.integral + limits.d_velocity * error_change / STEP
+    )
     integral = state.integral + limits.i_velocity * error * STEP
     if dot(setpoint, setpoint) > tuning.max_tilt_accel**2:
         setpoint = within_tilt(setpoint, state.vel_desired, tuning.max_tilt_accel)
@@ -225,13 +227,13 @@ def control(state: State, tuning: Tuning) -> None:
 
 def within_tilt(setpoint: complex, velocity: complex, most: float) -> complex:
     """The part across the path takes precedence."""
-    flat = size(velocity)
-    if flat < 1e-9:
+    speed = size(velocity)
+    if speed < 1e-9:
         return setpoint * (most / size(setpoint))
-    turned = setpoint * (velocity / flat).conjugate()
+    turned = setpoint * (velocity / speed).conjugate()
     across = min(max(turned.imag, -most), most)
-    room = math.sqrt(most * most - across * across)
-    return complex(min(max(turned.real, -room), room), across) * (velocity / flat)
+    most_along = math.sqrt(most * most - across * across)
+    return complex(min(max(turned.real, -most_along), most_along), across) * (velocity / speed)
 
 
 def move(state: State, tuning: Tuning) -> None:
@@ -320,8 +322,8 @@ def pass_over_cruise(state: State, this: CopterLeg) -> None:
         return
     if this.direction.up != 0.0 or abs(state.accel.real) + abs(state.accel.imag) > STEADY:
         return
-    way = left * along(this, state.leg_time)[1]
-    skipped = complex(way * this.direction.east, way * this.direction.north)
+    distance = left * along(this, state.leg_time)[1]
+    skipped = complex(distance * this.direction.east, distance * this.direction.north)
     state.place += skipped
     state.target += skipped
     state.time += left / state.time_scale

@@ -107,11 +107,11 @@ def horizontal_velocity(trajectory: Trajectory, body: Body, limits: Px4Limits, d
 
 def learn_hover(control: Control, body: Body, constants: SimulationConstants, time: float) -> Control:
     """Update the learned hover thrust, which counts drag in a climb as weight."""
-    fast = horizontal_norm(body.speed)
-    doubt = 1.0 + 10.0 * max(abs(body.speed.up) - HOVER_SURE_UP, fast - HOVER_SURE, 0.0)
+    horizontal_speed = horizontal_norm(body.speed)
+    doubt = 1.0 + 10.0 * max(abs(body.speed.up) - HOVER_SURE_UP, horizontal_speed - HOVER_SURE, 0.0)
     share = (1.0 / constants.limits.hover_learning + 1.0 / max(time - body.airborne_since, 1.0)) * constants.dt / doubt
-    takes = 1.0 + constants.airframe.drag * body.speed.up / GRAVITY
-    return Control(control.integral, control.hover + (takes - control.hover) * min(share, 1.0), control.thrust)
+    hover = 1.0 + constants.airframe.drag * body.speed.up / GRAVITY
+    return Control(control.integral, control.hover + (hover - control.hover) * min(share, 1.0), control.thrust)
 
 
 class Profile(NamedTuple):
