@@ -61,7 +61,7 @@ def test_passings_that_are_not_likeliest_sum_up_to_the_given_chance() -> None:
     passings = {(window[n], int(risks.obstacle[n])) for n in likeliest}
     others = [(window[n], int(body)) not in passings for n, body in enumerate(risks.obstacle)]
     assert 0 < len(passings) == len(likeliest)
-    assert risks.of(np.array(others)).chance(required) <= 2 * 0.002  # lateral and high ones are each bounded
+    assert risks.subset(np.array(others)).chance(required) <= 2 * 0.002  # lateral and high ones are each bounded
 
 
 def test_via_points_stay_where_legs_beside_them_are_pushed_clear() -> None:

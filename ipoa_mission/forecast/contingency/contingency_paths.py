@@ -158,7 +158,7 @@ class ContingencyPaths:
         if contingency is Contingency.SMART_RTL:
             near[:, 0, 1], which[:, 0, 1] = self._flown_so_far(times)
         if contingency is Contingency.RTL:
-            self._note_mission(times, near, which)
+            self._reduce_to_flown_path(times, near, which)
         slack = np.where(possible, near.min(axis=2) - self.required, np.inf).min(axis=1).clip(max=SAMPLING.max_slack)
         slack -= spread[:, 0]
         near -= spread[:, :1, None]
@@ -244,7 +244,7 @@ class ContingencyPaths:
         nearest = np.maximum.accumulate(np.where(near <= least, np.arange(len(near)), 0))
         return np.asarray(least[at] - SAMPLING.chord_error), np.asarray(which[nearest[at]])
 
-    def _note_mission(self, times: Vector, near: Distances, which: ObstacleIndices) -> None:
+    def _reduce_to_flown_path(self, times: Vector, near: Distances, which: ObstacleIndices) -> None:
         """Reduce distances of returns along the mission, in place, to the flown path's."""
         for path, by in enumerate(self.routes.kinds, start=-len(self.routes.kinds)):  # the last paths
             flown, obstacles = self._flown_so_far(times, ahead=by is ReturnBy.MISSION_FORWARD)

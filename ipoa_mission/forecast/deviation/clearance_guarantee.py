@@ -112,7 +112,7 @@ def deviation_bound_holds(flown: Pieces, task: kept_limits.ClearanceTask) -> boo
                 return False
         if task.chance is not None:
             pairs = proximity_risks(flown, airspace, task.law, required)
-            if pairs.of(free[pairs.piece]).chance(required) > task.chance:
+            if pairs.subset(free[pairs.piece]).chance(required) > task.chance:
                 return False
     return not limits_broken_by_deviation(flown.points, task)
 
@@ -220,17 +220,17 @@ class PredictedFlight:
             for first, then, its_law, name in parts:
                 if then > first:
                     part = self.pieces.part(first, then)
-                    yield self._obstacles(part, its_law, chance, np.full(len(part.points) - 1, True), name)
+                    yield self._obstacle_limit(part, its_law, chance, np.full(len(part.points) - 1, True), name)
             if end > begin:
                 part = self.pieces.part(begin, end)
                 tight = _tight(self.task)
                 at = kept_limits.round_places(part.points, tight)
                 for n in np.unique(at).tolist():
-                    yield self._obstacles(part, law, chance, at == n, "" if n < 0 else tight[n].name)
-        for first, then in self._above_ground(begin, end):
-            yield from self._others(self.pieces.part(first, then), _bound(law, chance))
+                    yield self._obstacle_limit(part, law, chance, at == n, "" if n < 0 else tight[n].name)
+        for first, then in self._airborne_spans(begin, end):
+            yield from self._other_limits(self.pieces.part(first, then), _bound(law, chance))
 
-    def _above_ground(self, begin: float, end: float) -> list[tuple[float, float]]:
+    def _airborne_spans(self, begin: float, end: float) -> list[tuple[float, float]]:
         track = self.prediction.track
         parts = list[tuple[float, float]]()
         for done, visit in zip(self.prediction.done, self.itinerary.visits, strict=True):
@@ -242,7 +242,7 @@ class PredictedFlight:
                 begin = float(done)
         return [*parts, (begin, end)] if end > begin or not parts else parts
 
-    def _obstacles(
+    def _obstacle_limit(
         self, part: Pieces, law: DeviationLaw, chance: float | None, chosen: NDArray[np.bool_], name: str
     ) -> KeptLimit:
         """`chosen`: pieces (n-1,) of the part. `name`: empty on the way."""
@@ -253,26 +253,26 @@ class PredictedFlight:
         kept = predicted
         if chance is not None:
             pairs = proximity_risks(part, airspace, law, predicted.distance)
-            pairs = pairs.of(chosen[pairs.piece])
+            pairs = pairs.subset(chosen[pairs.piece])
             kept = replace(predicted, distance=min(pairs.clearance_at(chance), predicted.distance))
             if len(pairs.piece):
                 piece, body = pairs.likeliest(kept.distance)
                 place = as_place(part.points[piece])
                 kept = replace(kept, place=place, what=airspace.obstacles[body].name)
-        item = self._item(part, kept.place)
+        item = self._item_at(part, kept.place)
         return KeptLimit("obstacles", required, predicted.distance, kept.distance, kept.what, item, kept.place, name)
 
-    def _others(self, part: Pieces, bound: kept_limits.DeviationBound) -> Iterator[KeptLimit]:
+    def _other_limits(self, part: Pieces, bound: kept_limits.DeviationBound) -> Iterator[KeptLimit]:
         path = thinned(part.points)
         checks = kept_limits.limits_kept(path, self.task.path, kept_limits.NO_DEVIATION.wider(THINNING_TOLERANCE))
         nominal = {(check.limit, check.required): check.nearest.distance for check in checks}
         for check in _worst_checks(part, self.task, bound):
             near = check.nearest
             expected = nominal.get((check.limit, check.required), near.distance)
-            item = self._item(part, near.place)
+            item = self._item_at(part, near.place)
             yield KeptLimit(check.limit, check.required, expected, near.distance, near.what, item, near.place)
 
-    def _item(self, part: Pieces, place: tuple[float, float, float]) -> int:
+    def _item_at(self, part: Pieces, place: tuple[float, float, float]) -> int:
         at = part.times[np.argmin(np.linalg.norm(part.points - np.array(place), axis=1))]
         seqs = [visit.seq for visit in self.itinerary.visits] or [0]
         return seqs[min(int(np.searchsorted(self.prediction.done, at - 1e-6)), len(seqs) - 1)]

@@ -74,7 +74,7 @@ class ProximityRisks:
         wider = np.hypot(lateral, np.where(self.is_over, down, up) * above)
         return np.asarray(np.divide(wider, length, out=np.ones(len(lateral)), where=length > 0))
 
-    def of(self, chosen: NDArray[np.bool_]) -> "ProximityRisks":
+    def subset(self, chosen: NDArray[np.bool_]) -> "ProximityRisks":
         columns = (field.name for field in fields(self) if field.name != "law")
         return replace(self, **{name: getattr(self, name)[chosen] for name in columns})
 
