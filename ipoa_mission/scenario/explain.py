@@ -12,8 +12,12 @@ def explained(error: ValidationError, table: Mapping[str, Any], model: type[Base
     """Return pydantic's errors as one, a line each after `source`; at most 20, for speed."""
     most = 20
     problems = [problem for problem in error.errors(include_url=False) if not _is_consequence(problem)]
-    pairs = [_explain(problem, table, model) for problem in problems[:most]]
-    (place, words), *others = [(f"{source}{place}".rstrip(".: "), words) for place, words in pairs]
+    wrong_at = dict[str, str]()
+    for problem in problems[:most]:
+        place, words = _explain(problem, table, model)
+        other = words.removeprefix("expected ").partition(", not ")[0]  # of another branch of a union
+        wrong_at[place] = f"{wrong_at[place]}, or {other}" if place in wrong_at else words
+    (place, words), *others = [(f"{source}{place}".rstrip(".: "), words) for place, words in wrong_at.items()]
     lines = [f"{there}: {wrong}" if there else wrong for there, wrong in others]
     if len(problems) > most:
         lines.append(f"{source}and {len(problems) - most} more like these")
@@ -93,11 +97,10 @@ def _place(location: Sequence[int | str], table: Any) -> str:
         if isinstance(step, int):
             place += f"[{step}]"
             here = here[step] if isinstance(here, list | tuple) and step < len(here) else None
-        elif isinstance(here, Mapping) and here.get("kind") == step and step not in here:
-            continue
-        else:
+        elif isinstance(here, Mapping) and (step in here or step != here.get("kind")):
             place += f".{step}" if place else step
-            here = here.get(step) if isinstance(here, Mapping) else None
+            here = here.get(step)
+        # else it names a branch of a union
     return place
 
 

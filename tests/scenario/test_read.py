@@ -59,6 +59,8 @@ BROKEN = {
     "obstacles = [{ kind = 'box', east = 0, north = 0, width = 1, depth = 1, heigth = 1, height = 1 }]": (
         "obstacles[0].heigth: unknown key; did you mean height?"
     ),
+    "safety = { confidence = 99 }": "safety.confidence: expected a number of at most 0.999, not 99, or 'nominal'",
+    "safety = { confidence = 'high' }": "safety.confidence: expected a number, not 'high', or 'nominal'",
     "bounds = { east = [3, 1] }": "bounds.east: expected [least, greatest], not [3, 1]",
     "cost = { omega = [0.5, 0.5, 0.5] }": "cost: omega: expected three weights that sum to 1, not to 1.5",
     "vehicle = { autopilot = 'betaflight' }": "vehicle.autopilot: expected 'px4' or 'ardupilot', not 'betaflight'",
