@@ -34,10 +34,13 @@ def expect_known(names: Iterable[str], autopilot: Autopilot | None = None) -> No
     existing = known_names() if autopilot is None else autopilot.parameter_names
     for name in names:
         if name not in existing:
-            near = get_close_matches(name, sorted(existing), 1)
             words = "expected a parameter that the models know" + (f" of {autopilot}" if autopilot else "")
-            hint = f"did you mean {near[0]}?" if near else None
-            raise BadInput(words, place=name, hint=hint, code="unknown-parameter")
+            raise BadInput(words, place=name, hint=hint_of(name, existing), code="unknown-parameter")
+
+
+def hint_of(name: str, existing: Iterable[str]) -> str | None:
+    near = get_close_matches(name, sorted(existing), 1)
+    return f"did you mean {near[0]}?" if near else None
 
 
 def translated(

@@ -77,6 +77,8 @@ class WindSection(Section):
         if self.file is not None and self.model_fields_set != {"file"}:
             raise ValueError("expected either a file, or numbers")
         numbers = {len(self.heights), len(self.speeds), len(self.directions)}
+        if self.exponent and not self.gradient_height:
+            raise ValueError("expected a gradient_height above 0 with the exponent, which has no effect without one")
         if numbers == {0}:
             return self
         if len(numbers) > 1 or not 2 <= len(self.heights) <= MAX_LEVELS:

@@ -6,7 +6,7 @@ from pydantic import Field, PrivateAttr, ValidationInfo, field_validator, model_
 
 from ipoa_mission.autopilot.autopilot import Autopilot, autopilot_named, default_autopilot, registered
 from ipoa_mission.autopilot.energy import KAPPA, Battery, PowerModel
-from ipoa_mission.autopilot.known_parameters import expect_own, translated
+from ipoa_mission.autopilot.known_parameters import expect_own, hint_of, translated
 from ipoa_mission.autopilot.learned import LearnedVehicle
 from ipoa_mission.autopilot.parameters import SINGLE_MAX, Parameters
 from ipoa_mission.autopilot.version import Version
@@ -166,7 +166,10 @@ class VehicleSection(Section):
 
     @property
     def remarks(self) -> tuple[str, ...]:
-        return self._remarks
+        known = self.autopilot.parameter_names
+        unknown = {name: hint_of(name, known) for name in self.parameters if name not in known}
+        words = (f"vehicle.parameters.{name}: no model uses it; {hint or ''}" for name, hint in unknown.items())
+        return (*self._remarks, *(each.rstrip("; ") for each in words))
 
     def remarked(self, words: tuple[str, ...]) -> "VehicleSection":
         copied = self.model_copy()

@@ -61,6 +61,9 @@ BROKEN = {
     ),
     "safety = { confidence = 99 }": "safety.confidence: expected a number of at most 0.999, not 99, or 'nominal'",
     "safety = { confidence = 'high' }": "safety.confidence: expected a number, not 'high', or 'nominal'",
+    "wind = { speed = 5, exponent = 0.2 }": (
+        "wind: expected a gradient_height above 0 with the exponent, which has no effect without one"
+    ),
     "bounds = { east = [3, 1] }": "bounds.east: expected [least, greatest], not [3, 1]",
     "cost = { omega = [0.5, 0.5, 0.5] }": "cost: omega: expected three weights that sum to 1, not to 1.5",
     "vehicle = { autopilot = 'betaflight' }": "vehicle.autopilot: expected 'px4' or 'ardupilot', not 'betaflight'",
@@ -85,6 +88,14 @@ def test_faults_are_named_with_their_place(line: str, words: str) -> None:
 def test_a_faster_vehicle_says_so_by_its_own_parameter(parameter: str) -> None:
     own = f"vehicle = {{ autopilot = 'ardupilot', cruise_speed = 44, parameters = {{ {parameter} }} }}"
     assert parse_scenario(f"{SMALLEST}\n{own}", HERE).vehicle.cruise_speed == 44
+
+
+def test_a_parameter_that_no_model_uses_is_a_remark() -> None:
+    own = "vehicle = { parameters = { MPC_XY_CRUIZE = 4, Q = 1, MPC_XY_CRUISE = 4, SYS_AUTOSTART = 4001 } }"
+    assert parse_scenario(f"{SMALLEST}\n{own}", HERE).remarks == (
+        "vehicle.parameters.MPC_XY_CRUIZE: no model uses it; did you mean MPC_XY_CRUISE?",
+        "vehicle.parameters.Q: no model uses it",
+    )
 
 
 def test_all_mistakes_are_told_at_once() -> None:
