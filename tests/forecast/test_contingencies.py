@@ -376,6 +376,12 @@ def test_a_contingency_without_a_model_of_its_flight_has_no_duration(contingency
         predict_contingency(forecast_of("sitl"), contingency, 30.0)
 
 
+@pytest.mark.parametrize("time", [-5.0, 1e9, math.inf, math.nan])
+def test_a_contingency_outside_of_the_flight_is_refused(time: float) -> None:
+    with refuses("bad-input", "", f"{time:g}"):
+        predict_contingency(forecast_of("sitl"), Contingency.LAND, time)
+
+
 def test_a_return_that_lands_in_place_has_no_duration() -> None:
     """RTL_TYPE 5 without a rally point, since 1.18."""
     newer = replace(forecast_of("sitl", RTL_TYPE=5.0).mission_as_read, firmware_version=Version(1, 18))

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from ipoa_mission.autopilot.failsafe import Failsafe
 from ipoa_mission.autopilot.returning import COMPUTED, TIMED, Contingency
 from ipoa_mission.centimeters import ceil_cm, floor_cm
-from ipoa_mission.errors import MissionError
+from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.forecast.contingency.contingency_paths import ContingencyPaths
 from ipoa_mission.forecast.contingency.contingency_samples import GROUND, ContingencySamples, StoppingPoints
 from ipoa_mission.forecast.flight_energy import Consumption
@@ -154,7 +154,15 @@ class PredictedContingency(NamedTuple):
 
 
 def predict_contingency(forecast: Forecast, contingency: Contingency, time: float) -> PredictedContingency:
-    """Predict a contingency ordered at a time [s]; raises as `Forecast.predicted_with`."""
+    """Predict a contingency ordered at a time of the flight [s].
+
+    Raises:
+        BadInput: the time is not one of the flight.
+        MissionError: as `Forecast.predicted_with`.
+    """
+    ends = float(forecast.expected.track.times[-1])
+    if not 0.0 <= time <= ends + 0.01:  # [s], rounding
+        raise BadInput(f"expected a time of the flight, from 0 to {ends:.1f} s, not {time:g} s")
     prediction = forecast.predicted_with(contingency, time)
     lasts = max(float(prediction.low[-1]) - time, 0.0), max(float(prediction.high[-1]) - time, 0.0)
     touches = None
