@@ -202,7 +202,13 @@ def _fly_stages(
     on_vehicle = asked.on_vehicle
     first = on_vehicle.begin - 1
     options = procedure.ProcedureOptions(
-        first, asked.on_link.anyway, job.ignore, on_vehicle.set_params, stages, remark, True
+        first=first,
+        anyway=asked.on_link.anyway,
+        ignore=job.ignore,
+        set_params=on_vehicle.set_params,
+        stages=stages,
+        remark=remark,
+        checked=True,
     )
     try:
         with changes.reporting(""):  # between two stages

@@ -120,7 +120,9 @@ class ChangesMade:
         waits = stage in (Stage.POSITION, Stage.READY, Stage.START)
         is_short = stage in (Stage.CHECK, Stage.RECHECK)
         bar = nullcontext(silent) if is_short else progress_bar(title, is_waiting=waits)
-        with self.reporting(*_state_in(stage, link)), bar as show:
+        state = _state_in(stage, link)
+        left = self.reporting(state.if_interrupted, hint=state.hint, after=state.after, change=state.change)
+        with left, bar as show:
             yield partial(self._show_parameters, show) if stage is Stage.PARAMETERS else show
 
     def _show_parameters(self, show: "Progress", share: float, names: str) -> None:
