@@ -217,8 +217,8 @@ def test_plug_ins_are_not_imported() -> None:
 def test_the_rooms_stand_in_order() -> None:
     """A room is listed after all that it may import."""
     listed: list[str] = []
-    for name, allowed in MAY_IMPORT.items():
-        assert allowed <= set(listed) | {name}, name
+    for name, rooms in MAY_IMPORT.items():
+        assert rooms <= set(listed) | {name}, name
         listed.append(name)
 
 
