@@ -4,7 +4,7 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import takewhile
+from itertools import accumulate, takewhile
 from typing import NamedTuple
 
 from ipoa_mission.autopilot.commands import FLOWN_TO, LAST_NAV, Command
@@ -108,16 +108,13 @@ def itinerary(mission: Mission, ground: Ground = FLAT_GROUND, ground_at_home: fl
 def _expect_short_holds(mission: Mission, order: Sequence[int]) -> None:
     """Refuse holds of more than a day in all, with the wait of an RTL before it lands."""
     wait = mission.autopilot.parameter_table.by_meaning.get("wait before landing")
-    held_s = 0.0 if wait is None else wait.si(mission.complete_parameters[wait.name])
-    place = "" if wait is None else wait.name
-    for n in order:
+    holds = [(f"item {n + 1}: param1", mission.items[n].hold_s) for n in order]
+    if wait is not None:
+        holds.insert(0, (wait.name, wait.si(mission.complete_parameters[wait.name])))
+    for (place, _), held_s in zip(holds, accumulate(hold_s for _, hold_s in holds), strict=True):
         if held_s > LONGEST_HOLD:
-            break
-        held_s += mission.items[n].hold_s
-        place = f"item {n + 1}: param1"
-    if held_s > LONGEST_HOLD:
-        words = f"expected a flight that holds for at most {LONGEST_HOLD:.0f} s in all, not {held_s:g} s"
-        raise EndlessFlight(words, place=place)
+            words = f"expected a flight that holds for at most {LONGEST_HOLD:.0f} s in all, not {held_s:g} s"
+            raise EndlessFlight(words, place=place)
 
 
 def rally_places(mission: Mission) -> tuple[Place, ...]:
