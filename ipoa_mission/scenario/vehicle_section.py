@@ -150,6 +150,14 @@ class VehicleSection(Section):
                 raise ValueError(f"{key}: {why}")
         return self
 
+    @model_validator(mode="after")
+    def _remark_unknown(self) -> "VehicleSection":
+        known = self.autopilot.parameter_names
+        hints = {name: hint_of(name, known) for name in self.parameters if name not in known}
+        words = (f"vehicle.parameters.{name}: no model uses it; {hint or ''}" for name, hint in hints.items())
+        self._remarks = tuple(each.rstrip("; ") for each in words)
+        return self
+
     @property
     def version(self) -> Version | None:
         return None if self.firmware_version is None else Version.parsed(self.firmware_version)
@@ -166,10 +174,7 @@ class VehicleSection(Section):
 
     @property
     def remarks(self) -> tuple[str, ...]:
-        known = self.autopilot.parameter_names
-        unknown = {name: hint_of(name, known) for name in self.parameters if name not in known}
-        words = (f"vehicle.parameters.{name}: no model uses it; {hint or ''}" for name, hint in unknown.items())
-        return (*self._remarks, *(each.rstrip("; ") for each in words))
+        return self._remarks
 
     def remarked(self, words: tuple[str, ...]) -> "VehicleSection":
         copied = self.model_copy()
