@@ -93,6 +93,7 @@ class Forecast:
         return Forecast(mission, self.scenario, self.wind, self.left_out)
 
     def with_mission(self, mission: Mission, left_out: frozenset[int] = frozenset()) -> "Forecast":
+        """Return the forecast of another `mission` in the same wind, without the legs of `left_out` either."""
         return Forecast(mission, self.scenario, None if self.scenario else self.wind, self.left_out | left_out)
 
     def cached(self, make: "Callable[[Forecast], Made]", by: "Callable[[Forecast], Made] | None" = None) -> "Made":
