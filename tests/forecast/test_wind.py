@@ -158,7 +158,7 @@ def test_wind_profile_of_other_than_finite_numbers_is_refused(wrong: int, value:
     numbers = [[10.0], [5.0], [270.0]]
     numbers[wrong] = [value]
     with refuses("bad-input", "", f"{value}"):
-        Wind.of_profile(*numbers)
+        Wind.of_profile(numbers[0], numbers[1], numbers[2])
 
 
 @pytest.mark.parametrize("value", [float("nan"), float("inf"), -1.0])
