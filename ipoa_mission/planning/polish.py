@@ -68,7 +68,7 @@ FINE_POLISH = PolishSchedule((STAGE_3, STAGE_4, STAGE_5, STAGE_6), steps=60, eno
 def polish(
     candidate: Candidate, problem: PreparedProblem, schedule: PolishSchedule = ROUGH_POLISH, part: slice = ALL
 ) -> Candidate:
-    """Return the curve after all stages; of the inner control points only `part` moves, and via points stay."""
+    """Return the curve after all stages; of inner control points only `part` moves, and via points stay."""
     *_, polished = stages(candidate, problem, schedule, part)
     return polished
 

@@ -84,7 +84,7 @@ def test_a_surer_promise_and_a_longer_flight_keep_no_more(autopilot: Autopilot) 
         kept = [near.clearance_at(chance) for chance in (0.5, 0.2, 0.1, 0.01, 0.001)]
         assert np.all(np.diff(kept) <= 0.002)
         assert kept[0] <= near.distance.min()
-        part = near.of(near.seconds <= 60.0)
+        part = near.subset(near.seconds <= 60.0)
         assert all(part.clearance_at(chance) >= least - 0.002 for chance, least in ((0.5, kept[0]), (0.01, kept[3])))
         least = np.array([near.chance(float(far)) for far in np.linspace(-2.0, 6.0, 50)])
         assert np.all(np.diff(least) >= -1e-12)
@@ -96,7 +96,7 @@ def test_the_chance_of_a_flight_is_no_more_than_the_sum_of_its_moments(autopilot
     for _ in range(5):
         near = _some_pairs(autopilot, rng)
         for kept in (0.5, 1.5, 2.5):
-            each = [near.of(np.arange(len(near.piece)) == n).chance(kept) for n in range(len(near.piece))]
+            each = [near.subset(np.arange(len(near.piece)) == n).chance(kept) for n in range(len(near.piece))]
             assert max(each) <= near.chance(kept) + 1e-12 <= sum(each) + 2e-12
 
 
