@@ -42,7 +42,7 @@ def short(*extra: Item) -> list[Item]:
 
 
 def test_px4_accepts_a_take_off_too_low_and_then_reports_it_invalid() -> None:
-    flown = Flown(PX4, [takeoff(HOME, 1.0), waypoint(HOME, 20.0)])
+    flown = Flown(PX4, [takeoff(HOME, 0.0), waypoint(HOME, 20.0)])
     assert Ack(OK) in flown.uploaded
     assert any(isinstance(message, Event) for message in flown.uploaded)
     assert flown.current == Current(0, 2, 1)
