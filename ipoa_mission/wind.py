@@ -26,6 +26,7 @@ class WindTable(NamedTuple):
     north: float
     exponent: float
     gradient_height: float
+    base: float
     levels: Annotated[Sequence[WindLevel], MAX_LEVELS]
 
 
@@ -33,8 +34,9 @@ def wind_at(height: float, wind: WindTable) -> tuple[float, float]:
     levels = wind.levels
     if levels[0].height == levels[MAX_LEVELS - 1].height:
         share = 1.0
-        if height < wind.gradient_height and wind.gradient_height > 0.0:
-            share = (max(height, 0.0) / wind.gradient_height) ** wind.exponent
+        above = max(height - wind.base, 0.0)
+        if above < wind.gradient_height and wind.gradient_height > 0.0:
+            share = (above / wind.gradient_height) ** wind.exponent
         return share * wind.east, share * wind.north
     return interpolate(height, levels)
 
@@ -62,9 +64,10 @@ class Wind:
         speed: [m/s].
         from_deg: direction of origin, clockwise: 0 north, 90 east [degrees].
         exponent: of the power law.
-        gradient_height: [m above home].
+        gradient_height: [m above `base`].
         spread: uncertainty of the speed, up and down [m/s].
-        levels: by height, upwards.
+        levels: by height, upwards, at most eight.
+        base: ground of the power law [m above home].
 
     Example:
         >>> west = Wind(6.0, from_deg=270.0)
@@ -82,14 +85,18 @@ class Wind:
     gradient_height: float = 0.0
     spread: float = 0.0
     levels: tuple[WindLevel, ...] = ()
+    base: float = 0.0
 
     def __post_init__(self) -> None:
         for name in ("speed", "exponent", "gradient_height", "spread"):
             value = getattr(self, name)
             if not 0.0 <= value < math.inf:
                 raise BadInput(f"expected a wind with a finite {name} of 0 or more, not {value:g}")
-        if not math.isfinite(self.from_deg):
-            raise BadInput(f"expected a wind with a finite from_deg, not {self.from_deg:g}")
+        if not math.isfinite(self.from_deg + self.base):
+            raise BadInput(f"expected a wind with a finite from_deg and base, not {self.from_deg:g}, {self.base:g}")
+        heights = [level.height for level in self.levels]
+        if len(heights) > MAX_LEVELS or not all(low < high for low, high in pairwise(heights)):
+            raise BadInput(f"expected 1 to {MAX_LEVELS} increasing heights, not {heights}")
         if not all(map(math.isfinite, chain(*self.levels))):
             raise BadInput(f"expected a wind with finite levels, not {[*map(tuple, self.levels)]}")
 
@@ -101,7 +108,7 @@ class Wind:
 
         `heights` are above home, increasing [m], `speeds` [m/s] and `from_deg` [degrees].
         """
-        if not 1 <= len(heights) <= MAX_LEVELS or not all(low < high for low, high in pairwise(heights)):
+        if not heights:
             raise BadInput(f"expected 1 to {MAX_LEVELS} increasing heights, not {list(heights)}")
         if not len(heights) == len(speeds) == len(from_deg):
             raise BadInput(f"expected {len(heights)} speeds and directions, not {len(speeds)} and {len(from_deg)}")
@@ -118,9 +125,10 @@ class Wind:
         """Return the speed at a height above home [m/s]."""
         if self.levels:
             return math.hypot(*self.towards(height))
-        if height >= self.gradient_height or self.gradient_height <= 0:
+        above = max(height - self.base, 0.0)
+        if above >= self.gradient_height or self.gradient_height <= 0:
             return self.speed
-        return self.speed * math.pow(max(height, 0.0) / self.gradient_height, self.exponent)
+        return self.speed * math.pow(above / self.gradient_height, self.exponent)
 
     def towards(self, height: float) -> tuple[float, float]:
         """Return eastward and northward components [m/s]."""
@@ -162,7 +170,7 @@ class Wind:
             from_deg = self.from_deg if calm else Wind.towards_north_east(north, east).from_deg
             gusting = Wind(math.hypot(east, north) + self.spread, from_deg)
             levels.append(WindLevel(height, gusting.east, gusting.north))
-        return Wind(self.strongest, self.from_deg, self.exponent, self.gradient_height, levels=tuple(levels))
+        return Wind(self.strongest, self.from_deg, self.exponent, self.gradient_height, 0.0, tuple(levels), self.base)
 
     @property
     def east(self) -> float:
@@ -184,4 +192,4 @@ CALM = Wind()
 def wind_table(wind: Wind) -> WindTable:
     given = [WindLevel(*map(float, level)) for level in wind.levels] or [WindLevel(0.0, 0.0, 0.0)]
     levels = given + given[-1:] * (MAX_LEVELS - len(given))
-    return WindTable(wind.east, wind.north, float(wind.exponent), float(wind.gradient_height), levels)
+    return WindTable(wind.east, wind.north, float(wind.exponent), float(wind.gradient_height), float(wind.base), levels)

@@ -170,7 +170,6 @@ def _print_notes(asked: FlyOptions, remarks: "Sequence[str]") -> None:
 def _fly_stages(
     changes: ChangesMade, asked: FlyOptions, vehicle: "Vehicle", job: "Job", planned: "Forecast"
 ) -> "tuple[Job, list[str], FlightRecord]":
-    """Return the job with this vehicle's forecast."""
     from ipoa_mission.cli.contingency_output import ContingencyDisplay
     from ipoa_mission.cli.flight_output import flight_as_json
     from ipoa_mission.flight import procedure

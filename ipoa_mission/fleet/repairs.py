@@ -109,7 +109,6 @@ class Deconfliction:
                 return
 
     def _slot(self, n: int, vehicle: FleetVehicle, taken: Sequence[PlannedDeparture]) -> TimetableSlot | None:
-        """Return the earliest clear departure."""
         planned = self.planned[n]
         departure = PlannedDeparture(vehicle.flight, planned.departs_s)
         free = np.ones(len(self._delays), dtype=bool)

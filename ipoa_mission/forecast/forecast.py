@@ -23,6 +23,7 @@ from ipoa_mission.ground import Ground
 from ipoa_mission.mission.item_words import name_items
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.mission.landing_ground import known_ground, landing_over
+from ipoa_mission.mission.positions import refuse_unsound
 from ipoa_mission.wind import CALM, Wind
 
 if TYPE_CHECKING:
@@ -111,7 +112,8 @@ class Forecast:
 
     @property
     def world(self) -> "Scenario":
-        assert self.scenario is not None, "the clearance needs a scenario"
+        if self.scenario is None:
+            raise MissionError("expected a forecast of a mission in a scenario", code="scenario-missing")
         return self.scenario
 
     @cached_property
@@ -202,7 +204,7 @@ class Forecast:
             return self.wind
         lower = self.scenario.frame.home.altitude - self.mission.home.altitude
         levels = tuple(level._replace(height=level.height + lower) for level in self.wind.levels)
-        return replace(self.wind, levels=levels)
+        return replace(self.wind, levels=levels, base=self.wind.base + lower if self.wind.exponent else 0.0)
 
     @property
     def deviation_law(self) -> DeviationLaw:
@@ -306,4 +308,5 @@ def estimate(mission: Mission, parameters: Parameters = NO_PARAMETERS, wind: Win
         True
     """
     expect_known(parameters, mission.autopilot)
+    refuse_unsound(mission)
     return Forecast(mission.with_parameters(parameters), wind=wind).estimate

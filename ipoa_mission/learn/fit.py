@@ -152,7 +152,6 @@ def _number(autopilot: Autopilot, name: str, change: float) -> float:
 
 
 def _solve(flights: Sequence[Evidence], blank: LearnedVehicle, names: Sequence[str]) -> tuple[Vector, Vector]:
-    """Return changes (k,) and their standard deviations (k,)."""
     deviations = np.concatenate([*(flight.scatter for flight in flights), np.empty(0)])
     prior = np.array([PRIOR_DEVIATIONS[name] for name in names])
     log_drag = [flight.measured.log_drag for flight in flights if flight.measured.log_drag and "drag" in names]

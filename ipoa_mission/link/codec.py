@@ -286,7 +286,6 @@ def read_tlog(path: str | Path, missing: LostFrames | None = None) -> Iterator[R
 
 
 def _next_record(data: bytes, at: int) -> int:
-    """Return the next record's index, else the end."""
     start = next_magic(data, at)
     while start >= 0 and not frame_at(data, start):
         start = next_magic(data, start + 1)

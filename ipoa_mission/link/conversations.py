@@ -190,7 +190,6 @@ def clear(kind: int) -> Dialogue[None]:
 
 
 def _answered(question: m.RequestList | m.ClearAll) -> Dialogue[int]:
-    """Return the number of items left to transfer."""
     step: Step = Ask(question)
     texts = VehicleTexts()
     while True:

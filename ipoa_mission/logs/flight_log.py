@@ -246,7 +246,6 @@ class _Stretch:
         return LoggedFlight(log.autopilot, log.version, self.armed_s, mission, parameters, flew, messages, measured)
 
     def _mission(self, autopilot: Autopilot) -> Mission | None:
-        """Return the logged mission, else the flown items."""
         first = autopilot.seq_offset
         home = self.later.home or self.at_arming.home
         place = next((message for message in self.messages if isinstance(message, m.Position)), None)

@@ -102,7 +102,6 @@ def _open_dataset(path: Path) -> Iterator[Any]:
 
 
 def _groups(path: Path) -> list[str]:
-    """Return groups, which xarray skips."""
     h5py: Any = import_module("h5py")
     if not h5py.is_hdf5(path):
         return []
@@ -316,7 +315,6 @@ def _valid_times(variable: Any, path: Path) -> tuple[np.ndarray, Any]:
 
 
 def _time_of(variable: Any) -> Any | None:
-    """Take the standard name, or run time plus step."""
     by_standard = {each.attrs.get("standard_name"): each for each in variable.coords.values()}
     by_name = {str(name).lower(): each for name, each in variable.coords.items()}
     names = ("step", "lead_time", "leadtime", "forecast_period", "prediction_timedelta")

@@ -110,7 +110,6 @@ def _unit_factor(tags: Mapping[str, str], plain_key: str) -> float:
 
 
 def _tip(tags: Mapping[str, str], odd: Odd, height_known: bool) -> float | None:
-    """Return a turbine's tip height by its hub [m]."""
     hubs = [height for key in keys_of(tags, Means.HUB) if (height := _length(tags, key, odd))]
     rotor = width_of(tags, odd) if keys_of(tags, Means.ROTOR, Means.BLADE) else None
     if not hubs or (rotor is None and height_known):

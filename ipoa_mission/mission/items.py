@@ -231,6 +231,7 @@ class Mission:
         Raises:
             BadInput: one belongs to the other firmware, or is not finite.
         """
+        parameters = {name.upper(): value for name, value in parameters.items()}
         expect_own(parameters, self.autopilot)
         for name, value in parameters.items():
             if not math.isfinite(value):

@@ -62,11 +62,10 @@ def parameter_contents(mission: Mission, path: Path) -> dict[Path, str | None]:
     lines = [PARAMETERS_HEADER.format(path.stem), "# Vehicle-Id Component-Id Name Value Type"]
     kinds = mission.autopilot.parameter_table.kinds
     for name, value in mission.parameters.items():
-        if not abs(value) <= SINGLE_MAX:
-            raise BadInput(f"expected a number that fits in single precision, not {value:g}", place=f"{target}: {name}")
-        number = f"{value:.0f}" if value == int(value) else repr(float(value))
+        number = f"{value:.0f}" if float(value).is_integer() else repr(float(value))
         kind = kinds.get(name, REAL32)  # QGroundControl requires the vehicle's own type
         lines.append(f"1\t1\t{name}\t{number}\t{kind}")
+        _row(lines[-1], len(lines), str(target))  # refuses what `read_parameter_file` would
     return {target: "\n".join(lines) + "\n"}
 
 

@@ -91,6 +91,8 @@ def _plan(mission: Mission) -> dict[str, Any]:
     }
     if mission.cruise_speed is not None:
         (speed,) = finite("cruise_speed", mission.cruise_speed)
+        if mission.cruise_speed <= 0.0:
+            raise BadInput(f"expected a speed above 0, not {speed}", place="cruise_speed")
         header |= {"cruiseSpeed": speed, "hoverSpeed": speed}
     circles = list[dict[str, Any]]()
     polygons = list[dict[str, Any]]()

@@ -327,7 +327,6 @@ def _by_axis(points: NDArray[np.float64]) -> Matrix:
 
 @lru_cache(maxsize=64)
 def _greville(n: int) -> Vector:
-    """Return the Greville abscissae, (n,)."""
     return np.lib.stride_tricks.sliding_window_view(knots_of(n)[1:-1], DEGREE).mean(axis=1)  # type: ignore[no-any-return]
 
 

@@ -130,7 +130,6 @@ def _footer(scenario: Scenario, plan: Plan | None, mission: Mission) -> str:
 
 
 def _page_of(parts: Mapping[str, str]) -> str:
-    """Remove control characters, which a page may not contain."""
     controls = dict.fromkeys((*range(9), 11, 12, *range(14, 32), *range(127, 160)), "\N{REPLACEMENT CHARACTER}")
     css = "".join(map(_asset, ("palette.css", "page.css", "ways.css")))
     head = Template(_asset("head.html")).substitute(parts, css=css)

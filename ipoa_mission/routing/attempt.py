@@ -10,8 +10,7 @@ from ipoa_mission.forecast.deviation.clearance_guarantee import ClearanceGuarant
 from ipoa_mission.forecast.deviation.kept_limits import clearance_task
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.itinerary.flown_legs import join
-from ipoa_mission.forecast.timing.estimate import kinematics
-from ipoa_mission.forecast.timing.flight_model import Prediction
+from ipoa_mission.forecast.timing.flight_model import FlightModel, Prediction
 from ipoa_mission.forecast.timing.track import Track, pieces_of, thinned
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.planning.planner import Plan
@@ -151,7 +150,8 @@ def _predict(attempt: Attempt, forecast: Forecast, prediction: Prediction) -> Ro
     path, times = during.points, during.times
     motion = _motion(track, end)
     speed = float(np.linalg.norm(motion))
-    stand = path[-1] + motion * speed / (2 * kinematics(mission.autopilot, mission.parameters).accel)
+    limits = mission.autopilot.part(FlightModel).kinematics(mission.parameters)
+    stand = path[-1] + motion * speed / (2 * limits.accel)
     overrun = float((stand - attempt.route.points[-1]) @ (motion / max(speed, 1e-9)))
     braking = 2 * float(np.linalg.norm(stand - path[-1])) / max(speed, 1e-3)
     until = Track(np.append(times, times[-1] + braking), np.vstack([path, stand]), np.append(during.speeds, 0.0))

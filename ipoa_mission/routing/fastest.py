@@ -12,7 +12,7 @@ from ipoa_mission.centimeters import ceil_cm
 from ipoa_mission.forecast.deviation.clearance_guarantee import limits_broken_by_deviation
 from ipoa_mission.forecast.deviation.kept_limits import clearance_task, with_margins
 from ipoa_mission.forecast.deviation.proximity import proximity_risks
-from ipoa_mission.forecast.timing.estimate import kinematics
+from ipoa_mission.forecast.timing.flight_model import FlightModel
 from ipoa_mission.forecast.timing.track import pieces_of
 from ipoa_mission.geometry import Matrix, Points, Vector, arc_lengths, leg_lengths
 from ipoa_mission.planning.planner import Plan
@@ -234,7 +234,7 @@ def candidates(curve: Spline, scenario: Scenario) -> Iterator[Route]:
 
 def braking_length(scenario: Scenario) -> float:
     """Return the braking distance on a curve [m]: v² / (2 a / 2), with half the acceleration."""
-    limits = kinematics(scenario.vehicle.autopilot, scenario.vehicle.autopilot_parameters())
+    limits = scenario.vehicle.autopilot.part(FlightModel).kinematics(scenario.vehicle.autopilot_parameters())
     return scenario.vehicle.cruise_speed**2 / limits.accel
 
 

@@ -162,7 +162,6 @@ class ParameterServer:
         return [self._value(name, BY_NAME if by_name else names.index(name))]
 
     def _set(self, name: str, value: float, kind: int) -> None:
-        """Convert or ignore another type."""
         declared = self._types.get(name, REAL32)
         if name not in self.values or (self._autopilot.protocol_profile.keeps_types and kind != declared):
             return

@@ -12,7 +12,8 @@ from ipoa_mission.forecast.contingency.contingencies import Contingencies, Conti
 from ipoa_mission.forecast.contingency.contingencies_now import DURATIONS
 from ipoa_mission.forecast.contingency.energy_budget import Budget, budget_of
 from ipoa_mission.forecast.deviation.clearance_guarantee import ClearanceGuarantee
-from ipoa_mission.forecast.timing.estimate import Estimate, kinematics
+from ipoa_mission.forecast.timing.estimate import Estimate
+from ipoa_mission.forecast.timing.flight_model import FlightModel
 from ipoa_mission.geometry import Points
 from ipoa_mission.mission.item_words import item_words
 from ipoa_mission.planning.planner import Sketch
@@ -31,7 +32,7 @@ def sketched(sketch: Sketch, scenario: Scenario, number: int | None) -> answers.
     """Return a coarse path; its time is a lower bound."""
     vehicle = scenario.vehicle
     points, *others = (_sampled(curve) for curve in (sketch.curve, *sketch.others))
-    limits = kinematics(vehicle.autopilot, vehicle.autopilot_parameters(), vehicle.cruise_speed)
+    limits = vehicle.autopilot.part(FlightModel).kinematics(vehicle.autopilot_parameters(), vehicle.cruise_speed)
     east, north, up = np.diff(points, axis=0).T
     rises = np.where(up > 0.0, up / limits.climb, -up / limits.descent)
     return answers.Sketch(

@@ -84,7 +84,6 @@ def coverage(area: Area, tour: Tour, width: float, keep_out: Any = None) -> Cove
 
 
 def _outside(shape: Any, tour: Tour, keep_out: Any) -> float:
-    """Return how far a tour leaves an area [m]."""
 
     def places(part: Any) -> Any:
         return shapely.points(shapely.get_coordinates(shapely.segmentize(part, max(0.1, part.length / 20_000))))

@@ -1,17 +1,20 @@
+from collections.abc import Sequence
 from contextlib import nullcontext
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
+from ipoa_mission import read_mission, read_scenario
 from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.errors import MissionError
-from ipoa_mission.forecast.forecast import estimate
+from ipoa_mission.forecast.forecast import Forecast, estimate
 from ipoa_mission.forecast.timing.estimate import Estimate
 from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.mission.items import Mission, change_speed, land, takeoff, waypoint
 from ipoa_mission.simulator.simulated_flight import SimulatedFlight
 from ipoa_mission.simulator.situation import Conditions
-from ipoa_mission.wind import CALM, Wind, wind_at, wind_table
+from ipoa_mission.wind import CALM, Wind, WindLevel, wind_at, wind_table
 from tests.plain_python import flown_as_plain_python
 from tests.recorded_flights import FLIGHTS, IN_WIND, Recorded, read_flight, read_flights
 from tests.refused import refuses
@@ -206,3 +209,34 @@ def test_kernels_take_the_wind_of_a_profile(levels: int) -> None:
     wind = Wind.of_profile(heights, [0.3 * n for n in range(levels)], [37.0 * n for n in range(levels)])
     for height in (0.0, *heights, *np.linspace(0.0, 90.0, 50)):
         assert wind_at(height, wind_table(wind)) == pytest.approx(wind.towards(height), rel=1e-15, abs=1e-15)
+
+
+def test_a_power_law_counts_from_the_scenarios_home() -> None:
+    """As the levels of a profile do; 4.56 m/s were 6 for a home 40 m below."""
+    mission, scenario = read_mission("missions/sitl.plan"), read_scenario("missions/sitl.toml")
+    wind = Wind(6.0, 270.0, exponent=0.3, gradient_height=50.0)
+    heights = (5.0, 20.0, 35.0, 60.0, 95.0)
+    for lower in (-10.0, 0.0, 40.0):
+        home = replace(mission.home, altitude=scenario.frame.home.altitude - lower)
+        air = Forecast(replace(mission, home=home), scenario, wind)._air
+        assert [air.at(height) for height in heights] == [wind.at(height - lower) for height in heights]
+        east = [wind_at(height, wind_table(air))[0] for height in heights]
+        assert east == pytest.approx([air.at(height) for height in heights])
+
+
+@pytest.mark.parametrize("heights", [range(9), (10.0, 5.0)])
+def test_levels_of_a_wind_are_few_and_increase(heights: Sequence[float]) -> None:
+    with refuses("bad-input"):
+        Wind(levels=tuple(WindLevel(height, 1.0, 0.0) for height in heights))
+
+
+def test_a_mission_at_no_place_has_no_estimate() -> None:
+    mission = read_mission("missions/sitl.plan")
+    for home in (Geodetic(np.nan, 8.5, 488.0), Geodetic(200.0, 8.5, 488.0)):
+        with refuses("home-place"):
+            estimate(replace(mission, home=home))
+
+
+def test_a_guarantee_without_a_scenario_is_an_error() -> None:
+    with refuses("scenario-missing"):
+        _ = Forecast(read_mission("missions/sitl.plan")).guarantee

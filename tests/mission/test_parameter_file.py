@@ -195,3 +195,23 @@ def test_several_missions_are_written_all_or_none(tmp_path: Path) -> None:
     names = ["s-1.plan", "s-1.waypoints", "s-1.json", "s-2.plan", "s-2.waypoints", "s.html", "s.json"]
     assert [path.name for path in written] == names
     assert {*tmp_path.iterdir()} == {theirs, *written}
+
+
+@pytest.mark.parametrize(("name", "value"), [("RTL_CONE_ANG", 44.5), ("A" * 20, 1.0), ("MPC ACC", 1.0)])
+def test_no_parameters_are_written_that_are_not_read(name: str, value: float, tmp_path: Path) -> None:
+    mission = read_mission("missions/sitl.plan")
+    with refuses("bad-input"):
+        write_mission(replace(mission, parameters={name: value}), tmp_path / "a.plan")
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_name_in_small_letters_is_the_same_parameter() -> None:
+    """RTL_RETURN_ALT stayed at 70 in memory, and a written file had 1."""
+    mission = read_mission("missions/sitl.plan").with_parameters({"rtl_return_alt": 1.0})
+    assert mission.parameters["RTL_RETURN_ALT"] == 1.0
+    assert "rtl_return_alt" not in mission.parameters
+
+
+def test_a_cruise_speed_that_is_none_is_not_written(tmp_path: Path) -> None:
+    with refuses("bad-input", "cruise_speed"):
+        write_mission(replace(read_mission("missions/sitl.plan"), cruise_speed=-8.0), tmp_path / "a.plan")

@@ -10,7 +10,7 @@ from scipy.spatial import cKDTree
 from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.autopilot.commands import WAYPOINTS, Command
 from ipoa_mission.flight.flight import plan_flight
-from ipoa_mission.forecast.timing.estimate import kinematics
+from ipoa_mission.forecast.timing.flight_model import FlightModel
 from ipoa_mission.forecast.timing.track import thinned
 from ipoa_mission.geodesy import LocalFrame
 from ipoa_mission.mission.mission_io import read_mission
@@ -80,7 +80,9 @@ def test_fastest_mode_is_listed_first_and_no_slower_than_flown(autopilot: Autopi
     chosen = {mode: choose_route(plan, scenario, mode) for mode in modes}
     flown = chosen["fastest"].prediction
     assert flown.seconds == min(attempt.prediction.seconds for attempt in chosen.values())
-    motion = kinematics(autopilot, scenario.vehicle.autopilot_parameters(), scenario.vehicle.cruise_speed)
+    motion = autopilot.part(FlightModel).kinematics(
+        scenario.vehicle.autopilot_parameters(), scenario.vehicle.cruise_speed
+    )
     limits = PathLimits(*motion, across=ACROSS[autopilot] * motion.accel)
     assert 1.0 <= flown.seconds / least_time(curve.sample(500), limits).seconds <= RATIO[autopilot]
     assert chosen["even"].prediction.seconds > 1.5 * flown.seconds  # dense straight waypoints make the vehicle crawl

@@ -9,6 +9,7 @@ from ipoa_mission.world.obstacles import Cylinder, Obstacle, Prism, Sphere, Zone
 from ipoa_mission.world.obstacles.obstacle import CYLINDER, SPHERE
 from ipoa_mission.world.polygon import Polygon
 from tests.plain_python import as_plain_python
+from tests.refused import refuses
 
 Rng = np.random.Generator
 
@@ -266,3 +267,16 @@ def test_zone_has_no_solid_part() -> None:
     zone = Zone("zone", ((0, 0), (9, 0), (9, 9)), (), 0.0, 5.0)
     assert not zone.solid
     assert zone != Prism("zone", zone.outer, (), 0.0, 5.0)
+
+
+@pytest.mark.parametrize("number", [np.nan, np.inf])
+def test_an_obstacle_has_finite_numbers(number: float) -> None:
+    """One at NaN was as far as infinity from each path."""
+    for make in (
+        lambda: Sphere("body", (number, 0.0, 0.0), 1.0),
+        lambda: Cylinder("body", number, 0.0, 1.0, 0.0, 1.0),
+        lambda: Cylinder("body", 0.0, 0.0, 1.0, 0.0, number),
+        lambda: Prism("body", ((0.0, 0.0), (1.0, 0.0), (0.0, 1.0)), (), -number, 1.0),
+    ):
+        with refuses("bad-input", "body"):
+            make()

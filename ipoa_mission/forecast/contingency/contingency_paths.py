@@ -288,7 +288,6 @@ class ContingencyPaths:
 
     @cached_property
     def _shares(self) -> tuple[float, ...]:
-        """Shares of the way back at which it climbs."""
         return (0.0, 0.5, 1.0) if self.mission.autopilot.guidance.climbs_coming_back else (0.0,)
 
     @cached_property

@@ -4,11 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.autopilot.commands import WAYPOINTS, Command
-from ipoa_mission.autopilot.parameters import Parameters
 from ipoa_mission.forecast.itinerary.itinerary import CONDITIONS, Itinerary
-from ipoa_mission.forecast.timing.flight_model import NEVER_MISSED, FlightModel, Kinematics, Missed, Prediction
+from ipoa_mission.forecast.timing.flight_model import NEVER_MISSED, Missed, Prediction
 from ipoa_mission.forecast.timing.track import Track
 from ipoa_mission.geometry import Vector, leg_lengths
 from ipoa_mission.mission.item_words import name_items
@@ -18,10 +16,6 @@ from ipoa_mission.mission.program import behind_landing, stays_at
 COUNTED_TERMS = (
     "distance over speed, climb of the take-off, holds, RTL's descent; no take-off delay, no landing, no corner"
 )
-
-
-def kinematics(autopilot: Autopilot, parameters: Parameters, speed: float | None = None) -> Kinematics:
-    return autopilot.part(FlightModel).kinematics(parameters, speed)
 
 
 def route_time(itinerary: Itinerary, prediction: Prediction) -> float:

@@ -225,7 +225,6 @@ def _note(gathered: _Gathered, kind: str, values: dict[str, Any]) -> None:
 
 
 def _batteries(gathered: _Gathered) -> list[list[Battery]]:
-    """Return those measured directly; all if there is none."""
     secondhand = {9, 10, 11, 12, 18, 24, 27}  # BATTn_MONITOR of other batteries (ESCs, sum), or of fuel
     monitors = {message.param_id: message.param_value for _, message in gathered.events if type(message) is ParamValue}
     names = {number: f"BATT{number + 1 if number else ''}_MONITOR" for number in gathered.batteries}

@@ -13,7 +13,7 @@ from ipoa_mission.autopilot.commands import MULTICOPTER_LANDINGS
 from ipoa_mission.autopilot.parameters import Parameters
 from ipoa_mission.autopilot.returning import Contingency, ReturnBy
 from ipoa_mission.compiled import records
-from ipoa_mission.errors import MissionError, NotModeled
+from ipoa_mission.errors import EndlessFlight, MissionError, NotModeled
 from ipoa_mission.forecast.deviation.law import DeviationLaw, Quantiles
 from ipoa_mission.forecast.itinerary.itinerary import Itinerary
 from ipoa_mission.forecast.timing.flight_model import (
@@ -78,8 +78,7 @@ class Px4Model(FlightModel):
         simulation = MissionSimulation(itinerary, wind)
         if contingency is Contingency.RTL:
             if simulation.limits.land_delay < 0.0:
-                words = "with an RTL_LAND_DELAY below 0 it waits over its goal forever"
-                raise MissionError(words, code="endless-flight")
+                raise EndlessFlight("with an RTL_LAND_DELAY below 0 RTL never lands")
             if itinerary.returns_by is not ReturnBy.DIRECT:
                 raise NotModeled(f"the duration of returns {itinerary.returns_by} is not modeled well enough")
         orders = simulation.mission_orders.orders

@@ -72,6 +72,11 @@ def upright_distance(aside: Vector, up: Vector, base: float, top: float) -> NDAr
     return distance_of(aside, np.maximum(base - up, up - top))
 
 
+def _expect_finite(name: str, *numbers: float) -> None:
+    if not np.isfinite(numbers).all():
+        raise BadInput(f"expected finite numbers, not {numbers}", place=name)
+
+
 @dataclass(frozen=True)
 class Sphere(Part):
     """A ball.
@@ -93,6 +98,7 @@ class Sphere(Part):
     convex: ClassVar[bool] = True
 
     def __post_init__(self) -> None:
+        _expect_finite(self.name, *self.center, self.radius)
         expect_positive(self.name, "radius", self.radius)
 
     @cached_property
@@ -173,6 +179,7 @@ class Cylinder(Part):
     convex: ClassVar[bool] = True
 
     def __post_init__(self) -> None:
+        _expect_finite(self.name, self.east, self.north, self.radius, self.base, self.top)
         expect_positive(self.name, "radius", self.radius)
         expect_positive(self.name, "top - base", self.top - self.base)
 
@@ -260,6 +267,7 @@ class Prism(Part):
     top: float
 
     def __post_init__(self) -> None:
+        _expect_finite(self.name, self.base, self.top)
         expect_positive(self.name, "top - base", self.top - self.base)
         _ = self.footprint  # raises if invalid
 
