@@ -15,7 +15,6 @@ _WHERE: dict[str, str] = {}
 
 
 def _where() -> dict[str, str]:
-    """Return the module of each name in the stub."""
     if not _WHERE:
         import re
         from pathlib import Path

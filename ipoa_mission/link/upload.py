@@ -317,7 +317,6 @@ def _store(job: Upload, state: UploadState, progress: Progress) -> Dialogue[None
 
 
 def _refuse_requests(kind: int) -> Dialogue[None]:
-    """Answer requests with "cancelled" until the vehicle is quiet."""
     asks_on: bool | None = True
     while asks_on:
         yield SendOnce(Ack(Result.OPERATION_CANCELLED, kind))

@@ -160,10 +160,12 @@ def predict_contingency(forecast: Forecast, contingency: Contingency, time: floa
         BadInput: the time is not one of the flight.
         MissionError: as `Forecast.predicted_with`.
     """
-    ends = float(forecast.expected.track.times[-1])
-    if not 0.0 <= time <= ends + 0.01:  # [s], rounding
-        raise BadInput(f"expected a time of the flight, from 0 to {ends:.1f} s, not {time:g} s")
+    if not 0.0 <= time < np.inf:
+        raise BadInput(f"expected a time of the flight from 0 s on, not {time:g} s")
     prediction = forecast.predicted_with(contingency, time)
+    ends = float(prediction.done[-1])
+    if time > ends + 1.0:  # [s], as flights with noise differ
+        raise BadInput(f"expected a time of the flight, from 0 to {ends:.1f} s, not {time:g} s")
     lasts = max(float(prediction.low[-1]) - time, 0.0), max(float(prediction.high[-1]) - time, 0.0)
     touches = None
     if prediction.touched is not None and np.isfinite(prediction.touched[0]):
