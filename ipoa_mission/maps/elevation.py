@@ -96,14 +96,12 @@ def _knots(low: float, high: float) -> Vector:
 
 
 def _pixels(raster: "_Raster", frame: LocalFrame, east: Vector, north: Vector, up: float) -> NDArray[np.float64]:
-    """Return column, row and altitude, (3, east, north)."""
     lattice = np.stack(np.meshgrid(east, north, indexing="ij"), axis=-1).reshape(-1, 2)
     latitude, longitude, altitude = frame.to_geodetic(np.column_stack([lattice, np.full(len(lattice), up)]))
     return np.stack([*raster.pixels(latitude, longitude), altitude]).reshape(3, len(east), len(north))
 
 
 def _places(raster: "_Raster", frame: LocalFrame, posts: _Posts) -> NDArray[np.float64]:
-    """Return east, north, up of posts, (3, rows, columns)."""
     rows, columns = (begin + np.arange(count) for begin, count in zip(posts.first, posts.heights.shape, strict=True))
     knots = [_knots(lines[0], lines[-1]) for lines in (rows, columns)]
     row, column = np.meshgrid(*knots, indexing="ij")

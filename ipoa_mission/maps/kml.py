@@ -139,7 +139,6 @@ def _altitudes(element: ElementTree.Element) -> Iterator[float]:
 
 
 def _words(text: str) -> list[str]:
-    """Ignore blanks around a comma, as GDAL and fastkml."""
     return re.sub(r"\s*,\s*", ",", text).split()
 
 

@@ -299,7 +299,6 @@ def _degrees(variable: Any, kind: str, path: Path) -> Any:
 
 
 def _valid_times(variable: Any, path: Path) -> tuple[np.ndarray, Any]:
-    """Return times (n,), and values on the same axes."""
     times = _time_of(variable)
     known = {str(name) for name in (times.dims if times is not None else ())}
     strange = [str(name) for name in variable.dims if str(name) not in known and not _is_member(variable, str(name))]

@@ -51,23 +51,26 @@ def choose_route(plan: Plan, scenario: Scenario, mode: str) -> Attempt:
     raise NoRoute(f"the legs between waypoints come too close: {why}", hint, code="legs-too-near")
 
 
-def best_route(plan: Plan, scenario: Scenario, promising: float, is_moved: bool = False) -> tuple[Attempt, float]:
+def best_route(
+    plan: Plan, scenario: Scenario, promising: float, is_moved: bool = False, thorough: bool = False
+) -> tuple[Attempt, float]:
     """Return the best route of the mode, or a quick try that lacks more than `promising` [m] or a contingency.
 
     Also return the time that a path without contingencies would take [s]. Along a path that `is_moved` no other route
-    is sought while the quick try lacks a contingency.
+    is sought while the quick try lacks a contingency, unless `thorough`.
     """
     if scenario.route.mode != "fastest":
         route = narrowed_route(plan, scenario, scenario.route.mode)
         return route, route.quick_prediction.seconds
     quick = _quick_route(plan, scenario)
-    if (is_moved and quick.short) or (not quick.is_guaranteed and quick.slack < promising):
+    lacking = quick.short and not thorough
+    if (is_moved and lacking) or (not quick.is_guaranteed and quick.slack < promising):
         return quick, quick.quick_prediction.seconds
     first, *_ = routes = fastest_routes(plan, scenario)
     for route in routes:
         if route.is_acceptable:
             return route, route.quick_prediction.seconds
-        if quick.short:
+        if lacking:
             return quick, first.quick_prediction.seconds
     best = first if first.is_guaranteed else max(quick, first, key=lambda attempt: attempt.merit)
     return best, best.quick_prediction.seconds

@@ -115,6 +115,8 @@ def _plan(scenario: Scenario, seed: int, progress: Progress) -> Attempt:
         attempt = seek(scenario, seed, progress)
     except TooNarrow as error:
         raise too_few_flights(str(error), ", or move the places of this leg", trials) from None
+    if attempt.short and not attempt.is_acceptable:  # before a refusal every moved path has its quickest route
+        attempt = seek(scenario, seed, progress, thorough=True)
     if attempt.is_acceptable:
         return attempt
     slowed = slowed_where_needed(attempt, trials)
@@ -131,7 +133,9 @@ def _plan_once(scenario: Scenario, seed: int) -> Attempt | None:
     return attempt if attempt.is_acceptable else None
 
 
-def seek(scenario: Scenario, seed: int, progress: Progress, plans: int = EFFORT.max_searches) -> Attempt:
+def seek(
+    scenario: Scenario, seed: int, progress: Progress, plans: int = EFFORT.max_searches, thorough: bool = False
+) -> Attempt:
     """Return the first acceptable attempt of at most `plans` paths, or the next if quicker, or else the nearest.
 
     The next path is planned if the first lost time to its contingencies.
@@ -154,7 +158,7 @@ def seek(scenario: Scenario, seed: int, progress: Progress, plans: int = EFFORT.
                 continue
             planned.add(curve)
             progress(0.9, "choosing waypoints, proving returns")
-            attempt, delay = _move_until_safe(plan, margins, scenario)
+            attempt, delay = _move_until_safe(plan, margins, scenario, thorough)
         except MissionError as error:
             if slow is not None:
                 return slow
@@ -210,9 +214,9 @@ def _margins_in_turn(scenario: Scenario, seed: int, closed: set[int]) -> Iterato
         yield number, _Margins(scenario, none)
 
 
-def _move_until_safe(plan: Plan, margins: _Margins, scenario: Scenario) -> tuple[Attempt, float]:
+def _move_until_safe(plan: Plan, margins: _Margins, scenario: Scenario, thorough: bool) -> tuple[Attempt, float]:
     """Return the best attempt after moving the plan aside, and its flight time over the first's."""
-    best, quickest_s = best_route(plan, scenario, EFFORT.hopeless_slack)
+    best, quickest_s = best_route(plan, scenario, EFFORT.hopeless_slack, thorough=thorough)
     latest = best
     growth = margins.growth
     in_vain = 0
@@ -225,7 +229,7 @@ def _move_until_safe(plan: Plan, margins: _Margins, scenario: Scenario) -> tuple
         moved = next(filter(None, (move_aside(latest.plan, world) for world in wider)), None)
         if moved is None:
             break
-        latest, _ = best_route(replace(latest.plan, curve=moved), scenario, EFFORT.hopeless_slack, is_moved=True)
+        latest, _ = best_route(replace(latest.plan, curve=moved), scenario, EFFORT.hopeless_slack, True, thorough)
         in_vain = 0 if latest.slack > best.slack + EFFORT.min_gain else in_vain + 1
         best = max(best, latest, key=lambda attempt: attempt.merit)
     if not best.is_guaranteed and best.slack >= EFFORT.hopeless_slack and scenario.route.mode == "fastest":

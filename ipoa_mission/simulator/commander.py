@@ -266,7 +266,6 @@ class Commander(MockVehicle):
         return CommandResult.ACCEPTED
 
     def _climb(self, height: float) -> CommandResult:
-        """Command 22, in GUIDED [m above home]."""
         is_guided = self.mode == self.profile.autopilot.modes.arming
         if not is_guided or not self._is_armed_on_ground() or not 0.0 < height < math.inf:
             return CommandResult.FAILED

@@ -162,7 +162,6 @@ def _fill_dents(ring: Plane, most: float) -> Plane:
 
 
 def _sharpen_bulges(ring: Plane, most: float) -> Plane:
-    """Replace runs of small left turns by one corner."""
     turns = _turns(ring)
     first = int(turns.argmax()) if turns.max() > MAX_TURN else int(turns.argmin())
     ring = np.roll(ring, -first, axis=0)

@@ -107,6 +107,7 @@ def test_leg_height_over_terrain_is_equal_compiled_and_in_python() -> None:
         legs = np.stack([points[:-1], points[1:]], axis=1)
         singly = [plain.extreme(leg, landform, peaks, False, np.inf)[0] for leg in legs]
         assert plain.least_heights(legs, landform, peaks, np.inf).tolist() == singly
+        assert (plain.least_heights(legs, landform, peaks, -1e6) <= singly).all()  # by their bounds alone
         assert ground.legs_height(legs[:, 0], legs[:, 1]) == pytest.approx(singly, abs=1e-9)
 
 

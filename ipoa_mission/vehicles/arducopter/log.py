@@ -279,7 +279,6 @@ def _fixes(rows: Matrix, velocities: Points) -> Matrix:
 
 
 def _differences(times: Vector, latitude: Vector, longitude: Vector, altitude: Vector) -> Points:
-    """Derive velocities north, east, down; zero off the Earth."""
     start = Geodetic(float(latitude[0]), float(longitude[0]), float(altitude[0]))
     places = LocalFrame(start).to_local(latitude, longitude, altitude)
     speeds = np.zeros((len(times), 3))
