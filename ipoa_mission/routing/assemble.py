@@ -63,14 +63,13 @@ def best_route(
         route = narrowed_route(plan, scenario, scenario.route.mode)
         return route, route.quick_prediction.seconds
     quick = _quick_route(plan, scenario)
-    lacking = quick.short and not thorough
-    if (is_moved and lacking) or (not quick.is_guaranteed and quick.slack < promising):
+    if (is_moved and not thorough and quick.short) or (not quick.is_guaranteed and quick.slack < promising):
         return quick, quick.quick_prediction.seconds
     first, *_ = routes = fastest_routes(plan, scenario)
     for route in routes:
         if route.is_acceptable:
             return route, route.quick_prediction.seconds
-        if lacking:
+        if quick.short and not thorough:
             return quick, first.quick_prediction.seconds
     best = first if first.is_guaranteed else max(quick, first, key=lambda attempt: attempt.merit)
     return best, best.quick_prediction.seconds

@@ -115,7 +115,7 @@ def _plan(scenario: Scenario, seed: int, progress: Progress) -> Attempt:
         attempt = seek(scenario, seed, progress)
     except TooNarrow as error:
         raise too_few_flights(str(error), ", or move the places of this leg", trials) from None
-    if attempt.short and not attempt.is_acceptable:  # before a refusal every moved path has its quickest route
+    if not attempt.is_acceptable and attempt.short:  # before a refusal every moved path has its quickest route
         attempt = seek(scenario, seed, progress, thorough=True)
     if attempt.is_acceptable:
         return attempt
