@@ -1,7 +1,7 @@
-"""Words of a vehicle: its texts (STATUSTEXT), and PX4's events, of which it sends the number and the arguments.
+"""Reasons that a vehicle reports: its texts (STATUSTEXT), and PX4's events, sent as numbers with arguments.
 
-PX4 1.17 and 1.18 send those of a mission's feasibility as events alone. Others come as both: their words are the
-text's, so that a reason counts once.
+PX4 1.17 and 1.18 report a mission's feasibility by events alone. They report other reasons as both: the words here
+equal the text, so that a reason counts once.
 """
 
 import struct

@@ -56,7 +56,7 @@ class Node:
         return None if child is None or child.value is None else child
 
     def usual(self, key: str, otherwise: str) -> "Node | None":
-        """Return the value of a key that QGroundControl always writes; without it note what is assumed."""
+        """Return the value of a key that QGroundControl always writes; note the assumption if the key is missing."""
         child = self.get(key)
         if child is None:
             replace(self, place=f"{self.place}.{key}".lstrip(".")).note(f"missing: {otherwise}")

@@ -357,7 +357,7 @@ def _passages(cost_from: Vector, cost_to: Vector, lattice: Lattice) -> Iterator[
     """Yield nodes of distinct routes, cheapest first.
 
     The least cost of a route through a node is its cost from the start plus its cost to the goal. A passage is a local
-    minimum of that cost on the nodes that are a quarter, half or three quarters of it from the start.
+    minimum of that cost among nodes at a quarter, half or three quarters of it from the start.
     """
     through = cost_from + cost_to
     best = through.min()

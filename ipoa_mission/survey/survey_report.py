@@ -67,7 +67,7 @@ def forecast_as_json(forecast: Forecast) -> dict[str, Any]:
 
 def survey_panel(plan: SurveyPlan, names: Sequence[str]) -> str:
     words = ". ".join(coverage_lines(plan))
-    note = f"{words[:1].upper()}{words[1:]}. On the map: shaded, what is seen; red, gaps; lines in the flight's color."
+    note = f"{words[:1].upper()}{words[1:]}. Map: covered ground is shaded, gaps are red, a color is a flight."
     marks = [f'<span aria-hidden="true" style="color:{_hue(n)}">━</span> ' for n in range(len(names))]
     table = plain_table(*flight_table(plan, names), marks)
     return f'<section><h2>Survey</h2><p class="note">{escape(note)}</p>{table}</section>'

@@ -215,7 +215,7 @@ def test_the_page_shows_the_area_and_every_flight(tmp_path: Path) -> None:
         text = page.read_text(encoding="utf-8")
         assert text.count('class="verdict') == 1
         assert all(f"field-{n}.plan" in text for n in (1, 2))
-        assert "On the map: shaded, what is seen; red, gaps" in text
+        assert "Map: covered ground is shaded, gaps are red" in text
 
 
 def test_survey_page_escapes_names_of_flights(tmp_path: Path) -> None:
