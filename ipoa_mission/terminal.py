@@ -1,5 +1,6 @@
 """Print results to standard output, progress and errors to standard error; overwrite only what may be."""
 
+import errno
 import io
 import json
 import math
@@ -32,10 +33,12 @@ def print_lines(*lines: str) -> None:
 
 
 def _say(text: str) -> None:
-    """Print; ignore a reader that has closed it (`| head`)."""
+    """Print; discard output that nobody reads: after `| head`, and to a closed terminal before its SIGHUP."""
     try:
         print(text, flush=True)
-    except BrokenPipeError:
+    except OSError as error:
+        if error.errno not in (errno.EPIPE, errno.EIO):
+            raise
         discard_output()
 
 

@@ -294,10 +294,11 @@ def test_a_termination_is_a_ctrl_c_and_later_ones_are_ignored(number: int) -> No
 
 def test_output_to_a_closed_terminal_is_discarded(tmp_path: Path) -> None:
     pty = pytest.importorskip("pty")
-    code = "import os, signal, time; from ipoa_mission.interrupts import noted_terminations\n"
+    code = "import signal, time; from ipoa_mission.interrupts import noted_terminations\n"
+    code += "from ipoa_mission.terminal import print_lines\n"
     code += "signal.signal(signal.SIGHUP, signal.SIG_DFL)\n"  # nohup ignores it
-    code += "with noted_terminations():\n try:\n  print('.', flush=True); time.sleep(60)\n"
-    code += f" except KeyboardInterrupt:\n  print('more', flush=True); open('{tmp_path}/done', 'w').close()"
+    code += "with noted_terminations():\n try:\n  print_lines('.'); time.sleep(60)\n"
+    code += f" except KeyboardInterrupt:\n  print_lines('more'); open('{tmp_path}/done', 'w').close()"
     master, slave = pty.openpty()
     with subprocess.Popen([sys.executable, "-c", code], stdin=slave, stdout=slave, stderr=slave) as program:
         os.close(slave)
