@@ -17,21 +17,24 @@ from ipoa_mission.planning._places import _cell, _distance, _ground, _least_heig
 from ipoa_mission.planning.banded import solve_banded
 from ipoa_mission.planning.obstacle_grid import FENCE, LEAST, LEVER
 
-EE, NE, NN, UE, UN, UU = range(6)
+
+class Terms(NamedTuple):
+    """First and second derivatives of the cost by the three coordinates of each node, or of each step."""
+
+    slope: NDArray[np.float64]  # (n, 3)
+    curvature: NDArray[np.float64]  # (n, 3, 3), lower triangles
 
 
-class Derivatives(NamedTuple):
-    """First and second derivatives by node or step, or by turn and climb at each node."""
+class Bends(NamedTuple):
+    """The turn and the climb at each node, and first and second derivatives of the cost by them, all (n, 2)."""
 
-    slope: NDArray[np.float64]  # (3, n), or (2, n)
-    curvature: NDArray[np.float64]  # (6, n), `EE` and so on, or (2, n)
+    angles: NDArray[np.float64]  # [rad]
+    slope: NDArray[np.float64]
+    curvature: NDArray[np.float64]
 
 
 class Steps(NamedTuple):
-    """Steps from each node to the next, all (n,), 0 for the last.
-
-    Directions: ahead (flat east, flat north, rise), left (-north, east, 0), over (-rise east, -rise north, flat).
-    """
+    """Steps from each node to the next, all (n,), 0 for the last."""
 
     level: NDArray[np.float64]  # [m]
     leg: NDArray[np.float64]  # [m]
@@ -41,19 +44,30 @@ class Steps(NamedTuple):
     flat: NDArray[np.float64]  # per meter of length
 
 
+class PathModel(NamedTuple):
+    """The smoothed cost of a path, and its derivatives."""
+
+    value: float
+    bends: Bends
+    by_node: Terms
+    by_step: Terms
+    mixed: NDArray[np.float64]  # (n, 3, 3), second derivatives by the step to each node and the step from it
+
+
 @njit(inline="always")
-def _add(derivatives, i, east, north, up, slope, curvature):
-    """Add a term of node or step i along (east, north, up), by its first and second derivative."""
-    first, second = derivatives.slope, derivatives.curvature
-    first[0, i] += slope * east
-    first[1, i] += slope * north
-    first[2, i] += slope * up
-    second[EE, i] += curvature * east * east
-    second[NE, i] += curvature * north * east
-    second[NN, i] += curvature * north * north
-    second[UE, i] += curvature * up * east
-    second[UN, i] += curvature * up * north
-    second[UU, i] += curvature * up * up
+def _add(terms, i, direction, slope, curvature):
+    """Add a term of node or step i by its first and second derivative along `direction` (east, north, up)."""
+    for a in range(3):
+        terms.slope[i, a] += slope * direction[a]
+        for b in range(a + 1):
+            terms.curvature[i, a, b] += curvature * direction[a] * direction[b]
+
+
+@njit(inline="always")
+def _directions(steps, i):
+    """Return the directions ahead of step i, to its left, and upwards at right angles to both."""
+    east, north, rise, flat = steps.east[i], steps.north[i], steps.rise[i], steps.flat[i]
+    return (flat * east, flat * north, rise), (-north, east, 0.0), (-rise * east, -rise * north, flat)
 
 
 @njit(inline="always")
@@ -86,8 +100,10 @@ def _steps(nodes):
         leg = math.sqrt(level**2 + up**2)
         steps.level[i] = level
         steps.leg[i] = leg
-        steps.east[i], steps.north[i] = east / level, north / level
-        steps.rise[i], steps.flat[i] = up / leg, level / leg
+        steps.east[i] = east / level
+        steps.north[i] = north / level
+        steps.rise[i] = up / leg
+        steps.flat[i] = level / leg
     return steps
 
 
@@ -103,23 +119,21 @@ def _position_terms(nodes, leg, threats, grid, rules, smoothing, mean_leg, by_no
         cell = _cell(cells, x, y)
         if z < top[cell] + smoothing.above + smoothing.reach:
             ground, east, north = _ground(raster, heights, x, y)
-            for sign in (1.0, -1.0):
-                if sign > 0.0:
-                    slack = rules.ceiling - smoothing.above - (z - ground)
-                else:
-                    slack = z - ground - _least_height(low_zones, rules.height + smoothing.above, x, y)
+            below_ceiling = rules.ceiling - smoothing.above - (z - ground)
+            above_ground = z - ground - _least_height(low_zones, rules.height + smoothing.above, x, y)
+            for sign, slack in ((1.0, below_ceiling), (-1.0, above_ground)):
                 barrier, slope, curvature = _barrier(slack, smoothing, mean_leg)
                 if curvature > 0.0:
                     value += barrier
-                    _add(by_node, i, east, north, -1.0, sign * slope, curvature)
+                    _add(by_node, i, (east, north, -1.0), sign * slope, curvature)
         for axis in range(3):
             slack = min(nodes[i, axis] - lower[axis], upper[axis] - nodes[i, axis]) - smoothing.aside
             barrier, slope, curvature = _barrier(slack, smoothing, mean_leg)
             if curvature > 0.0:
                 inwards = -1.0 if 2.0 * nodes[i, axis] > lower[axis] + upper[axis] else 1.0
                 value += barrier
-                by_node.slope[axis, i] += inwards * slope
-                by_node.curvature[(EE, NN, UU)[axis], i] += curvature
+                by_node.slope[i, axis] += inwards * slope
+                by_node.curvature[i, axis, axis] += curvature
         for k in range(first[cell], first[cell + 1]):
             body = listed[k]
             if not around[body, 3] < z < around[body, 4]:
@@ -127,11 +141,14 @@ def _position_terms(nodes, leg, threats, grid, rules, smoothing, mean_leg, by_no
             if (x - around[body, 0]) ** 2 + (y - around[body, 1]) ** 2 > around[body, 2]:
                 continue
             distance, east, north, up = _distance(kind, shape, edges, body, x, y, z)
+            slack = distance
             hull = distance - rules.radius
-            threatened = kind[body] != FENCE and hull < rules.d_safe
-            slack = distance if kind[body] == FENCE else distance - rules.clearance
-            if kind[body] != FENCE and not threatened:  # a barrier from outside
-                slack = min(slack, hull - rules.d_safe)
+            threatened = False
+            if kind[body] != FENCE:
+                slack -= rules.clearance
+                threatened = hull < rules.d_safe
+                if not threatened:  # a barrier from outside
+                    slack = min(slack, hull - rules.d_safe)
             barrier, slope, curvature = _barrier(slack - smoothing.aside, smoothing, mean_leg)
             value += barrier
             if threatened:
@@ -144,119 +161,85 @@ def _position_terms(nodes, leg, threats, grid, rules, smoothing, mean_leg, by_no
                     slope -= weight * threat / near
                     curvature += weight * 2.0 * threat / near**2
             if slope != 0.0 or curvature > 0.0:
-                _add(by_node, i, east, north, up, slope, curvature)
+                _add(by_node, i, (east, north, up), slope, curvature)
     return value
 
 
 @njit(cache=True, error_model="numpy")
-def _angle_terms(steps, rules, smoothing, signs, angles):
+def _bends(steps, rules, smoothing, signs):
+    """Return the cost of all turns and climbs, and their angles and derivatives."""
     east, north = steps.east, steps.north
-    n = len(angles)
-    by_angle = Derivatives(np.zeros((2, n)), np.zeros((2, n)))
+    n = len(signs)
+    bends = Bends(np.zeros((n, 2)), np.zeros((n, 2)), np.zeros((n, 2)))
     value = 0.0
     climb = math.atan(steps.rise[0] / steps.flat[0])
     for i in range(1, n - 1):
         before = climb
         climb = math.atan(steps.rise[i] / steps.flat[i])
-        angles[i, 0] = math.atan2(
+        bends.angles[i, 0] = math.atan2(
             east[i - 1] * north[i] - north[i - 1] * east[i], east[i - 1] * east[i] + north[i - 1] * north[i]
         )
-        angles[i, 1] = climb - before
+        bends.angles[i, 1] = climb - before
         for k in range(2):
-            angle = angles[i, k]
+            angle = bends.angles[i, k]
             rate = rules.climbing if k else rules.turning
             smooth = math.sqrt(angle * angle + smoothing.bend**2)
             value += rate * (smooth - smoothing.bend)
-            by_angle.slope[k, i] = rate * angle / smooth
-            by_angle.curvature[k, i] = rate * (1.0 - signs[i, k] * angle / smooth) / smooth
-    return value, by_angle
+            bends.slope[i, k] = rate * angle / smooth
+            bends.curvature[i, k] = rate * (1.0 - signs[i, k] * angle / smooth) / smooth
+    return value, bends
 
 
 @njit(cache=True, error_model="numpy")
-def _leg_terms(steps, by_angle, threats, rules, smoothing, mean_leg, by_step):
+def _leg_terms(steps, bends, threats, rules, smoothing, mean_leg, by_step):
     """Add the cost of each leg. A longer leg is a bent one: bend at its begin minus bend at its end."""
     level, leg = steps.level, steps.leg
     value = 0.0
-    turn, climb = by_angle.slope[0], by_angle.slope[1]
-    turns, climbs = by_angle.curvature[0], by_angle.curvature[1]
     stretch = smoothing.evenness / mean_leg
     lever = LEVER / mean_leg
     for i in range(len(leg) - 1):
-        east, north, rise, flat = steps.east[i], steps.north[i], steps.rise[i], steps.flat[i]
+        ahead, left, over = _directions(steps, i)
         price = rules.length + 0.5 * (threats[i] + threats[i + 1])
         value += rules.length * leg[i] + 0.5 * stretch * (leg[i] - mean_leg) ** 2
-        _add(by_step, i, flat * east, flat * north, rise, price + stretch * (leg[i] - mean_leg), stretch)
-        slope = (turn[i] - turn[i + 1]) / level[i]
-        curvature = (turns[i] + turns[i + 1]) / level[i] ** 2
-        _add(by_step, i, -north, east, 0.0, slope, price / leg[i] + curvature)
-        slope = (climb[i] - climb[i + 1]) / leg[i]
-        curvature = (climbs[i] + climbs[i + 1]) / leg[i] ** 2
-        _add(by_step, i, -rise * east, -rise * north, flat, slope, price / leg[i] + curvature)
+        _add(by_step, i, ahead, price + stretch * (leg[i] - mean_leg), stretch)
+        for k, aside, length in ((0, left, level[i]), (1, over, leg[i])):
+            slope = (bends.slope[i, k] - bends.slope[i + 1, k]) / length
+            curvature = (bends.curvature[i, k] + bends.curvature[i + 1, k]) / length**2
+            _add(by_step, i, aside, slope, price / leg[i] + curvature)
         for sign, greatest in ((1.0, rules.climb_slope), (-1.0, rules.descent_slope)):
             limit = greatest - smoothing.flatter
-            slack = limit * level[i] - sign * rise * leg[i]
+            slack = limit * level[i] - sign * steps.rise[i] * leg[i]
             barrier, slope, curvature = _barrier(lever * slack, smoothing, mean_leg)
             if curvature > 0.0:
                 value += barrier
-                _add(by_step, i, lever * limit * east, lever * limit * north, -lever * sign, slope, curvature)
+                steeper = lever * limit * steps.east[i], lever * limit * steps.north[i], -lever * sign
+                _add(by_step, i, steeper, slope, curvature)
     return value
 
 
 @njit(cache=True, error_model="numpy")
-def _mixed(steps, by_angle):
-    """Return second derivatives by the steps before and after, (9, n): EE, EN, EU, NE, ..."""
+def _mixed(steps, bends):
+    """Return second derivatives by the step to each node and the step from it, (n, 3, 3)."""
     level, leg = steps.level, steps.leg
     n = len(leg)
-    mixed = np.zeros((9, n))
+    mixed = np.zeros((n, 3, 3))
     for i in range(1, n - 1):
-        turn = -by_angle.curvature[0, i] / (level[i - 1] * level[i])
-        climb = -by_angle.curvature[1, i] / (leg[i - 1] * leg[i])
-        left = (-steps.north[i - 1], steps.east[i - 1]), (-steps.north[i], steps.east[i])
-        for a in range(2):
-            for b in range(2):
-                mixed[3 * a + b, i] = turn * left[0][a] * left[1][b]
-        over = (
-            (-steps.rise[i - 1] * steps.east[i - 1], -steps.rise[i - 1] * steps.north[i - 1], steps.flat[i - 1]),
-            (-steps.rise[i] * steps.east[i], -steps.rise[i] * steps.north[i], steps.flat[i]),
-        )
+        turn = -bends.curvature[i, 0] / (level[i - 1] * level[i])
+        climb = -bends.curvature[i, 1] / (leg[i - 1] * leg[i])
+        _, left_before, over_before = _directions(steps, i - 1)
+        _, left, over = _directions(steps, i)
         for a in range(3):
             for b in range(3):
-                mixed[3 * a + b, i] += climb * over[0][a] * over[1][b]
+                mixed[i, a, b] = turn * left_before[a] * left[b] + climb * over_before[a] * over[b]
     return mixed
 
 
-@njit(inline="always")
-def _block(by_node, by_step, mixed, values, k, m, some):
-    """Return second derivatives by control points k and m: EE, EN, EU, NE, ..."""
-    here, before, after = values[0], values[1], values[2]
-    twice, stepwise = by_node.curvature, by_step.curvature
-    ee, en, eu, ne, nn, nu, ue, un, uu = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    for i in some:
-        place = here[k, i] * here[m, i]
-        step = after[k, i] * after[m, i]
-        back, forth = before[k, i] * after[m, i], after[k, i] * before[m, i]
-        ee += place * twice[EE, i] + step * stepwise[EE, i] + (back + forth) * mixed[0, i]
-        nn += place * twice[NN, i] + step * stepwise[NN, i] + (back + forth) * mixed[4, i]
-        uu += place * twice[UU, i] + step * stepwise[UU, i] + (back + forth) * mixed[8, i]
-        symmetric = place * twice[NE, i] + step * stepwise[NE, i]
-        en += symmetric + back * mixed[1, i] + forth * mixed[3, i]
-        ne += symmetric + back * mixed[3, i] + forth * mixed[1, i]
-        symmetric = place * twice[UE, i] + step * stepwise[UE, i]
-        eu += symmetric + back * mixed[2, i] + forth * mixed[6, i]
-        ue += symmetric + back * mixed[6, i] + forth * mixed[2, i]
-        symmetric = place * twice[UN, i] + step * stepwise[UN, i]
-        nu += symmetric + back * mixed[5, i] + forth * mixed[7, i]
-        un += symmetric + back * mixed[7, i] + forth * mixed[5, i]
-    return (ee, en, eu), (ne, nn, nu), (ue, un, uu)
-
-
 @njit(cache=True, error_model="numpy")
-def gradient_and_hessian(derivatives, basis, count):
+def gradient_and_hessian(model, basis, count):
     """Return gradient (3 count,) and Gauss-Newton's Hessian (15, 3 count) by control points, for `solve_banded`."""
-    by_node, by_step, steps, by_angle = derivatives
-    first, values = basis
-    here, before, after = values[0], values[1], values[2]
-    mixed = _mixed(steps, by_angle)
+    by_node, by_step, mixed = model.by_node, model.by_step, model.mixed
+    first = basis.first
+    here, before, after = basis.values[0], basis.values[1], basis.values[2]
     n = len(first)
     gradient = np.zeros(3 * count)
     band = np.zeros((15, 3 * count))
@@ -275,35 +258,44 @@ def gradient_and_hessian(derivatives, basis, count):
             for axis in range(3):
                 total = 0.0
                 for i in some:
-                    total += here[k, i] * by_node.slope[axis, i] + after[k, i] * by_step.slope[axis, i]
+                    total += here[k, i] * by_node.slope[i, axis] + after[k, i] * by_step.slope[i, axis]
                 gradient[row + axis] += total
             for m in range(k + 1):
-                block = _block(by_node, by_step, mixed, values, k, m, some)
                 column = 3 * (first[start] + m)
                 for a in range(3):
                     for b in range(3 if k > m else a + 1):
-                        band[row + a - column - b, column + b] += block[a][b]
+                        high, low = max(a, b), min(a, b)
+                        total = 0.0
+                        for i in some:
+                            node = here[k, i] * here[m, i] * by_node.curvature[i, high, low]
+                            step = after[k, i] * after[m, i] * by_step.curvature[i, high, low]
+                            back = before[k, i] * after[m, i]
+                            forth = after[k, i] * before[m, i]
+                            if a == b:
+                                total += node + step + (back + forth) * mixed[i, a, a]
+                            else:
+                                total += node + step + back * mixed[i, a, b] + forth * mixed[i, b, a]
+                        band[row + a - column - b, column + b] += total
         start = end
     return gradient, band
 
 
 @njit(cache=True, error_model="numpy")
 def path_model(nodes, grid, rules, smoothing, mean_leg, signs):
-    """Return the smoothed cost of a path, its angles (n, 2) [rad], and its derivatives.
+    """Return the smoothed cost of a path and its derivatives.
 
     `mean_leg` is the mean leg length [m]. `signs` (n, 2), from -1 to 1, are the dual variables of Chan, Golub and Mulet
     (1999): signs of the angles.
     """
     n = len(nodes)
-    by_node = Derivatives(np.zeros((3, n)), np.zeros((6, n)))
-    by_step = Derivatives(np.zeros((3, n)), np.zeros((6, n)))
+    by_node = Terms(np.zeros((n, 3)), np.zeros((n, 3, 3)))
+    by_step = Terms(np.zeros((n, 3)), np.zeros((n, 3, 3)))
     steps = _steps(nodes)
     threats = np.zeros(n)
-    angles = np.zeros((n, 2))
     value = _position_terms(nodes, steps.leg, threats, grid, rules, smoothing, mean_leg, by_node)
-    bent, by_angle = _angle_terms(steps, rules, smoothing, signs, angles)
-    value += bent + _leg_terms(steps, by_angle, threats, rules, smoothing, mean_leg, by_step)
-    return value, angles, (by_node, by_step, steps, by_angle)
+    bent, bends = _bends(steps, rules, smoothing, signs)
+    value += bent + _leg_terms(steps, bends, threats, rules, smoothing, mean_leg, by_step)
+    return PathModel(value, bends, by_node, by_step, _mixed(steps, bends))
 
 
 SURE_SIGN = 0.9
@@ -346,30 +338,40 @@ def _moved(control, step, shifts):
 
 @njit(cache=True, error_model="numpy")
 def _model(control, signs, inputs, grid, rules, smoothing):
-    basis, _, mean_leg = inputs
-    here = basis.values[0]
-    nodes = np.zeros((len(basis.first), 3))
+    first = inputs.basis.first
+    here = inputs.basis.values[0]
+    nodes = np.zeros((len(first), 3))
     for k in range(5):
         for i in range(len(nodes)):
             for axis in range(3):
-                nodes[i, axis] += here[k, i] * control[basis.first[i] + k, axis]
-    return path_model(nodes, grid, rules, smoothing, mean_leg, signs)
+                nodes[i, axis] += here[k, i] * control[first[i] + k, axis]
+    return path_model(nodes, grid, rules, smoothing, inputs.mean_leg, signs)
 
 
 @njit(cache=True, error_model="numpy")
-def minimize_path_model(control, signs, inputs, grid, rules, smoothing, until):
+def _updated(signs, angles, changed, bend):
+    """Return the signs after a step from `angles` to those `changed`, all (n, 2)."""
+    updated = signs.copy()
+    for i in range(len(signs)):
+        for k in range(2):
+            smooth = math.sqrt(angles[i, k] ** 2 + bend**2)
+            change = (1.0 - signs[i, k] * angles[i, k] / smooth) * (changed[i, k] - angles[i, k])
+            updated[i, k] = min(max((angles[i, k] + change) / smooth, -SURE_SIGN), SURE_SIGN)
+    return updated
+
+
+@njit(cache=True, error_model="numpy")
+def minimize_path_model(control, signs, inputs, grid, rules, smoothing, steps, enough):
     """Minimize by Levenberg-Marquardt: damping falls as the model proves right.
 
-    Return the control points (k, 3) and signs (n, 2). `until`: the most steps, and the gain of the last as a share.
+    Return the control points (k, 3) and signs (n, 2), after `steps`, or one that gains less than the share `enough`.
     """
-    steps, enough = until
-    value, angles, derivatives = _model(control, signs, inputs, grid, rules, smoothing)
+    model = _model(control, signs, inputs, grid, rules, smoothing)
     damping = 1e-3
     for _ in range(steps):
-        gradient, wide = gradient_and_hessian(derivatives, inputs.basis, len(control))
+        gradient, wide = gradient_and_hessian(model, inputs.basis, len(control))
         slope, band = reduced(gradient, wide, inputs.shifts)
         n = band.shape[1]
-        better = False
         mean = 0.0
         for k in range(n):
             mean += band[0, k] / n
@@ -378,23 +380,19 @@ def minimize_path_model(control, signs, inputs, grid, rules, smoothing, until):
             for k in range(n):
                 damped[0, k] += damping * band[0, k] + 1e-6 * mean
             step, solved = solve_banded(damped, slope)
-            trial = _moved(control, step, inputs.shifts)
-            trial_value, trial_angles, derivatives = _model(trial, signs, inputs, grid, rules, smoothing)
-            if solved == 1 and trial_value < value:
-                better = True
+            moved = _moved(control, step, inputs.shifts)
+            trial = _model(moved, signs, inputs, grid, rules, smoothing)
+            better = solved == 1 and trial.value < model.value
+            if better:
                 break
             damping = max(8.0 * damping, 1e-4)
         if not better:
             break
-        gain = value - trial_value
-        turned = signs.copy()
-        for i in range(len(signs)):
-            for k in range(2):
-                smooth = math.sqrt(angles[i, k] ** 2 + smoothing.bend**2)
-                change = (1.0 - signs[i, k] * angles[i, k] / smooth) * (trial_angles[i, k] - angles[i, k])
-                turned[i, k] = min(max((angles[i, k] + change) / smooth, -SURE_SIGN), SURE_SIGN)
-        signs, control, value, angles = turned, trial, trial_value, trial_angles
+        gain = model.value - trial.value
+        signs = _updated(signs, model.bends.angles, trial.bends.angles, smoothing.bend)
+        control = moved
+        model = trial
         damping = max(damping / 5.0, 1e-7)
-        if gain < enough * abs(value):
+        if gain < enough * abs(model.value):
             break
     return control, signs

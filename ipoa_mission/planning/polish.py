@@ -87,7 +87,7 @@ def stages(
         enough = schedule.enough if k == len(schedule.stages) else max(schedule.enough, EARLY_GAIN)
         scaled = smoothing.scaled(problem.scale)
         moved, signs = minimize_path_model(
-            moved, signs, inputs, problem.grid, problem.rules, scaled, (schedule.steps, enough)
+            moved, signs, inputs, problem.grid, problem.rules, scaled, schedule.steps, enough
         )
         control = candidate.curve.control.copy()
         control[some] = moved

@@ -73,12 +73,12 @@ def model(
     nodes = even_basis(n, 60) @ control
     mean_leg = float(np.linalg.norm(np.diff(nodes, axis=0), axis=1).mean()) if mean_leg is None else mean_leg
     signs = np.random.default_rng(0).uniform(-1, 1, (60, 2))
-    value, angles, derivatives = path_model(nodes, problem.grid, problem.rules, smoothing, mean_leg, signs)
-    gradient, band = gradient_and_hessian(derivatives, _node_basis(n, 60), n)
+    at_nodes = path_model(nodes, problem.grid, problem.rules, smoothing, mean_leg, signs)
+    gradient, band = gradient_and_hessian(at_nodes, _node_basis(n, 60), n)
     turns = np.column_stack([turning_angles(nodes), np.abs(np.diff(climb_angles(nodes)))])
-    np.testing.assert_allclose(np.abs(angles[1:-1]), turns, atol=1e-7)
+    np.testing.assert_allclose(np.abs(at_nodes.bends.angles[1:-1]), turns, atol=1e-7)
     lower = sum(np.diag(row[: len(row) - k], -k) for k, row in enumerate(band))
-    return value, gradient, lower + np.tril(lower, -1).T
+    return at_nodes.value, gradient, lower + np.tril(lower, -1).T
 
 
 def value(problem: PreparedProblem, airspace: Airspace, control: np.ndarray, mean_leg: float) -> float:
