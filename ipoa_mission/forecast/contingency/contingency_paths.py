@@ -213,36 +213,39 @@ class ContingencyPaths:
     def _near(self, paths: Paths, possible: NDArray[np.bool_], spread: Matrix) -> tuple[Distances, ObstacleIndices]:
         """Bound each possible leg's distance to an obstacle, exactly if slanting and too near; also its index."""
         enlarged = self.enlarged.taller(float(spread[0, 1]))  # of all rows
-        airspace = enlarged.whole
         within = self.required + SAMPLING.max_slack
         parts = paths.shape[2] - 1
         required = self.required + np.repeat(spread[np.nonzero(possible)[0], 0], parts)
         flown = paths[possible]
         starts = flown[:, :-1].reshape(-1, 3)
         ends = flown[:, 1:].reshape(-1, 3)
-        near, which = airspace.legs_clearance(starts, ends, within)
+        near, which = enlarged.whole.legs_clearance(starts, ends, within)
 
         slanting = (starts[:, 2] != ends[:, 2]) & (starts[:, :2] != ends[:, :2]).any(axis=1)
         is_braking = np.arange(len(starts)) % parts == ReturnLeg.BRAKES
         slanting &= is_braking | (np.abs(ends[:, 2] - starts[:, 2]) > 0.5)  # [m]
         for leg in np.flatnonzero(slanting & (near < required)):
-            near[leg], _ = airspace.obstacles[which[leg]].leg_clearance(starts[leg], ends[leg])
+            near[leg], _ = enlarged.whole.obstacles[which[leg]].leg_clearance(starts[leg], ends[leg])
         for leg in np.flatnonzero((near < required) & enlarged.at_tight_place(starts, ends)):
             near[leg], which[leg] = enlarged.leg_clearance(starts[leg], ends[leg], within)
-        found = np.full((*possible.shape, parts), np.inf), np.full((*possible.shape, parts), -1)
-        for values, of in zip(found, (near, which), strict=True):
-            values[possible] = of.reshape(-1, parts)
-        return found
+        distances = np.full((*possible.shape, parts), np.inf)
+        distances[possible] = near.reshape(-1, parts)
+        obstacles = np.full(distances.shape, -1)
+        obstacles[possible] = which.reshape(-1, parts)
+        return distances, obstacles
 
     def _flown_so_far(self, times: Vector, ahead: bool = False) -> tuple[Vector, NDArray[np.intp]]:
         """Return least distances (n,) of the path flown until `times`, or `ahead` after them, and obstacles."""
-        near, which = (legs[:, 0, 0] for legs in self._flown)
-        at = np.clip(np.searchsorted(self.stops().times, times) - 1, 0, len(near) - 1)
+        distances, obstacles = self._flown
+        legs = np.arange(len(distances))
+        current = np.clip(np.searchsorted(self.stops().times, times) - 1, 0, legs[-1])
         if ahead:  # the same, on the path flown back
-            near, which, at = near[::-1], which[::-1], len(near) - 1 - at
-        least = np.minimum.accumulate(near)
-        nearest = np.maximum.accumulate(np.where(near <= least, np.arange(len(near)), 0))
-        return np.asarray(least[at] - SAMPLING.chord_error), np.asarray(which[nearest[at]])
+            distances = distances[::-1]
+            obstacles = obstacles[::-1]
+            current = legs[-1] - current
+        is_nearest = distances <= np.minimum.accumulate(distances)
+        nearest = np.maximum.accumulate(np.where(is_nearest, legs, 0))[current]  # of the legs up to the current one
+        return distances[nearest] - SAMPLING.chord_error, obstacles[nearest]
 
     def _reduce_to_flown_path(self, times: Vector, near: Distances, which: ObstacleIndices) -> None:
         """Reduce distances of returns along the mission, in place, to the flown path's."""
@@ -253,11 +256,13 @@ class ContingencyPaths:
             which[is_nearer, path, ReturnLeg.CLIMBS] = obstacles[is_nearer]
 
     @cached_property
-    def _flown(self) -> tuple[Distances, ObstacleIndices]:
+    def _flown(self) -> tuple[Vector, NDArray[np.intp]]:
+        """Return the distance of each leg between two places of `stops`, and its obstacle, (n,)."""
         places = self.stops().places
         places = places if len(places) > 1 else np.repeat(places, 2, axis=0)
         legs = np.stack([places[:-1], places[1:]], axis=1)[:, None]
-        return self._near(legs, np.full((len(places) - 1, 1), True), np.zeros((len(legs), 2)))
+        distances, obstacles = self._near(legs, np.full((len(legs), 1), True), np.zeros((len(legs), 2)))
+        return distances[:, 0, 0], obstacles[:, 0, 0]
 
     def _with_ground(self, contingency: Contingency, samples: ContingencySamples) -> ContingencySamples:
         world = self.forecast.world
