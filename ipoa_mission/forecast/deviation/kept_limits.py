@@ -119,12 +119,14 @@ def limits_kept(path: Points, task: PathTask, bound: DeviationBound) -> Iterator
 
 
 def _swept(path: Points, airspace: Airspace, bound: DeviationBound) -> Points:
-    """Return a line along the path, and over uneven ground along parallels."""
-    sides = [np.zeros(3)]
-    if airspace.terrain.steepness > 0 and bound.lateral > 0:
-        turns = [2 * math.pi * side / 8 for side in range(8)]
-        sides += [bound.lateral * np.array([math.cos(turn), math.sin(turn), 0.0]) for turn in turns]
-    return np.vstack([path[:: 1 - 2 * (n % 2)] + side for n, side in enumerate(sides)])  # one is quicker than nine
+    """Return the path, and over uneven ground one line to and fro along it and eight parallels."""
+    if airspace.terrain.steepness == 0 or bound.lateral == 0:
+        return path
+    lines = [path]
+    for turn in [2 * math.pi * side / 8 for side in range(8)]:
+        lines.append(path + bound.lateral * np.array([math.cos(turn), math.sin(turn), 0.0]))
+    lines[1::2] = [line[::-1] for line in lines[1::2]]
+    return np.vstack(lines)
 
 
 def least_slacks(stretches: list[Stretch], task: PathTask) -> dict[str, Vector]:
@@ -245,10 +247,11 @@ def grown(
         _keep_gaps_open(growth, bodies, distance)
     larger = list(enlarged.airspace.obstacles)
     for n, (body, by) in enumerate(zip(bodies, growth.tolist(), strict=True)):
-        if by >= MIN_GROWTH:  # flights are too high under a body, too low over it
-            below, above = (
-                (by, by) if body.column is None else (by / shape.lateral * shape.up, by / shape.lateral * shape.down)
-            )
+        below = above = by
+        if body.column is not None:  # flights are too high under a body, too low over it
+            below = by / shape.lateral * shape.up
+            above = by / shape.lateral * shape.down
+        if by >= MIN_GROWTH:
             larger[n] = body.grown(by, below, above)
     return tuple(larger)
 
