@@ -137,9 +137,8 @@ def _least_clearance(airspace: Airspace, stretches: list[Points], required: floa
 
 
 def _bound(law: DeviationLaw, chance: float | None) -> kept_limits.DeviationBound:
-    return (kept_limits.NO_DEVIATION if chance is None else kept_limits.deviation_bound_of(law, chance)).wider(
-        THINNING_TOLERANCE
-    )
+    bound = kept_limits.NO_DEVIATION if chance is None else kept_limits.deviation_bound_of(law, chance)
+    return bound.wider(THINNING_TOLERANCE)
 
 
 def _worst_checks(part: Pieces, task: kept_limits.ClearanceTask, bound: kept_limits.DeviationBound) -> Iterable[Check]:
@@ -164,17 +163,17 @@ def _worst_checks(part: Pieces, task: kept_limits.ClearanceTask, bound: kept_lim
 
 
 def _stretches(part: Pieces, bound: kept_limits.DeviationBound) -> Iterator[kept_limits.Stretch]:
-    """Yield the lowest and highest path of each 2 s."""
+    """Yield the lowest and highest path of each 2 s; where they do not differ, one."""
+    upwards = np.array([[0.0, 0.0, 1.0]])
     length = 16 if part.spread.any() else len(part.spread)  # pieces
     for first in range(0, len(part.spread), length):
         points = part.points[first : first + length + 1]
         spread = part.spread[first : first + length]
-        side, down, up = np.vstack([spread, spread[-1:]]).T
-        wider = replace(bound, lateral=bound.lateral + float(side.max()))
-        for heights in (-down, up) if spread.any() else (up,):
-            path = points.copy()
-            path[:, 2] += heights
-            yield path, wider
+        aside, below, above = np.vstack([spread, spread[-1:]]).T[..., None]  # of each point
+        wider = replace(bound, lateral=bound.lateral + float(aside.max()))
+        if spread.any():
+            yield points - below * upwards, wider
+        yield points + above * upwards, wider
 
 
 def _tight(task: kept_limits.ClearanceTask) -> tuple[kept_limits.TightPlace, ...]:
