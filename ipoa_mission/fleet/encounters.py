@@ -116,7 +116,7 @@ class _Approach:
         batch_size = 200_000  # pairs of samples, limited by memory
         batches = np.array_split(offsets, 1 + len(rows) * len(offsets) // batch_size)
         parts = [self._nearest(rows, batch) for batch in batches]
-        separations, of_a, above, seconds = map(np.concatenate, zip(*parts, strict=True))
+        separations, of_a, above, seconds = (np.concatenate(column) for column in zip(*parts, strict=True))
         closest = int(np.argmin(separations))
         meets = round(of_a[closest])
         meets_b = int(np.clip(meets + offsets[closest], 0, len(b.places) - 1))
@@ -137,13 +137,16 @@ class _Approach:
         b = self.b
         last = len(b.places) - 1
         of_b = rows[:, None] + offsets
-        present = (of_b >= 0).astype(int) + (of_b >= last) == self.phase.value
+        present = np.digitize(of_b, [0, last]) == self.phase.value
         of_b = of_b.clip(0, last)
         away = a.places[rows][:, None] - b.places[of_b]
-        present &= ~(a.on_ground(rows)[:, None] & b.on_ground(of_b)) | within_pad(away)
-        moved_b = b.places[np.minimum(of_b + 1, last)] - b.places[of_b]
-        change = (a.places[rows + 1] - a.places[rows])[:, None] - moved_b * (self.phase is Phase.FLYING)
-        shares = np.clip(-(away * change).sum(axis=2) / np.maximum((change**2).sum(axis=2), 1e-12), 0.0, 1.0)
+        both_on_ground = a.on_ground(rows)[:, None] & b.on_ground(of_b)
+        present &= ~both_on_ground | within_pad(away)
+        change = (a.places[rows + 1] - a.places[rows])[:, None]
+        if self.phase is Phase.FLYING:
+            change = change - (b.places[np.minimum(of_b + 1, last)] - b.places[of_b])
+        squares = np.maximum((change**2).sum(axis=2), 1e-12)
+        shares = np.clip(-(away * change).sum(axis=2) / squares, 0.0, 1.0)  # of the step, where they are nearest
         nearest = away + shares[..., None] * change
         distances = np.where(present, np.linalg.norm(nearest, axis=2), np.inf)
         least = distances.argmin(axis=0)
