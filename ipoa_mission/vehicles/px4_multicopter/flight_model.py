@@ -57,11 +57,12 @@ class Px4Model(FlightModel):
         times = exact_times[None, :]
         if itinerary.visits and not noise_free:
             fly_noisy = simulation.flight_of(orders, noisy=True)
-            inputs = (simulation.noise_free_constants.sensors, records(orders, Order).tobytes(), visits_done)
-            ((times, lost),) = self._latest_noisy.fly(
-                *(simulation.conditions, (times, ()), [inputs]),
-                lambda *_: _sample_runs(lambda seed: fly_noisy(simulation.at_start(seed)).done[ends], RUNS.known_share),
-            )
+
+            def fly_runs(*_: object) -> tuple[Matrix, tuple[str, ...]]:
+                return _sample_runs(lambda seed: fly_noisy(simulation.at_start(seed)).done[ends], RUNS.known_share)
+
+            mission = (simulation.noise_free_constants.sensors, records(orders, Order).tobytes(), visits_done)
+            ((times, lost),) = self._latest_noisy.fly(simulation.conditions, (times, ()), [mission], fly_runs)
             remarks += lost
         done = times.mean(axis=0)
         low, high = _interval(itinerary, times)
