@@ -8,7 +8,7 @@ from ipoa_mission.errors import BadInput
 #: Meanings that all autopilots define alike: their values are converted.
 CONVERTED = frozenset({
     "cruise speed", "climb speed", "descent speed", "acceleration", "vertical acceleration", "acceptance radius",
-    "lean", "landing speed", "return height", "wait before landing",
+    "tilt", "landing speed", "return height", "wait before landing",
 })  # fmt: skip
 
 

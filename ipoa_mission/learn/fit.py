@@ -40,7 +40,7 @@ class Evidence:
     measured: FlightMeasurements = field(default_factory=FlightMeasurements)
 
     def energy(self, vehicle: LearnedVehicle) -> float | None:
-        """Return the mission's energy in the lean's wind [Wh]; None: unknown."""
+        """Return the mission's energy in the wind that its tilt shows [Wh]; None: unknown."""
         if not self.visits or vehicle.hover_power is None:
             return None
         forecast = Forecast(replace(self.mission, vehicle=vehicle), wind=Wind.towards_north_east(*self.measured.wind))
@@ -160,8 +160,8 @@ def _solve(flights: Sequence[Evidence], blank: LearnedVehicle, names: Sequence[s
     def misfit(changes: Vector) -> Vector:
         values = {name: _number(blank.autopilot, name, change) for name, change in zip(names, changes, strict=True)}
         vehicle = blank.with_numbers({name: Learned(value, value, value) for name, value in values.items()})
-        by_lean = (changes[names.index("drag")] - drags[:, 0]) / drags[:, 1] if log_drag else np.empty(0)
-        return np.concatenate([errors(flights, vehicle) / deviations, by_lean, changes / prior])
+        by_tilt = (changes[names.index("drag")] - drags[:, 0]) / drags[:, 1] if log_drag else np.empty(0)
+        return np.concatenate([errors(flights, vehicle) / deviations, by_tilt, changes / prior])
 
     def slopes(changes: Vector) -> Matrix:
         columns = []

@@ -146,14 +146,14 @@ def _ratio(flights: Sequence[PowerSeconds], flew_slowly: bool) -> Learned:
     return Learned(1.0, max(1.0 - half, 0.0), 1.0 + half)
 
 
-def drag_by_lean(
+def drag_by_tilt(
     attitude: Matrix, track: LoggedTrack, autopilot: Autopilot
 ) -> tuple[tuple[float, float], tuple[float, float]]:
     """Estimate from `Measured` attitudes (n, 4); refuse too little fast level flight.
 
     Return ln of drag over the simulated with its deviation, and the wind if it is sure (`FlightMeasurements`).
     """
-    min_speed = 2.5  # [m/s]; slower, drag is within the lean's error
+    min_speed = 2.5  # [m/s]; slower, drag is within the tilt's error
     min_time_s = 5.0
     steady_limit = 1.0  # of climb [m/s] and acceleration [m/s^2]
     max_gap_s = 2.0  # between attitudes
@@ -228,7 +228,7 @@ def measure_flight(flight: LoggedFlight) -> FlightMeasurements:
     except MissionError as error:
         return FlightMeasurements(reasons={"drag": str(error), "hover_power": str(error)})
     try:
-        log_drag, wind = drag_by_lean(flight.measured.attitude, track, flight.autopilot)
+        log_drag, wind = drag_by_tilt(flight.measured.attitude, track, flight.autopilot)
     except MissionError as error:
         reasons["drag"] = str(error)
     try:

@@ -26,9 +26,9 @@ class Measured:
     def of(cls, batteries: Iterable[Iterable[Battery]], attitude: Iterable[tuple[float, ...]] | Matrix) -> "Measured":
         """Make measurements of rows in any order; without voltage left out."""
         read = (_sorted(battery, 3) for battery in batteries)
-        leaned = _sorted(attitude, 4)
-        sound = (np.abs(leaned[:, 1:]) < 2 * np.pi + 0.01).all(axis=1)  # yaw may be up to 360 degrees
-        return cls(tuple(rows for rows in read if (rows[:, 1] > 0).any()), leaned[sound])
+        angles = _sorted(attitude, 4)
+        sound = (np.abs(angles[:, 1:]) < 2 * np.pi + 0.01).all(axis=1)  # yaw may be up to 360 degrees
+        return cls(tuple(rows for rows in read if (rows[:, 1] > 0).any()), angles[sound])
 
     def between(self, begin: float, end: float) -> "Measured":
         batteries = tuple(_cut(battery, begin, end) for battery in self.batteries)

@@ -108,7 +108,7 @@ class VehicleSection(Section):
     parameters: dict[ParameterName, Single] = Field(default_factory=dict)
     """Autopilot parameters that differ from their defaults, in its own names and units. For a landing on high ground a
     plan raises LAND_ALT_LOW, or MPC_LAND_ALT1 and MPC_LAND_ALT2, unless one is given here. With another autopilot
-    (`--autopilot`), speeds, accelerations, lean, acceptance radius and return height are converted. Others are dropped.
+    (`--autopilot`), speeds, accelerations, tilt, acceptance radius and return height are converted. Others are dropped.
     Both are reported."""
     airframe: AirframeSection | None = None
     """Default: energy is estimated by a learned hover power, or not at all."""

@@ -148,7 +148,7 @@ def test_mission_without_a_takeoff_begins_in_flight_with_a_remark(autopilot: Aut
 @pytest.mark.parametrize(
     ("leg", "reason"),
     [
-        ((change_speed(15.0), to(0, 900)), "drag at the greatest lean"),
+        ((change_speed(15.0), to(0, 900)), "drag at the greatest tilt"),
         ((to(0, 5, 90),), "climb or descent rate"),
         ((change_speed(12.0), to(0, 25)), "leg shorter than its braking distance"),
     ],
@@ -160,7 +160,7 @@ def test_a_slow_leg_has_its_reason(autopilot: Autopilot, leg: tuple[Item, ...], 
 
 
 @BOTH
-def test_vehicle_that_must_not_lean_is_refused_by_its_parameter(autopilot: Autopilot) -> None:
-    name = autopilot.parameter_table.by_meaning["lean"].name
+def test_vehicle_that_must_not_tilt_is_refused_by_its_parameter(autopilot: Autopilot) -> None:
+    name = autopilot.parameter_table.by_meaning["tilt"].name
     with refuses("bad-input", name, "0", kind=BadInput):
         estimate(Mission(HOME, (takeoff(HOME, 30.0), to(0, 60)), autopilot), {name: 0.0})

@@ -116,12 +116,12 @@ def test_a_parameter_without_sense_is_named(autopilot: Autopilot, value: float) 
 
 
 @BOTH
-def test_the_greatest_lean_and_drag_limit_what_can_be_asked_for(autopilot: Autopilot) -> None:
+def test_the_greatest_tilt_and_drag_limit_what_can_be_asked_for(autopilot: Autopilot) -> None:
     fast: dict[str, Any] = {"MPC_XY_VEL_MAX": 20.0} if autopilot is Autopilot.PX4 else {}
     predicted = fly(autopilot, change_speed(18.0), waypoint(place(0, 600), 30.0), **fast)
     assert 9.0 < predicted.items[2].peak_speed < 11.5
     if autopilot is Autopilot.ARDUPILOT:
-        assert "drag at the greatest lean" in predicted.items[2].reason
+        assert "drag at the greatest tilt" in predicted.items[2].reason
 
 
 @BOTH

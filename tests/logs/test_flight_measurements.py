@@ -1,4 +1,4 @@
-"""Hover power, energy and drag by lean in real logs.
+"""Hover power, energy and drag by tilt in real logs.
 
 `other_vehicle-*` are cut from flights of `test_learning` by `tools.fly.trim_log`: ArduCopter's missions 0 and 4 (22 A
 at 12.09 V in hover, 266 W; 0 also by the ground station, and in a wind of 5 m/s), and PX4's mission 0, whose battery
@@ -40,7 +40,7 @@ def drag(path: Path, autopilot: Autopilot = ARDUPILOT) -> float:
     return math.exp(flights[0].measured.log_drag[0])
 
 
-def test_slow_flights_tell_by_their_lean_how_long_fast_ones_take() -> None:
+def test_slow_flights_tell_by_their_tilt_how_long_fast_ones_take() -> None:
     slow, fast = (
         [evidence_of(path) for path in LOGS],
         [recorded(ARDUPILOT)[n] for n in (2, 3, 5, 6)],
@@ -52,7 +52,7 @@ def test_slow_flights_tell_by_their_lean_how_long_fast_ones_take() -> None:
     assert median_errors(timed(fast, fit(times_only)))[1] > 3 * after
 
 
-def test_the_lean_tells_the_drag_in_wind_and_of_px4() -> None:
+def test_the_tilt_gives_the_drag_in_wind_and_of_px4() -> None:
     calm = [drag(path) for path in LOGS]
     assert calm == pytest.approx([1.48, 1.53], abs=0.01)
     assert drag(HERE / "other_vehicle_in_wind-0.bin") == pytest.approx(np.mean(calm), rel=0.03)

@@ -1,7 +1,7 @@
 """Learn half of the flights of other vehicles, judge the rest.
 
 `other_vehicle_*.json`: missions, parameters, times of items. ArduCopter 4.7.0-dev flew with a drag that holds 11 m/s at
-45 degrees of lean (default 15.08); PX4 1.17.0-beta1 flew SIH with SIH_KDV 1.6 (1) and SIH_T_TAU 0.12 s (0.05).
+a tilt of 45 degrees (default 15.08); PX4 1.17.0-beta1 flew SIH with SIH_KDV 1.6 (1) and SIH_T_TAU 0.12 s (0.05).
 """
 
 import json

@@ -77,7 +77,7 @@ class LegSpeeds(NamedTuple):
         if self.curved and self.flown < least * min(self.top, wanted):
             reasons.append("acceleration on the curve")
         elif self.top < least * wanted:
-            reasons.append("drag at the greatest lean")
+            reasons.append("drag at the greatest tilt")
         elif planned is not None and not reasons and self.flown < least * wanted:
             reasons.append("lag behind the path")
         if self.corner >= 10.0:

@@ -47,7 +47,7 @@ AFFECTING = (
     Parameter("PSC_VELXY_FLTE", 5.0, newer="PSC_NE_VEL_FLTE", positive=True),
     Parameter("PSC_POSZ_P", 1.0, meaning="height P", newer="PSC_D_POS_P", positive=True),
     Parameter("ATC_SLEW_YAW", 6000.0, meaning="yaw rate", unit=CENTI, newer="ATC_RATE_WPY_MAX"),
-    Parameter("ANGLE_MAX", 3000.0, INT16, meaning="lean", unit=CENTI, newer="ATC_ANGLE_MAX", positive=True),
+    Parameter("ANGLE_MAX", 3000.0, INT16, meaning="tilt", unit=CENTI, newer="ATC_ANGLE_MAX", positive=True),
     Parameter("LAND_SPEED", 50.0, INT16, meaning="landing speed", unit=CENTI, newer="LAND_SPD_MS", positive=True),
     Parameter("LAND_SPEED_HIGH", 0.0, INT16, unit=CENTI, newer="LAND_SPD_HIGH_MS"),
     Parameter("LAND_ALT_LOW", 1000.0, INT16, meaning="height of slow landing", unit=CENTI, newer="LAND_ALT_LOW_M"),

@@ -56,7 +56,7 @@ AFFECTING = (
     Parameter("MPC_Z_VEL_I_ACC", 2.0),
     Parameter("MPC_Z_VEL_MAX_UP", 3.0, positive=True),
     Parameter("MPC_Z_VEL_MAX_DN", 1.5, positive=True),
-    Parameter("MPC_TILTMAX_AIR", 45.0, meaning="lean", positive=True),
+    Parameter("MPC_TILTMAX_AIR", 45.0, meaning="tilt", positive=True),
     Parameter("MPC_THR_HOVER", 0.5, positive=True),
     Parameter("MPC_USE_HTE", 1.0, INT32),
     Parameter("HTE_HT_NOISE", 0.0036),
