@@ -3,6 +3,7 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import chain, pairwise
 from typing import Annotated, NamedTuple
 
@@ -20,7 +21,7 @@ class WindLevel(NamedTuple):
 
 
 class WindTable(NamedTuple):
-    """A wind for kernels, towards; `levels` are used if the first is below the last."""
+    """A wind for kernels, by its velocity; `levels` are used if the first is below the last."""
 
     east: float
     north: float
@@ -30,24 +31,19 @@ class WindTable(NamedTuple):
     levels: Annotated[Sequence[WindLevel], MAX_LEVELS]
 
 
-def wind_at(height: float, wind: WindTable) -> tuple[float, float]:
+def wind_velocity(height: float, wind: WindTable) -> tuple[float, float]:
+    """Return eastward and northward components: by the power law, or between levels and constant beyond them [m/s]."""
     levels = wind.levels
+    share = 1.0
     if levels[0].height == levels[MAX_LEVELS - 1].height:
-        share = 1.0
         above = max(height - wind.base, 0.0)
         if above < wind.gradient_height and wind.gradient_height > 0.0:
             share = (above / wind.gradient_height) ** wind.exponent
         return share * wind.east, share * wind.north
-    return interpolate(height, levels)
-
-
-def interpolate(height: float, levels: Sequence[WindLevel]) -> tuple[float, float]:
-    """Return eastward and northward components, constant beyond the levels [m/s]."""
-    above = 0
-    while above < len(levels) - 1 and levels[above].height < height:
-        above += 1
-    low, high = levels[max(above - 1, 0)], levels[above]
-    share = 1.0
+    upper = 0
+    while upper < MAX_LEVELS - 1 and levels[upper].height < height:
+        upper += 1
+    low, high = levels[max(upper - 1, 0)], levels[upper]
     if high.height > low.height:
         share = min(max((height - low.height) / (high.height - low.height), 0.0), 1.0)
     return low.east + share * (high.east - low.east), low.north + share * (high.north - low.north)
@@ -73,9 +69,9 @@ class Wind:
         >>> west = Wind(6.0, from_deg=270.0)
         >>> round(west.east, 3), round(abs(west.north), 3)
         (6.0, 0.0)
-        >>> Wind(6.0, 270.0, exponent=0.5, gradient_height=20.0).at(5.0)
+        >>> Wind(6.0, 270.0, exponent=0.5, gradient_height=20.0).speed_at(5.0)
         3.0
-        >>> Wind.of_profile([10.0, 110.0], [2.0, 8.0], [270.0, 270.0]).at(60.0)
+        >>> Wind.of_profile([10.0, 110.0], [2.0, 8.0], [270.0, 270.0]).speed_at(60.0)
         5.0
     """
 
@@ -118,24 +114,23 @@ class Wind:
         return cls(strongest.speed, strongest.from_deg, spread=spread, levels=levels)
 
     @classmethod
-    def towards_north_east(cls, north: float, east: float) -> "Wind":
+    def of_velocity(cls, east: float, north: float) -> "Wind":
         return cls(math.hypot(north, east), math.degrees(math.atan2(-east, -north)) % 360.0)
 
-    def at(self, height: float) -> float:
+    def speed_at(self, height: float) -> float:
         """Return the speed at a height above home [m/s]."""
-        if self.levels:
-            return math.hypot(*self.towards(height))
-        above = max(height - self.base, 0.0)
-        if above >= self.gradient_height or self.gradient_height <= 0:
-            return self.speed
-        return self.speed * math.pow(above / self.gradient_height, self.exponent)
+        return math.hypot(*self.velocity(height))
 
-    def towards(self, height: float) -> tuple[float, float]:
-        """Return eastward and northward components [m/s]."""
-        if not self.levels:
-            share = self.at(height) / self.speed if self.speed else 0.0
-            return self.east * share, self.north * share
-        return interpolate(height, (*self.levels, self.levels[-1]))  # exactly the last above it
+    def velocity(self, height: float) -> tuple[float, float]:
+        """Return eastward and northward components at a height above home [m/s]."""
+        return wind_velocity(height, self.table)
+
+    @cached_property
+    def table(self) -> WindTable:
+        given = [WindLevel(*map(float, level)) for level in self.levels] or [WindLevel(0.0, 0.0, 0.0)]
+        levels = given + given[-1:] * (MAX_LEVELS - len(given))
+        law = float(self.exponent), float(self.gradient_height), float(self.base)
+        return WindTable(self.east, self.north, *law, levels)
 
     @property
     def strongest(self) -> float:
@@ -144,7 +139,7 @@ class Wind:
     def __str__(self) -> str:
         words = f"{self.speed:.3g} m/s from {round(self.from_deg) % 360} deg"
         if self.levels:
-            blowing = [(level.height, Wind.towards_north_east(level.north, level.east)) for level in self.levels]
+            blowing = [(level.height, Wind.of_velocity(level.east, level.north)) for level in self.levels]
             each = [f"{wind.speed:.3g} m/s from {round(wind.from_deg) % 360} deg at {up:.0f} m" for up, wind in blowing]
             words = f"{each[0]} to {each[-1]} above home"
         elif self.gradient_height > 0 and self.exponent > 0:
@@ -167,7 +162,7 @@ class Wind:
         levels = list[WindLevel]()
         for height, east, north in self.levels:
             calm = east == north == 0.0
-            from_deg = self.from_deg if calm else Wind.towards_north_east(north, east).from_deg
+            from_deg = self.from_deg if calm else Wind.of_velocity(east, north).from_deg
             gusting = Wind(math.hypot(east, north) + self.spread, from_deg)
             levels.append(WindLevel(height, gusting.east, gusting.north))
         return Wind(self.strongest, self.from_deg, self.exponent, self.gradient_height, 0.0, tuple(levels), self.base)
@@ -187,9 +182,3 @@ class Wind:
 
 
 CALM = Wind()
-
-
-def wind_table(wind: Wind) -> WindTable:
-    given = [WindLevel(*map(float, level)) for level in wind.levels] or [WindLevel(0.0, 0.0, 0.0)]
-    levels = given + given[-1:] * (MAX_LEVELS - len(given))
-    return WindTable(wind.east, wind.north, float(wind.exponent), float(wind.gradient_height), float(wind.base), levels)

@@ -72,7 +72,7 @@ def through_air(track: Track, wind: Wind) -> tuple[Vector, Vector]:
         return horizontal, climb
     along = np.hypot(moved[:, 0], moved[:, 1])
     towards = moved[:, :2] / np.where(along > 0.0, along, np.inf)[:, None]
-    blows = np.array([wind.towards(float(up)) for up in _middle_heights(track)])
+    blows = np.array([wind.velocity(float(up)) for up in _middle_heights(track)])
     return np.hypot(*(horizontal[:, None] * towards - blows).T), climb
 
 

@@ -43,7 +43,8 @@ class Evidence:
         """Return the mission's energy in the wind that its tilt shows [Wh]; None: unknown."""
         if not self.visits or vehicle.hover_power is None:
             return None
-        forecast = Forecast(replace(self.mission, vehicle=vehicle), wind=Wind.towards_north_east(*self.measured.wind))
+        north, east = self.measured.wind
+        forecast = Forecast(replace(self.mission, vehicle=vehicle), wind=Wind.of_velocity(east, north))
         if self.visits[-1] + 1 < len(forecast.itinerary.visits):
             return None
         return None if forecast.energy is None else forecast.energy.energy_wh

@@ -39,7 +39,7 @@ def read_wind(path: Path, place: Geodetic, time: np.datetime64 | None) -> Foreca
 
 
 def _strength(forecast: ForecastWind) -> tuple[float, float]:
-    speeds = [forecast.wind.at(height) + forecast.wind.spread for height in range(0, 160, 10)]
+    speeds = [forecast.wind.speed_at(height) + forecast.wind.spread for height in range(0, 160, 10)]
     return max(speeds), float(np.mean(speeds))
 
 
@@ -60,11 +60,11 @@ def _profile(winds: ForecastWinds, time: np.datetime64 | None, unknown: Datum) -
     winds_at = {height: _winds_at_time(height, levels[height], time, notes) for height in heights}
     means = {height: members.mean(axis=0) for height, members in winds_at.items()}
     picked = [heights[n] for n in np.linspace(0, len(heights) - 1, min(len(heights), MAX_LEVELS)).round().astype(int)]
-    towards = [Wind.towards_north_east(float(means[height][1]), float(means[height][0])) for height in picked]
-    wind = Wind(towards[0].speed, towards[0].from_deg)
+    blowing = [Wind.of_velocity(*map(float, means[height])) for height in picked]
+    wind = blowing[0]
     if len(picked) > 1:
-        wind = Wind.of_profile(picked, [level.speed for level in towards], [level.from_deg for level in towards])
-    means |= {height: np.array(wind.towards(height)) for height in heights if height not in picked}
+        wind = Wind.of_profile(picked, [level.speed for level in blowing], [level.from_deg for level in blowing])
+    means |= {height: np.array(wind.velocity(height)) for height in heights if height not in picked}
     spread = max(float(np.hypot(*(members - means[height]).T).max()) for height, members in winds_at.items())
     return ForecastWind(replace(wind, spread=spread), tuple(dict.fromkeys(remarks)), tuple(notes.unread))
 

@@ -200,7 +200,7 @@ class Watch:
             case WindEstimate():
                 self._wind = round(message.speed, 1), bearing(message.direction_deg)
             case WindVelocity((north, east, _)) if math.isfinite(north) and math.isfinite(east):
-                wind = Wind.towards_north_east(north, east)
+                wind = Wind.of_velocity(east, north)
                 self._wind = round(wind.speed, 1), bearing(wind.from_deg)
             case Position() if self.vehicle.state.armed and message.time_s - self._position_s >= POSITION_INTERVAL_S:
                 self._position_s = message.time_s

@@ -39,9 +39,9 @@ def read(text: str) -> Scenario:
 def test_a_profile_is_read_and_stays_itself_in_another_scenario() -> None:
     scenario = read("wind = { heights = [10, 100], speeds = [3, 8], directions = [270, 300], spread = 1.5 }")
     air = scenario.wind.air()
-    assert (air.at(10.0), air.at(100.0), air.spread) == pytest.approx((3.0, 8.0, 1.5))
+    assert (air.speed_at(10.0), air.speed_at(100.0), air.spread) == pytest.approx((3.0, 8.0, 1.5))
     again = read("").in_wind(air).wind.air()
-    assert again.towards(55.0) == pytest.approx(air.towards(55.0))
+    assert again.velocity(55.0) == pytest.approx(air.velocity(55.0))
     assert again.strongest == pytest.approx(9.5)
 
 

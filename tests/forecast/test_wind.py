@@ -14,7 +14,7 @@ from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.mission.items import Mission, change_speed, land, takeoff, waypoint
 from ipoa_mission.simulator.simulated_flight import SimulatedFlight
 from ipoa_mission.simulator.situation import Conditions
-from ipoa_mission.wind import CALM, Wind, WindLevel, wind_at, wind_table
+from ipoa_mission.wind import CALM, Wind, WindLevel
 from tests.plain_python import flown_as_plain_python
 from tests.recorded_flights import FLIGHTS, IN_WIND, Recorded, read_flight, read_flights
 from tests.refused import refuses
@@ -80,7 +80,7 @@ def test_a_wind_in_which_the_copter_does_not_hold_its_path_is_refused(wind: Wind
 def test_a_wind_near_the_ground_alone_costs_nothing_on_the_way() -> None:
     """A mission at 30 m, in a wind that reaches its speed at 2 km."""
     light = Wind(8.0, 0.0, exponent=1.0, gradient_height=2000.0)
-    assert light.at(30.0) == pytest.approx(0.12)
+    assert light.speed_at(30.0) == pytest.approx(0.12)
     calm, windy = error(CALM_FLIGHT, CALM), error(CALM_FLIGHT, light)
     assert windy == pytest.approx(calm, abs=0.002)
     assert error(CALM_FLIGHT, Wind(8.0, 0.0)) > 0.5
@@ -121,7 +121,7 @@ def test_a_profile_of_one_wind_or_of_a_power_law_agrees_with_it(autopilot: Autop
     law = Wind(6.0, 200.0, 0.5, 60.0)
     same, profile = (
         Wind.of_profile([5.0, 50.0], [6.0] * 2, [200.0] * 2),
-        Wind.of_profile(heights, [law.at(height) for height in heights], [200.0] * 8),
+        Wind.of_profile(heights, [law.speed_at(height) for height in heights], [200.0] * 8),
     )
     plainly = nullcontext() if autopilot is Autopilot.PX4 else flown_as_plain_python()  # slow on PX4
     for flown, manner in ((mission, nullcontext()), (short, plainly)):
@@ -134,19 +134,19 @@ def test_a_profile_of_one_wind_or_of_a_power_law_agrees_with_it(autopilot: Autop
 
 def test_wind_profile_is_interpolated_between_levels_and_constant_beyond() -> None:
     wind = Wind.of_profile([20.0, 40.0, 100.0], [4.0, 4.0, 8.0], [270.0, 180.0, 180.0])
-    assert wind.towards(5.0) == pytest.approx((4.0, 0.0), abs=1e-9)
-    assert wind.towards(30.0) == pytest.approx((2.0, 2.0), abs=1e-9)
-    assert wind.towards(70.0) == pytest.approx((0.0, 6.0), abs=1e-9)
-    assert wind.towards(500.0) == pytest.approx((0.0, 8.0), abs=1e-9)
+    assert wind.velocity(5.0) == pytest.approx((4.0, 0.0), abs=1e-9)
+    assert wind.velocity(30.0) == pytest.approx((2.0, 2.0), abs=1e-9)
+    assert wind.velocity(70.0) == pytest.approx((0.0, 6.0), abs=1e-9)
+    assert wind.velocity(500.0) == pytest.approx((0.0, 8.0), abs=1e-9)
     assert (wind.speed, wind.from_deg) == (8.0, 180.0)
 
 
 def test_spread_of_a_wind_profile_counts_at_each_level() -> None:
     wind = Wind.of_profile([10.0, 20.0, 40.0], [1.0, 0.0, 8.0], [180.0, 0.0, 270.0], spread=3.0)
     stronger = wind.as_strong_as_may_be()
-    assert [stronger.at(level.height) for level in stronger.levels] == pytest.approx([4.0, 3.0, 11.0])
-    assert stronger.towards(10.0) == pytest.approx((0.0, 4.0), abs=1e-9)
-    assert stronger.towards(20.0) == pytest.approx((3.0, 0.0), abs=1e-9)
+    assert [stronger.speed_at(level.height) for level in stronger.levels] == pytest.approx([4.0, 3.0, 11.0])
+    assert stronger.velocity(10.0) == pytest.approx((0.0, 4.0), abs=1e-9)
+    assert stronger.velocity(20.0) == pytest.approx((3.0, 0.0), abs=1e-9)
     assert stronger.strongest == pytest.approx(11.0)
 
 
@@ -204,11 +204,12 @@ def test_a_parameter_that_is_no_finite_number_is_refused(autopilot: Autopilot, v
 
 
 @pytest.mark.parametrize("levels", [2, 7, 8])
-def test_kernels_take_the_wind_of_a_profile(levels: int) -> None:
+def test_wind_between_two_levels_is_linear(levels: int) -> None:
     heights = [10.0 * n + 0.1 for n in range(levels)]
     wind = Wind.of_profile(heights, [0.3 * n for n in range(levels)], [37.0 * n for n in range(levels)])
     for height in (0.0, *heights, *np.linspace(0.0, 90.0, 50)):
-        assert wind_at(height, wind_table(wind)) == pytest.approx(wind.towards(height), rel=1e-15, abs=1e-15)
+        expected = [np.interp(height, heights, [level[axis] for level in wind.levels]) for axis in (1, 2)]
+        assert wind.velocity(height) == pytest.approx(expected, rel=1e-12, abs=1e-12)
 
 
 def test_a_power_law_counts_from_the_scenarios_home() -> None:
@@ -219,9 +220,8 @@ def test_a_power_law_counts_from_the_scenarios_home() -> None:
     for lower in (-10.0, 0.0, 40.0):
         home = replace(mission.home, altitude=scenario.frame.home.altitude - lower)
         air = Forecast(replace(mission, home=home), scenario, wind)._air
-        assert [air.at(height) for height in heights] == [wind.at(height - lower) for height in heights]
-        east = [wind_at(height, wind_table(air))[0] for height in heights]
-        assert east == pytest.approx([air.at(height) for height in heights])
+        assert [air.speed_at(height) for height in heights] == [wind.speed_at(height - lower) for height in heights]
+        assert air.speed_at(lower + 20.0) == pytest.approx(6.0 * (20.0 / 50.0) ** 0.3)
 
 
 @pytest.mark.parametrize("heights", [range(9), (10.0, 5.0)])

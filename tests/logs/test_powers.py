@@ -47,7 +47,7 @@ def wind_of(row: dict[str, str]) -> Wind:
     if height < FAR_UP or not law.speed:
         return law if law.speed else CALM
     heights = [0.0, 2.0, 6.0, 12.0, 20.0, 30.0, 45.0, 60.0]
-    return Wind.of_profile(heights, [law.at(up) for up in heights], [law.from_deg] * len(heights))
+    return Wind.of_profile(heights, [law.speed_at(up) for up in heights], [law.from_deg] * len(heights))
 
 
 def forecast(row: dict[str, str], wind: Wind | None = None) -> Interval:

@@ -90,4 +90,4 @@ def test_no_spelling_of_a_wind_is_lost_quietly(monkeypatch: pytest.MonkeyPatch, 
     if read.unread or not is_right:
         return
     for height in USUAL:
-        assert read.wind.at(height) >= np.interp(height, HEIGHTS, SPEEDS) - 0.01
+        assert read.wind.speed_at(height) >= np.interp(height, HEIGHTS, SPEEDS) - 0.01

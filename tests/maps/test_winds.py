@@ -41,11 +41,11 @@ def test_a_profile_with_its_spread_is_read_at_home_and_at_the_hour(tmp_path: Pat
     path = tmp_path / "ensemble.nc"
     forecast([10.0, 100.0], members=3).to_netcdf(path, engine="h5netcdf")
     wind = read_wind(path, HOME, NOON).wind  # 12, 13 and 14 o'clock: 1, 2 and 3 m/s more
-    assert wind.towards(10.0) == pytest.approx((3.0, 2.5))
-    assert wind.towards(100.0) == pytest.approx((12.0, 2.5))
+    assert wind.velocity(10.0) == pytest.approx((3.0, 2.5))
+    assert wind.velocity(100.0) == pytest.approx((12.0, 2.5))
     assert wind.spread == pytest.approx(np.hypot(1.0, 0.5))
     alone = read_wind(path, HOME, np.datetime64("2026-06-01T14:00")).wind
-    assert alone.towards(10.0)[0] == pytest.approx(4.0)
+    assert alone.velocity(10.0)[0] == pytest.approx(4.0)
 
 
 def test_a_classic_file_with_named_heights_and_longitudes_to_360_is_read(tmp_path: Path) -> None:
@@ -77,8 +77,8 @@ def test_grib_is_read(tmp_path: Path) -> None:
     with refuses("time-not-covered", "wind.grib2", "2026-06-03", kind=BadInput):
         read_wind(path, Geodetic(46.0, 8.0, 0.0), np.datetime64("2026-06-03T12:00"))
     wind = read_wind(path, Geodetic(46.0, 8.0, 0.0), np.datetime64("2026-06-01T12:00")).wind
-    assert wind.towards(10.0) == pytest.approx((0.5, -1.0), abs=0.01)
-    assert wind.towards(100.0) == pytest.approx((5.0, -1.0), abs=0.01)
+    assert wind.velocity(10.0) == pytest.approx((0.5, -1.0), abs=0.01)
+    assert wind.velocity(100.0) == pytest.approx((5.0, -1.0), abs=0.01)
 
 
 PLACES = """
@@ -96,7 +96,7 @@ def read(text: str, folder: Path) -> Scenario:
 def test_a_scenario_has_the_wind_of_its_forecast_and_errors_name_the_file(tmp_path: Path) -> None:
     forecast([10.0, 100.0]).to_netcdf(tmp_path / "ensemble.nc", engine="h5netcdf")
     scenario = read("time = 2026-06-01T12:10:00Z\n", tmp_path)
-    assert scenario.wind.air().towards(100.0) == pytest.approx((12.0, 2.0))
+    assert scenario.wind.air().velocity(100.0) == pytest.approx((12.0, 2.0))
     assert scenario.wind.strongest == pytest.approx(np.hypot(12.0, 2.0) + 1.0)
     with refuses("time-missing", "ensemble.nc", kind=BadInput):
         read("", tmp_path)

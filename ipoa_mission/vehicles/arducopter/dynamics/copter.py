@@ -174,7 +174,7 @@ class Copter:
         x, y, z = map(round, self.place)
         east, north, up = map(round, self.this.target)
         at, to = f"{x} m east, {y} m north, {z} m up of home", f"{east}, {north}, {up} m"
-        wind = f"the wind of {self._wind.at(z):.3g} m/s from {self._wind.from_deg:g} deg"
+        wind = f"the wind of {self._wind.speed_at(z):.3g} m/s from {self._wind.from_deg:g} deg"
         if why == BLOWN_OFF:
             return f"{wind} blows the copter off its path at {at}"
         windy = f", in {wind}" if self._wind.speed > 0 else ""

@@ -10,7 +10,7 @@ import numpy as np
 from ipoa_mission.geometry import GRAVITY, ZERO, Enu, Points
 from ipoa_mission.vehicles.arducopter.dynamics.scurve import AT_REST, Profile
 from ipoa_mission.vehicles.arducopter.limits import CopterLimits
-from ipoa_mission.wind import Wind, WindTable, wind_table
+from ipoa_mission.wind import Wind, WindTable
 
 STEP = 0.02  # [s]
 ASTRAY = 30.0  # lag in calm air: [m], plus [s] of flight
@@ -134,7 +134,7 @@ def tuning(limits: CopterLimits, airframe: Airframe, wind: Wind) -> Tuning:
     def share(lag: float) -> float:
         return 1 - math.exp(-STEP / lag)
 
-    blows = wind_table(wind)
+    blows = wind.table
     return Tuning(
         limits,
         airframe,

@@ -27,7 +27,7 @@ from ipoa_mission.vehicles.arducopter.dynamics.shaping import (
     sqrt_controller,
     square,
 )
-from ipoa_mission.wind import wind_at
+from ipoa_mission.wind import wind_velocity
 
 SAMPLE_STEPS = 5  # between samples
 SETTLED_S, STEADY = 30.0, 1e-6  # age and acceleration of a steady cruise [s, m/s^2]
@@ -266,7 +266,7 @@ def turn_yaw(state: State, tuning: Tuning) -> None:
 
 def drag(state: State, tuning: Tuning) -> tuple[complex, float]:
     """Return the horizontal and upward acceleration by drag [m/s^2]."""
-    wind_east, wind_north = wind_at(state.z, tuning.wind)
+    wind_east, wind_north = wind_velocity(state.z, tuning.wind)
     air = Enu(state.velocity.real - wind_east, state.velocity.imag - wind_north, state.vz)
     length = math.sqrt(GRAVITY**2 + state.tilt.real**2 + state.tilt.imag**2)
     upward = Enu(state.tilt.real / length, state.tilt.imag / length, GRAVITY / length)

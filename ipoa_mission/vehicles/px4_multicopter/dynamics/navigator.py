@@ -25,7 +25,7 @@ from ipoa_mission.vehicles.px4_multicopter.dynamics.state import (
     SimulationConstants,
 )
 from ipoa_mission.vehicles.px4_multicopter.limits import Px4Limits
-from ipoa_mission.wind import Wind, wind_table
+from ipoa_mission.wind import Wind
 
 HELD_OR_REACHED = HOLDING | {Command.NAV_LOITER_TO_ALT}
 ANY_RADIUS = 1e9  # without effect [m]
@@ -46,7 +46,7 @@ def simulation_constants(
     rotor_gain = -math.expm1(-dt / airframe.lag)
     sensors = sensors._replace(sees_ground=sensors.sees_ground and limits.has_range_finder)
     steps = (dt, GRAVITY * math.tan(limits.max_tilt), tilt_gain, rotor_gain)
-    return SimulationConstants(limits, airframe, sensors, wind_table(wind), *steps, turns=True, noisy=True)
+    return SimulationConstants(limits, airframe, sensors, wind.table, *steps, turns=True, noisy=True)
 
 
 def leg(limits: Px4Limits, start: Enu, goal: Enu, *, beyond: Enu | None = None, cruise: float | None = None) -> Order:

@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 from ipoa_mission.geometry import GRAVITY, ZERO, Enu, Points, plus, scaled
 from ipoa_mission.vehicles.px4_multicopter.limits import Px4Limits
-from ipoa_mission.wind import WindTable, wind_at
+from ipoa_mission.wind import WindTable, wind_velocity
 
 CORRECTED_BEYOND, CORRECTED_FOR = 1.0, 120.0  # [m, s]
 NOTICED_S = 0.075  # half the navigator's cycle, and the setpoint's latency [s]
@@ -246,7 +246,7 @@ def integrate(state: State, setpoint: Enu, constants: SimulationConstants, is_he
     place = body.place
     speed = body.speed
     since = body.airborne_since
-    blows_east, blows_north = wind_at(place.up, constants.wind)
+    blows_east, blows_north = wind_velocity(place.up, constants.wind)
     felt_east = thrust.east * lift - drag * (speed.east - blows_east)
     felt_north = thrust.north * lift - drag * (speed.north - blows_north)
     on_ground = is_held or (body.on_ground and thrust.up <= 0.0)
