@@ -297,7 +297,7 @@ def _move(entries, first, last, behind):
 
 @njit(cache=True, error_model="numpy")
 def _descend(entries, times, lines, dirty, sums):
-    """OrderChange the order at its dirty lines while that saves time; return its time [s]."""
+    """Change the order at its dirty lines while that saves time; return its time [s]."""
     beyond = len(entries) - 1
     _add_up(entries, times, lines, sums)
     k, clean = 1, 0

@@ -15,7 +15,7 @@ from ipoa_mission import Forecast, read_mission, read_scenario
 from ipoa_mission.autopilot.returning import TIMED, Contingency
 from ipoa_mission.compiled import compiled
 from ipoa_mission.forecast.contingency.contingencies import predict_contingency
-from ipoa_mission.vehicles.px4_multicopter.simulation import FlownOrders, MissionSimulation
+from ipoa_mission.vehicles.px4_multicopter.simulation import FlownMotions, MissionSimulation
 from tests.examples import examples
 from tests.plain_python import flown_as_plain_python
 
@@ -37,7 +37,7 @@ def numbers(state: Any) -> Iterator[float]:
     return chain.from_iterable(map(numbers, state)) if isinstance(state, tuple) else iter((float(state),))
 
 
-def expect_equal(one: FlownOrders, other: FlownOrders) -> None:
+def expect_equal(one: FlownMotions, other: FlownMotions) -> None:
     """Expect the same flights to the bit, also in all that they go on from."""
     assert one.done.tobytes() == other.done.tobytes()
     assert one.samples.tobytes() == other.samples.tobytes()
@@ -49,7 +49,7 @@ def expect_equal(one: FlownOrders, other: FlownOrders) -> None:
 def test_a_flight_flown_on_is_the_same_as_one_without_a_stop(
     simulation: MissionSimulation, seed: int, stops: list[float], noisy: bool
 ) -> None:
-    fly_on = simulation.flight_of(simulation.mission_orders.orders, noisy=noisy, sampled=True)
+    fly_on = simulation.flight_of(simulation.mission_motions.motions, noisy=noisy, sampled=True)
     stopped = simulation.at_start(seed)
     for time in sorted(stops):
         stopped = fly_on(stopped, until=time)
@@ -58,11 +58,11 @@ def test_a_flight_flown_on_is_the_same_as_one_without_a_stop(
 
 @pytest.mark.parametrize("until", [0.3, 20.0, 45.0, LASTS_S])
 def test_a_flight_is_the_same_compiled_and_not(simulation: MissionSimulation, until: float) -> None:
-    orders = simulation.mission_orders.orders
+    motions = simulation.mission_motions.motions
     start = simulation.at_start(7)
     with flown_as_plain_python():
-        plain = simulation.flight_of(orders, noisy=True, sampled=True)
-    expect_equal(plain(start, until=until), simulation.flight_of(orders, noisy=True, sampled=True)(start, until=until))
+        plain = simulation.flight_of(motions, noisy=True, sampled=True)
+    expect_equal(plain(start, until=until), simulation.flight_of(motions, noisy=True, sampled=True)(start, until=until))
 
 
 @pytest.fixture

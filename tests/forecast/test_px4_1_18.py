@@ -66,5 +66,5 @@ def test_a_waypoint_without_a_radius_of_its_own_is_reached_at_10_m() -> None:
     itinerary = Forecast(replace(mission, items=tuple(items)), None).itinerary
     missions = (replace(mission, firmware_version=version) for version in (VERSION, Version(1, 17)))
     flights = [MissionSimulation(replace(itinerary, mission=mission)) for mission in missions]
-    radii = [{order.radius for order in each.mission_orders.orders[2:4]} for each in flights]
+    radii = [{motion.radius for motion in each.mission_motions.motions[2:4]} for each in flights]
     assert radii == [{10.0}, {2.0}]

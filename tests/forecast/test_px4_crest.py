@@ -42,14 +42,14 @@ def test_the_flights_nearly_stop_past_the_crest_three_times_of_four() -> None:
 
 
 def test_the_path_without_noise_does_so_at_the_height_that_was_flown(simulation: MissionSimulation) -> None:
-    orders = simulation.mission_orders.orders
-    path = simulation.flight_of(orders, noisy=False)(simulation.at_start(0)).samples[:, :4]
+    motions = simulation.mission_motions.motions
+    path = simulation.flight_of(motions, noisy=False)(simulation.at_start(0)).samples[:, :4]
     assert slowest(path) < 2.0
     flown = sorted(height_at_place(track) for track in FLOWN)
     assert flown[0] - 1.0 < height_at_place(path) < flown[-1]
 
 
 def test_some_flights_with_noise_do_so_and_some_do_not(simulation: MissionSimulation) -> None:
-    fly_on = simulation.flight_of(simulation.mission_orders.orders, noisy=True, sampled=True)
+    fly_on = simulation.flight_of(simulation.mission_motions.motions, noisy=True, sampled=True)
     stopped = [slowest(fly_on(simulation.at_start(seed)).samples[:, :4]) < 2.0 for seed in range(1, 21)]
     assert 10 <= sum(stopped) < 20

@@ -12,7 +12,7 @@ from ipoa_mission.autopilot.returning import MissionLanding, ReturnBy, ReturnOrd
 from ipoa_mission.autopilot.version import Version
 from ipoa_mission.geometry import Enu
 from ipoa_mission.ground import Ground
-from ipoa_mission.vehicles.px4_multicopter.dynamics.navigator import return_orders
+from ipoa_mission.vehicles.px4_multicopter.dynamics.navigator import return_motions
 from ipoa_mission.vehicles.px4_multicopter.limits import px4_limits
 from ipoa_mission.world.terrain import Flat
 
@@ -95,7 +95,7 @@ def test_px4_waits_before_its_landing_at_its_descend_altitude(
 ) -> None:
     limits = px4_limits({**parameters, "RTL_LAND_DELAY": 9.0})
     here = Enu(100.0, 0.0, ground + 20.0)
-    *_, down_to, waiting, landing = return_orders(here, (0.0, 0.0, ground), Ground(Flat(ground)), limits)
+    *_, down_to, waiting, landing = return_motions(here, (0.0, 0.0, ground), Ground(Flat(ground)), limits)
     assert (waiting.hold_s, landing.goal) == (9.0, Enu(0.0, 0.0, ground))
     assert down_to.goal == waiting.goal == Enu(0.0, 0.0, wait)
 

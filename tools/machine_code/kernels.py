@@ -22,7 +22,7 @@ from ipoa_mission.vehicles.arducopter.dynamics.motion import ARDUPILOT_SIMULATOR
 from ipoa_mission.vehicles.arducopter.dynamics.steps import fly_leg
 from ipoa_mission.vehicles.arducopter.limits import copter_limits
 from ipoa_mission.vehicles.px4_multicopter.dynamics.flight import at_start, fly
-from ipoa_mission.vehicles.px4_multicopter.dynamics.state import Order, SimulationConstants
+from ipoa_mission.vehicles.px4_multicopter.dynamics.state import Motion, SimulationConstants
 from ipoa_mission.wind import CALM
 
 MODULES = {
@@ -102,7 +102,7 @@ def kernels() -> Iterator[Kernel]:
     leg, still = records([NO_LEG], CopterLeg), tuning(copter_limits({}), ARDUPILOT_SIMULATOR, CALM)
     flown = {
         fly_leg: (records([State()], State), leg, leg, leg, still, _numbers(2)),
-        fly: (records([], Order), records([], SimulationConstants), at_start(0.0, 1), 1.0, 0),
+        fly: (records([], Motion), records([], SimulationConstants), at_start(0.0, 1), 1.0, 0),
     }
     for function, given in flown.items():
         yield Kernel(f"{function.__module__}.{function.__name__}", compiled(function), given)

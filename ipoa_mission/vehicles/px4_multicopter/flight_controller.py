@@ -1,4 +1,4 @@
-"""PX4 in the built-in autopilot: its modes, as orders, and its protocol."""
+"""PX4 in the built-in autopilot: its modes, as motions, and its protocol."""
 
 import math
 import random
@@ -12,13 +12,13 @@ from ipoa_mission.simulator.mock_profile import BYTEWISE, CAPABILITIES, Answer, 
 from ipoa_mission.simulator.situation import STEP_S, FlightMode, Situation
 from ipoa_mission.vehicles.px4_multicopter.dynamics import navigator
 from ipoa_mission.vehicles.px4_multicopter.dynamics.flight import at_rest, begin, is_over, step
-from ipoa_mission.vehicles.px4_multicopter.dynamics.state import SIH_SENSORS, EastNorth, Order, no_errors
+from ipoa_mission.vehicles.px4_multicopter.dynamics.state import SIH_SENSORS, EastNorth, Motion, no_errors
 from ipoa_mission.vehicles.px4_multicopter.limits import px4_limits
 from ipoa_mission.vehicles.px4_multicopter.vehicle import PX4_MULTICOPTER, Px4Mode
 
 
 class Px4Controller:
-    """Give the vehicle its orders, one after another; `Situation` says which mode and item are current."""
+    """Give the vehicle its motions, one after another; `Situation` says which mode and item are current."""
 
     def __init__(self, situation: Situation, parameters: Parameters, chance: random.Random) -> None:
         conditions = situation.conditions
@@ -32,7 +32,7 @@ class Px4Controller:
         self._state = at_rest(Enu(*situation.place), situation.time_s, situation.yaw, no_errors(*seeds), True)
         here = self._state.body.place
         self._navigator = navigator.Navigator(situation.program, conditions.ground, self._limits, here)
-        self._orders: list[Order] = []
+        self._motions: list[Motion] = []
         self._announced = False
 
     def enter(self) -> None:
@@ -43,7 +43,7 @@ class Px4Controller:
                 self._return()
             case FlightMode.LAND:
                 ground = self._navigator.ground
-                self._fly(navigator.land_mode_orders(self._estimated_place(), self._speed, ground, self._limits))
+                self._fly(navigator.land_mode_motions(self._estimated_place(), self._speed, ground, self._limits))
             case FlightMode.HOLD:
                 self._brake()
 
@@ -58,32 +58,32 @@ class Px4Controller:
         state = self._state
         if not situation.armed:
             self._rest()
-        elif not self._orders or (situation.landed and situation.time_s - situation.armed_s < self._limits.spool_up):
+        elif not self._motions or (situation.landed and situation.time_s - situation.armed_s < self._limits.spool_up):
             self._state = state._replace(time=situation.time_s + STEP_S)
         else:
             self._advance()
         self._show()
 
     def _advance(self) -> None:
-        order = self._orders[0]
+        motion = self._motions[0]
         situation = self._situation
         if situation.landed:
             situation.landed = False
             rests = at_rest(self._state.body.place, situation.time_s, situation.yaw, self._state.errors, True)
-            self._state = begin(rests, order)
-        self._state = step(self._state._replace(time=situation.time_s), order, self._constants)
+            self._state = begin(rests, motion)
+        self._state = step(self._state._replace(time=situation.time_s), motion, self._constants)
         reached = self._state.reached
-        if len(self._orders) == 1 and not self._announced and 0.0 <= reached <= self._state.time - order.hold_s:
+        if len(self._motions) == 1 and not self._announced and 0.0 <= reached <= self._state.time - motion.hold_s:
             self._announced = True
             self._last_done()
-        if is_over(self._state, order) and self._orders and self._orders[0] is order:
+        if is_over(self._state, motion) and self._motions and self._motions[0] is motion:
             self._next()
 
     def _next(self) -> None:
-        ended = self._orders[0]
-        self._orders = self._orders[1:]
-        if self._orders:
-            self._state = begin(self._state, self._orders[0])
+        ended = self._motions[0]
+        self._motions = self._motions[1:]
+        if self._motions:
+            self._state = begin(self._state, self._motions[0])
         elif self._situation.mode is FlightMode.MISSION:
             self._begin_after(self._situation.current)
         else:
@@ -94,7 +94,7 @@ class Px4Controller:
         items = situation.program.items
         if self._state.contact.on_ground:
             situation.end_on_ground()
-            self._orders = []
+            self._motions = []
         elif situation.mode is FlightMode.MISSION:
             # these suppress the report of the waypoint before (measured)
             suppressing = {Command.DO_JUMP, Command.DO_CHANGE_SPEED, Command.NAV_RETURN_TO_LAUNCH}
@@ -129,9 +129,9 @@ class Px4Controller:
             situation.done(situation.current)
             self._return()
         else:
-            self._fly(self._orders_of(situation.current, item))
+            self._fly(self._motions_of(situation.current, item))
 
-    def _orders_of(self, index: int, item: Item) -> list[Order]:
+    def _motions_of(self, index: int, item: Item) -> list[Motion]:
         landed = self._situation.landed
         if item.command == Command.NAV_DELAY:
             return navigator.stay(self._navigator.here, self._limits, max(item.params[0], STEP_S))
@@ -139,16 +139,16 @@ class Px4Controller:
             return [] if landed else self._navigator.land_at(index)
         if landed:
             self._navigator.here = self._estimated_place()
-        orders = self._navigator.fly_to(index, takes_off=landed)
+        motions = self._navigator.fly_to(index, takes_off=landed)
         if item.command == Command.NAV_LOITER_UNLIM:
-            orders[-1] = orders[-1]._replace(hold_s=math.inf, beyond=orders[-1].goal)
-        return orders
+            motions[-1] = motions[-1]._replace(hold_s=math.inf, beyond=motions[-1].goal)
+        return motions
 
     def _return(self) -> None:
         self._navigator.cruise = self._limits.cruise
         here = self._estimated_place()
         goal = self._situation.goal_of_return(here, self._parameters)
-        self._fly(navigator.return_orders(here, goal, self._navigator.ground, self._limits))
+        self._fly(navigator.return_motions(here, goal, self._navigator.ground, self._limits))
 
     @property
     def _speed(self) -> EastNorth:
@@ -162,16 +162,16 @@ class Px4Controller:
         here = self._state.body.place
         stop = navigator.stopping_place(here, self._speed, self._limits)
         self._navigator.here = stop
-        order = navigator.leg(self._limits, here, stop, cruise=self._navigator.cruise)
-        self._fly([order._replace(hold_s=math.inf, follows_home=False)])
+        motion = navigator.leg(self._limits, here, stop, cruise=self._navigator.cruise)
+        self._fly([motion._replace(hold_s=math.inf, follows_home=False)])
 
-    def _fly(self, orders: list[Order]) -> None:
-        """Replace the orders; on the ground only for a mission."""
+    def _fly(self, motions: list[Motion]) -> None:
+        """Replace the motions; on the ground only for a mission."""
         grounded = self._situation.landed and self._situation.mode is not FlightMode.MISSION
         self._announced = False
-        self._orders = [] if grounded else orders
-        if self._orders:
-            self._state = begin(self._state, self._orders[0])
+        self._motions = [] if grounded else motions
+        if self._motions:
+            self._state = begin(self._state, self._motions[0])
 
 
 MOCK_PROFILE = MockProfile(

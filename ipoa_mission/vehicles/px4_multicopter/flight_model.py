@@ -29,9 +29,9 @@ from ipoa_mission.forecast.timing.track import Track
 from ipoa_mission.geometry import Matrix, Points, Vector
 from ipoa_mission.vehicles.px4_multicopter.dynamics import state
 from ipoa_mission.vehicles.px4_multicopter.dynamics.navigator import HELD_OR_REACHED
-from ipoa_mission.vehicles.px4_multicopter.dynamics.state import Order
+from ipoa_mission.vehicles.px4_multicopter.dynamics.state import Motion
 from ipoa_mission.vehicles.px4_multicopter.limits import px4_limits
-from ipoa_mission.vehicles.px4_multicopter.simulation import RUNS, FlownOrders, MissionSimulation, fly_noise_free
+from ipoa_mission.vehicles.px4_multicopter.simulation import RUNS, FlownMotions, MissionSimulation, fly_noise_free
 from ipoa_mission.wind import Wind
 
 
@@ -43,12 +43,12 @@ class Px4Model(FlightModel):
     simulated_lag = state.SIH.lag
 
     def __init__(self) -> None:
-        self._latest = SharedStretches[FlownOrders](most=2048)
+        self._latest = SharedStretches[FlownMotions](most=2048)
         self._latest_noisy = SharedStretches[tuple[Matrix, tuple[str, ...]]](most=4)
 
     def predicted(self, itinerary: Itinerary, wind: Wind, noise_free: bool) -> Prediction:
         simulation = MissionSimulation(itinerary, wind, state.NOISE_FREE if noise_free else state.SIH_SENSORS)
-        orders, visits_done, remarks = simulation.mission_orders
+        motions, visits_done, remarks = simulation.mission_motions
         ends = list(visits_done)
 
         exact_run = fly_noise_free(simulation, self._latest)
@@ -56,12 +56,12 @@ class Px4Model(FlightModel):
         samples = exact_run.samples
         times = exact_times[None, :]
         if itinerary.visits and not noise_free:
-            fly_noisy = simulation.flight_of(orders, noisy=True)
+            fly_noisy = simulation.flight_of(motions, noisy=True)
 
             def fly_runs(*_: object) -> tuple[Matrix, tuple[str, ...]]:
                 return _sample_runs(lambda seed: fly_noisy(simulation.at_start(seed)).done[ends], RUNS.known_share)
 
-            mission = (simulation.noise_free_constants.sensors, records(orders, Order).tobytes(), visits_done)
+            mission = (simulation.noise_free_constants.sensors, records(motions, Motion).tobytes(), visits_done)
             ((times, lost),) = self._latest_noisy.fly(simulation.conditions, (times, ()), [mission], fly_runs)
             remarks += lost
         done = times.mean(axis=0)
@@ -82,13 +82,13 @@ class Px4Model(FlightModel):
                 raise EndlessFlight("with an RTL_LAND_DELAY below 0 RTL never lands")
             if itinerary.returns_by is not ReturnBy.DIRECT:
                 raise NotModeled(f"the duration of returns {itinerary.returns_by} is not modeled well enough")
-        orders = simulation.mission_orders.orders
-        exact_times = simulation.flight_of(orders, noisy=False)(simulation.at_start(0)).done
+        motions = simulation.mission_motions.motions
+        exact_times = simulation.flight_of(motions, noisy=False)(simulation.at_start(0)).done
         exact_steps = np.diff(exact_times)
 
         def once(seed: int) -> Vector:
             at_order, at_end = simulation.flown_with(contingency, time, seed)
-            current = min(len(at_order.done), len(orders)) - 1  # index of the order in progress
+            current = min(len(at_order.done), len(motions)) - 1  # index of the motion in progress
             in_progress_s = min(time - at_order.done[current], exact_steps[current])
             exact_order_time = exact_times[current] + in_progress_s
             end = at_end.done[-1]
@@ -117,9 +117,9 @@ class Px4Model(FlightModel):
         simulation = MissionSimulation(itinerary, wind)
         if not itinerary.visits or len(predicted.track.times) < 4:  # it does not move
             return None
-        orders = simulation.mission_orders.orders
-        ends = [0, *simulation.mission_orders.done]
-        fly_on = simulation.flight_of(orders, noisy=True, sampled=True)
+        motions = simulation.mission_motions.motions
+        ends = [0, *simulation.mission_motions.done]
+        fly_on = simulation.flight_of(motions, noisy=True, sampled=True)
         done = [0.0, *predicted.done]
         runs = list[Matrix]()
         for seed in range(1, RUNS.of_median + 1):
@@ -142,8 +142,8 @@ class Px4Model(FlightModel):
 
     def median_times(self, itinerary: Itinerary) -> Vector:
         simulation = MissionSimulation(itinerary)
-        fly_on = simulation.flight_of(simulation.mission_orders.orders, noisy=True)
-        ends = list(simulation.mission_orders.done)
+        fly_on = simulation.flight_of(simulation.mission_motions.motions, noisy=True)
+        ends = list(simulation.mission_motions.done)
         starts = map(simulation.at_start, range(1, RUNS.of_median + 1))
         return np.asarray(np.median([fly_on(start).done[ends] for start in starts], axis=0))
 

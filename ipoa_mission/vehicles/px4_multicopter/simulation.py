@@ -1,4 +1,4 @@
-"""Fly the orders of an itinerary as PX4, once or with sensor noise; flights share their first orders."""
+"""Fly the motions of an itinerary as PX4, once or with sensor noise; flights share their first motions."""
 
 import math
 from bisect import bisect_right
@@ -18,7 +18,7 @@ from ipoa_mission.vehicles.px4_multicopter.dynamics import navigator, state
 from ipoa_mission.vehicles.px4_multicopter.dynamics.flight import at_start, fly
 from ipoa_mission.vehicles.px4_multicopter.dynamics.guidance import speed_to
 from ipoa_mission.vehicles.px4_multicopter.dynamics.navigator import HELD_OR_REACHED
-from ipoa_mission.vehicles.px4_multicopter.dynamics.state import Order
+from ipoa_mission.vehicles.px4_multicopter.dynamics.state import Motion
 from ipoa_mission.vehicles.px4_multicopter.limits import LEAST_HOLD, Px4Return, px4_limits
 from ipoa_mission.wind import CALM, Wind
 
@@ -47,16 +47,16 @@ class NoisyRuns(NamedTuple):
 RUNS = NoisyRuns()
 
 
-class FlownOrders(NamedTuple):
-    done: Vector  # times at the start and after each order (n + 1,) [s]
+class FlownMotions(NamedTuple):
+    done: Vector  # times at the start and after each motion (n + 1,) [s]
     samples: Samples
     progress: state.FlightProgress
 
 
 class FlyOn(Protocol):
-    """Fly on to the end of all or the first `to` orders, or until a time [s]."""
+    """Fly on to the end of all or the first `to` motions, or until a time [s]."""
 
-    def __call__(self, flight: FlownOrders, until: float = math.inf, to: int | None = None) -> FlownOrders: ...
+    def __call__(self, flight: FlownMotions, until: float = math.inf, to: int | None = None) -> FlownMotions: ...
 
 
 _start = lru_cache(maxsize=128)(at_start)
@@ -70,48 +70,50 @@ class MissionSimulation:
         self.wind = wind
         limits = px4_limits(mission.parameters, mission.firmware_version)
         self.limits = limits._replace(spool_up=max(limits.spool_up + self.airframe.lift_delay, 0.0))
-        self.mission_orders = navigator.orders_of_itinerary(itinerary, self.limits, self.airframe.landing_delay)
-        turns = self.limits.turns_first or any(not math.isnan(order.heading) for order in self.mission_orders.orders)
+        self.mission_motions = navigator.motions_of_itinerary(itinerary, self.limits, self.airframe.landing_delay)
+        turns = self.limits.turns_first or any(
+            not math.isnan(motion.heading) for motion in self.mission_motions.motions
+        )
         with_noise = navigator.simulation_constants(self.limits, self.airframe, sensors, wind, RUNS.step_s)
         self.noise_free_constants = with_noise._replace(noisy=False, turns=turns)
 
     @property
     def conditions(self) -> bytes:
-        """All that a noise-free flight depends on, but for its orders; only LAND measures the ground."""
+        """All that a noise-free flight depends on, but for its motions; only LAND measures the ground."""
         limits = self.limits._replace(returning=Px4Return(0.0, 0.0, 0.0, 0.0))
         constants = self.noise_free_constants._replace(limits=limits, sensors=state.NOISE_FREE)
         packed: bytes = records([constants], state.SimulationConstants).tobytes()
         return packed + self.at_start(0).samples.tobytes()
 
-    def flown_with(self, contingency: Contingency, time: float, seed: int | None) -> tuple[FlownOrders, FlownOrders]:
+    def flown_with(self, contingency: Contingency, time: float, seed: int | None) -> tuple[FlownMotions, FlownMotions]:
         """Return a flight at an order and at its end, with a seed's noise or none."""
         noisy = seed is not None
-        fly_mission = self.flight_of(self.mission_orders.orders, noisy=noisy, sampled=True)
+        fly_mission = self.flight_of(self.mission_motions.motions, noisy=noisy, sampled=True)
         until = fly_mission(self.at_start(seed or 0), time)
-        onward = navigator.contingency_orders(contingency, until.samples[-1], self.itinerary, self.limits)
-        orders = tuple(navigator.with_timeouts(onward, onward[0].start, self.limits, self.airframe.landing_delay))
+        onward = navigator.contingency_motions(contingency, until.samples[-1], self.itinerary, self.limits)
+        motions = tuple(navigator.with_timeouts(onward, onward[0].start, self.limits, self.airframe.landing_delay))
         begins = until._replace(done=until.done[-1:], progress=until.progress._replace(steps=state.NOT_BEGUN))
-        return until, self.flight_of(orders, noisy=noisy)(begins)
+        return until, self.flight_of(motions, noisy=noisy)(begins)
 
-    def flight_of(self, orders: tuple[Order, ...], *, noisy: bool, sampled: bool = False) -> FlyOn:
-        """Return a function that flies `orders` on; `sampled` or noise-free it records samples.
+    def flight_of(self, motions: tuple[Motion, ...], *, noisy: bool, sampled: bool = False) -> FlyOn:
+        """Return a function that flies `motions` on; `sampled` or noise-free it records samples.
 
         It raises MissionError without progress.
         """
         machine = compiled(fly)
-        inputs = records(orders, Order)
+        inputs = records(motions, Motion)
         constants = records([self.noise_free_constants._replace(noisy=noisy)], state.SimulationConstants)
         every = RUNS.sample_steps if sampled or not noisy else 0
 
-        def fly_on(flight: FlownOrders, until: float = math.inf, to: int | None = None) -> FlownOrders:
+        def fly_on(flight: FlownMotions, until: float = math.inf, to: int | None = None) -> FlownMotions:
             left = inputs[len(flight.done) - 1 : to]
-            times, places, (last, of_order, touched) = machine(left, constants, flight.progress, until, every)
+            times, places, (last, of_motion, touched) = machine(left, constants, flight.progress, until, every)
             done = np.append(flight.done, times)
-            progress = state.FlightProgress(state.State(*last), of_order, touched)
-            if len(done) > (len(orders) if to is None else to) or progress.state.time >= until:
-                return FlownOrders(done, np.vstack([flight.samples, places]), progress)
+            progress = state.FlightProgress(state.State(*last), of_motion, touched)
+            if len(done) > (len(motions) if to is None else to) or progress.state.time >= until:
+                return FlownMotions(done, np.vstack([flight.samples, places]), progress)
             raise MissionError(
-                f"the vehicle does not reach {self._goal_words(orders, len(done) - 1)}",
+                f"the vehicle does not reach {self._goal_words(motions, len(done) - 1)}",
                 hint="set a hold of 0.1 s (param1) at its waypoints, or name its version (--firmware-version). "
                 "Other causes: too strong a wind, or too small an acceptance radius",
                 code="unreachable",
@@ -119,16 +121,16 @@ class MissionSimulation:
 
         return fly_on
 
-    def _goal_words(self, orders: tuple[Order, ...], n: int) -> str:
-        goal = orders[n].goal
+    def _goal_words(self, motions: tuple[Motion, ...], n: int) -> str:
+        goal = motions[n].goal
         place = f"{round(goal.east)} m east and {round(goal.north)} m north of home"
-        if orders is not self.mission_orders.orders:  # a contingency's
+        if motions is not self.mission_motions.motions:  # a contingency's
             return place
-        return f"item {self.itinerary.visits[bisect_right(self.mission_orders.done, n)].seq}, {place}"
+        return f"item {self.itinerary.visits[bisect_right(self.mission_motions.done, n)].seq}, {place}"
 
-    def at_start(self, seed: int) -> FlownOrders:
+    def at_start(self, seed: int) -> FlownMotions:
         height = self.itinerary.start_height or 0.0
-        return FlownOrders(np.zeros(1), np.array([[0.0, 0.0, 0.0, height, 0.0, 0.0, 0.0]]), _start(height, seed))
+        return FlownMotions(np.zeros(1), np.array([[0.0, 0.0, 0.0, height, 0.0, 0.0, 0.0]]), _start(height, seed))
 
     def why_slow(self, n: int, done: Vector, sample_times: Vector, samples: Samples) -> str:
         """Return why visit n was slow, by samples at these times (m,) [s]."""
@@ -138,42 +140,42 @@ class MissionSimulation:
             return "hold" if params[0] > 0 else ""
         if command not in HELD_OR_REACHED:
             return ""
-        order = self.mission_orders.orders[self.mission_orders.done[n] - 1]
-        if order.hold_s > LEAST_HOLD:
+        motion = self.mission_motions.motions[self.mission_motions.done[n] - 1]
+        if motion.hold_s > LEAST_HOLD:
             return "hold"
         rows = slice(*np.searchsorted(sample_times, [done[n - 1] if n else 0.0, done[n]], side="right"))
-        length = math.dist(order.start[:2], order.goal[:2])
+        length = math.dist(motion.start[:2], motion.goal[:2])
         limits = self.limits
         stop = speed_to(length / 2, 0.0, limits.accel, limits.jerk)
-        wind = self.wind.along(order.goal.east - order.start.east, order.goal.north - order.start.north)
+        wind = self.wind.along(motion.goal.east - motion.start.east, motion.goal.north - motion.start.north)
         return LegSpeeds(
-            planned=min(stop, order.cruise) if length > 1.0 else None,
-            allowed=self.allowed(order),
-            asked=order.cruise,
+            planned=min(stop, motion.cruise) if length > 1.0 else None,
+            allowed=self.allowed(motion),
+            asked=motion.cruise,
             top=self.airframe.top_speed(limits.max_tilt) + wind,
             flown=float(np.hypot(samples[rows, 4], samples[rows, 5]).max(initial=0.0)),
-            corner=corner_deg(order.start, order.goal, order.beyond),
-            stops=order.beyond == order.goal,
+            corner=corner_deg(motion.start, motion.goal, motion.beyond),
+            stops=motion.beyond == motion.goal,
         ).why_slow()
 
-    def allowed(self, order: Order) -> float:
+    def allowed(self, motion: Motion) -> float:
         """Return the horizontal speed that climb or descent allows [m/s]."""
-        length = math.dist(order.start[:2], order.goal[:2])
-        rise = order.goal.up - order.start.up
+        length = math.dist(motion.start[:2], motion.goal[:2])
+        rise = motion.goal.up - motion.start.up
         rate = self.limits.climb if rise > 0 else self.limits.descent
-        return min(order.cruise, rate * length / abs(rise)) if rise else order.cruise
+        return min(motion.cruise, rate * length / abs(rise)) if rise else motion.cruise
 
 
-def fly_noise_free(simulation: MissionSimulation, latest: SharedStretches[FlownOrders]) -> FlownOrders:
-    """Fly a mission without noise, order by order; `latest` flights may share the first ones."""
-    orders = simulation.mission_orders.orders
-    fly_on = simulation.flight_of(orders, noisy=False)
+def fly_noise_free(simulation: MissionSimulation, latest: SharedStretches[FlownMotions]) -> FlownMotions:
+    """Fly a mission without noise, motion by motion; `latest` flights may share the first ones."""
+    motions = simulation.mission_motions.motions
+    fly_on = simulation.flight_of(motions, noisy=False)
     sees_ground = simulation.noise_free_constants.sensors.sees_ground
-    stretches = [(sees_ground and order.kind == state.LAND, records([order], Order).tobytes()) for order in orders]
+    stretches = [(sees_ground and motion.kind == state.LAND, records([motion], Motion).tobytes()) for motion in motions]
 
-    def fly_order(flown: FlownOrders, n: int) -> FlownOrders:
+    def fly_motion(flown: FlownMotions, n: int) -> FlownMotions:
         return fly_on(flown._replace(samples=flown.samples[:0]), to=n + 1)
 
     start = simulation.at_start(0)
-    ends = [start, *latest.fly(simulation.conditions, start, stretches, fly_order)]
+    ends = [start, *latest.fly(simulation.conditions, start, stretches, fly_motion)]
     return ends[-1]._replace(samples=np.vstack([flown.samples for flown in ends]))

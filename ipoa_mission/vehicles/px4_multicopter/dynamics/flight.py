@@ -39,7 +39,7 @@ from ipoa_mission.vehicles.px4_multicopter.dynamics.state import (
     Errors,
     FlightProgress,
     Guidance,
-    Order,
+    Motion,
     SimulationConstants,
     State,
     Trajectory,
@@ -56,7 +56,7 @@ HOVER_SURE, HOVER_SURE_UP = 10.0, 2.0  # of good hover thrust estimates: HTE_VXY
 
 
 def control_velocity(
-    state: State, trajectory: Trajectory, order: Order, constants: SimulationConstants
+    state: State, trajectory: Trajectory, motion: Motion, constants: SimulationConstants
 ) -> tuple[Enu, Control]:
     """Return the acceleration setpoint (horizontal by tilt, up by thrust over weight), and the controller's next state.
 
@@ -76,7 +76,7 @@ def control_velocity(
     max_climb = limits.max_climb
     feed_forward = trajectory.up.acceleration
     ramp = state.time - state.begun
-    if order.kind == TAKE_OFF and ramp < limits.takeoff_ramp:
+    if motion.kind == TAKE_OFF and ramp < limits.takeoff_ramp:
         none = -GRAVITY / limits.p_climb
         max_climb = none + ramp / limits.takeoff_ramp * (max_climb - none)
         feed_forward = 0.0
@@ -190,37 +190,38 @@ SPLIT = 2.0**29 + 1.0  # Veltkamp's, to single precision
 GROUND_SINK = 0.7  # [m/s]
 
 
-def step(state: State, order: Order, constants: SimulationConstants) -> State:
+def step(state: State, motion: Motion, constants: SimulationConstants) -> State:
     limits = constants.limits
-    standing = touches_down(state, order)
-    velocity, guidance = velocity_setpoint(state, order, constants, guide(state, order, limits))
-    trajectory = track_setpoint(state, order, constants, velocity)
-    setpoint, control = control_velocity(state, trajectory, order, constants)
+    standing = touches_down(state, motion)
+    velocity, guidance = velocity_setpoint(state, motion, constants, guide(state, motion, limits))
+    trajectory = track_setpoint(state, motion, constants, velocity)
+    setpoint, control = control_velocity(state, trajectory, motion, constants)
     if not (standing or state.body.on_ground):
         control = learn_hover(control, state.body, constants, state.time)
     body = integrate(state, setpoint, constants, standing)
     errors = add_sensor_errors(state, constants)
     if errors.reported != state.errors.reported:
         guidance = Guidance(UNKNOWN, guidance.anchor, guidance.held, guidance.rising)
-    contact = detect_contact(state, body, setpoint.up, constants) if order.kind == LAND else state.contact
+    contact = detect_contact(state, body, setpoint.up, constants) if motion.kind == LAND else state.contact
     time = state.time + constants.dt
-    there = state.been_there or is_there(body, errors, contact, order)
+    there = state.been_there or is_there(body, errors, contact, motion)
     reached = state.reached
-    if there and reached < 0.0 and (math.isnan(order.heading) or abs(heading_error(state, order)) <= limits.yaw_error):
+    faces = math.isnan(motion.heading) or abs(heading_error(state, motion)) <= limits.yaw_error
+    if there and reached < 0.0 and faces:
         reached = time
-    yaw = turn_yaw(state, order, limits, constants.dt) if constants.turns else state.yaw
+    yaw = turn_yaw(state, motion, limits, constants.dt) if constants.turns else state.yaw
     return State(
         time=time, body=body, yaw=yaw, trajectory=trajectory, guidance=guidance, control=control,
         errors=errors, contact=contact, begun=state.begun, reached=reached, been_there=there,
     )  # fmt: skip
 
 
-def track_setpoint(state: State, order: Order, constants: SimulationConstants, velocity: Enu) -> Trajectory:
+def track_setpoint(state: State, motion: Motion, constants: SimulationConstants, velocity: Enu) -> Trajectory:
     """Return the trajectory a step later, stretched while the vehicle lags."""
     limits = constants.limits
     place = state.body.place
     before = state.trajectory
-    low = is_low_take_off(state, order, limits)
+    low = is_low_take_off(state, motion, limits)
     climb = climb_limits(state.guidance.rising, low, limits)
     if low:
         before = Trajectory(before.east, before.north, Axis(place.up, before.up.speed, before.up.acceleration))
@@ -243,7 +244,7 @@ def track_setpoint(state: State, order: Order, constants: SimulationConstants, v
         if limits.max_height_error > 0.0 and lead * before.up.speed >= 0.0:
             pace_up = 1.0 - min(abs(lead) / limits.max_height_error, 1.0)
     now = smooth(before, within, limits, climb.accel, (constants.dt * pace, constants.dt * pace_up))
-    if order.kind != LAND:
+    if motion.kind != LAND:
         return now
     return Trajectory(in_single(now.east), in_single(now.north), now.up)
 
@@ -254,20 +255,20 @@ def in_single(axis: Axis) -> Axis:
     return Axis(wide - (wide - axis.place), axis.speed, axis.acceleration)
 
 
-def is_there(body: Body, errors: Errors, contact: Contact, order: Order) -> bool:
+def is_there(body: Body, errors: Errors, contact: Contact, motion: Motion) -> bool:
     """The navigator knows home's corrections at once."""
-    if order.kind == LAND:
+    if motion.kind == LAND:
         return contact.stages >= STAGES
-    error = errors.home_height_error if order.follows_home else 0.0
-    if order.kind == TAKE_OFF:
-        return body.place.up > order.goal.up + error - order.height_radius
-    east, north = body.place.east - order.goal.east, body.place.north - order.goal.north
-    near = east * east + north * north <= order.radius * order.radius
-    return near and abs(body.place.up - error - order.goal.up) <= order.height_radius
+    error = errors.home_height_error if motion.follows_home else 0.0
+    if motion.kind == TAKE_OFF:
+        return body.place.up > motion.goal.up + error - motion.height_radius
+    east, north = body.place.east - motion.goal.east, body.place.north - motion.goal.north
+    near = east * east + north * north <= motion.radius * motion.radius
+    return near and abs(body.place.up - error - motion.goal.up) <= motion.height_radius
 
 
-def is_over(state: State, order: Order) -> bool:
-    return state.reached >= 0.0 and state.time - state.reached >= max(order.hold_s, NOTICED_S)
+def is_over(state: State, motion: Motion) -> bool:
+    return state.reached >= 0.0 and state.time - state.reached >= max(motion.hold_s, NOTICED_S)
 
 
 def at_rest(place: Enu, time: float, yaw: float, errors: Errors, on_ground: bool) -> State:
@@ -286,17 +287,17 @@ def at_rest(place: Enu, time: float, yaw: float, errors: Errors, on_ground: bool
     )  # fmt: skip
 
 
-def begin(state: State, order: Order) -> State:
+def begin(state: State, motion: Motion) -> State:
     trajectory = state.trajectory
     body = state.body
-    on_ground = body.on_ground and order.kind == TAKE_OFF
+    on_ground = body.on_ground and motion.kind == TAKE_OFF
     if on_ground:
         trajectory = Trajectory(trajectory.east, trajectory.north, Axis(trajectory.up.place, -GROUND_SINK, 0.0))
     body = Body(
         place=body.place, speed=body.speed, acceleration=body.acceleration, setpoint=body.setpoint,
         thrust=body.thrust, on_ground=on_ground, airborne_since=body.airborne_since,
     )  # fmt: skip
-    guidance = Guidance(ON_LINE, as_tuple(order.start), state.guidance.held, state.guidance.rising)
+    guidance = Guidance(ON_LINE, as_tuple(motion.start), state.guidance.held, state.guidance.rising)
     return State(
         time=state.time, body=body, yaw=state.yaw, trajectory=trajectory, guidance=guidance,
         control=state.control, errors=state.errors,
@@ -305,21 +306,21 @@ def begin(state: State, order: Order) -> State:
     )  # fmt: skip
 
 
-def past_cruise(state: State, order: Order, constants: SimulationConstants) -> State:
+def past_cruise(state: State, motion: Motion, constants: SimulationConstants) -> State:
     """Skip the steady middle of a long level leg; sensor errors stay."""
     x, y, body = state.trajectory.east, state.trajectory.north, state.body
     speed = math.sqrt(x.speed * x.speed + y.speed * y.speed)
     since = body.airborne_since
-    is_on_line = order.kind == GO and state.guidance.side == ON_LINE
+    is_on_line = motion.kind == GO and state.guidance.side == ON_LINE
     if not is_on_line or state.time - state.begun < SETTLED_S or speed < 0.1:
         return state
-    east = order.goal.east - x.place
-    north = order.goal.north - y.place
+    east = motion.goal.east - x.place
+    north = motion.goal.north - y.place
     far = math.sqrt(east * east + north * north)
     coast = far - speed * SETTLED_S - speed * speed / constants.limits.accel
     if coast < speed * SETTLED_S or state.time - since < CORRECTED_FOR + SETTLED_S:
         return state
-    if order.goal.up != order.start.up or x.acceleration * x.acceleration + y.acceleration * y.acceleration > 0.0:
+    if motion.goal.up != motion.start.up or x.acceleration * x.acceleration + y.acceleration * y.acceleration > 0.0:
         return state
     skipped_east = east * coast / far
     skipped_north = north * coast / far
@@ -346,40 +347,40 @@ def at_start(height: float, seed: int) -> FlightProgress:
 
 
 def fly(
-    orders: Sequence[Order],
+    motions: Sequence[Motion],
     constants_as_records: Sequence[SimulationConstants],
     flight: FlightProgress,
     until: float,
     every: int,
 ) -> tuple[Vector, Samples, FlightProgress]:
-    """Fly on; return times [s] after each order that ended, samples, and the progress.
+    """Fly on; return times [s] after each motion that ended, samples, and the progress.
 
     Samples have the estimated velocity, each `every` steps (0: none). The flight starts at rest over home, or
-    takes off. It ends at the time `until` [s], or early if an order's timeout ends.
+    takes off. It ends at the time `until` [s], or early if a motion's timeout ends.
     """
     constants = constants_as_records[0]  # one: compiled code gets an array of records
     state = flight.state
     steps = flight.steps
     touched = flight.touched
-    done = np.zeros(len(orders))
+    done = np.zeros(len(motions))
     samples = np.zeros((64, 7))
     taken = 0
-    for n in range(len(orders)):
-        order = orders[n]
+    for n in range(len(motions)):
+        motion = motions[n]
         if steps == NOT_BEGUN:
-            if order.kind == TAKE_OFF and (state.body.on_ground or state.contact.on_ground):
+            if motion.kind == TAKE_OFF and (state.body.on_ground or state.contact.on_ground):
                 lifts = state.time + constants.limits.spool_up
                 state = at_rest(state.body.place, lifts, state.yaw.angle, state.errors, True)
-            state = begin(state, order)
+            state = begin(state, motion)
             steps = 0
-        while state.time < until and not is_over(state, order):
-            if state.reached < 0.0 and state.time - state.begun > order.timeout:
+        while state.time < until and not is_over(state, motion):
+            if state.reached < 0.0 and state.time - state.begun > motion.timeout:
                 break
-            state = step(state, order, constants)
+            state = step(state, motion, constants)
             steps = steps + 1
             if until == math.inf:
-                state = past_cruise(state, order, constants)
-            if order.kind == LAND and not state.contact.on_ground:
+                state = past_cruise(state, motion, constants)
+            if motion.kind == LAND and not state.contact.on_ground:
                 touched = state.time
             if every > 0 and steps % every == 0:
                 if taken == len(samples):
@@ -390,8 +391,8 @@ def fly(
                 row[0], row[1], row[2], row[3] = state.time, place.east, place.north, place.up
                 row[4], row[5], row[6] = speed.east, speed.north, speed.up
                 taken += 1
-        if state.time >= until or not is_over(state, order):
+        if state.time >= until or not is_over(state, motion):
             return done[:n].copy(), samples[:taken].copy(), FlightProgress(state, steps, touched)
-        done[n] = state.reached + order.hold_s if until == math.inf else state.time
+        done[n] = state.reached + motion.hold_s if until == math.inf else state.time
         steps = NOT_BEGUN
     return done, samples[:taken].copy(), FlightProgress(state, steps, touched)

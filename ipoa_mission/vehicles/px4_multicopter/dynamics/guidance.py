@@ -14,7 +14,7 @@ from ipoa_mission.vehicles.px4_multicopter.dynamics.state import (
     Body,
     Contact,
     Guidance,
-    Order,
+    Motion,
     SimulationConstants,
     State,
     Yaw,
@@ -34,7 +34,7 @@ def half_tangent(cosine: float) -> float:
     return math.sqrt(max(1.0 - cosine, 0.0) / max(1.0 + cosine, 1e-14))
 
 
-def corner_speed(ahead: Enu, onward: Enu, order: Order, limits: Px4Limits) -> float:
+def corner_speed(ahead: Enu, onward: Enu, motion: Motion, limits: Px4Limits) -> float:
     """Return the horizontal speed [m/s] with the way `ahead` to a goal [m], and `onward` to the next one.
 
     At the goal: that of the circle touching both legs at the acceptance radius, with MPC_XY_TRAJ_P of the acceleration.
@@ -43,14 +43,14 @@ def corner_speed(ahead: Enu, onward: Enu, order: Order, limits: Px4Limits) -> fl
     distance = horizontal_norm(ahead)
     next_distance = horizontal_norm(onward)
     leave = 0.0
-    if speed_to(distance, leave, limits.accel, limits.jerk) >= order.cruise:
-        return order.cruise
-    if next_distance > 0.001 and next_distance >= order.radius:
+    if speed_to(distance, leave, limits.accel, limits.jerk) >= motion.cruise:
+        return motion.cruise
+    if next_distance > 0.001 and next_distance >= motion.radius:
         product = ahead.east * onward.east + ahead.north * onward.north
         cosine = 0.0 if distance < 1e-9 else -product / (distance * next_distance)
-        turn = math.sqrt(limits.corner_gain * limits.accel * order.radius * half_tangent(cosine))
-        leave = min(turn, speed_to(next_distance, 0.0, limits.accel, limits.jerk), order.cruise)
-    return min(order.cruise, speed_to(distance, leave, limits.accel, limits.jerk))
+        turn = math.sqrt(limits.corner_gain * limits.accel * motion.radius * half_tangent(cosine))
+        leave = min(turn, speed_to(next_distance, 0.0, limits.accel, limits.jerk), motion.cruise)
+    return min(motion.cruise, speed_to(distance, leave, limits.accel, limits.jerk))
 
 
 class Triplet(NamedTuple):
@@ -85,22 +85,22 @@ def vertical_speed(place: Enu, waypoints: Triplet, climb: Climb, limits: Px4Limi
     return min(climb.rate, speed_to(abs(goal.up - place.up), leave, climb.accel, limits.jerk))
 
 
-def sink_rate(state: State, order: Order, constants: SimulationConstants) -> float:
+def sink_rate(state: State, motion: Motion, constants: SimulationConstants) -> float:
     """Return MPC_Z_V_AUTO_DN above MPC_LAND_ALT1, MPC_LAND_SPEED at MPC_LAND_ALT2, then a crawl.
 
     Between them it interpolates from MPC_Z_VEL_MAX_DN. Only a range finder measures over the ground, with a lag, and
     allows the crawl.
     """
     limits, sees = constants.limits, constants.sensors.sees_ground
-    height = state.body.place.up - (order.goal.up + RANGE_LAG_S * state.body.speed.up if sees else 0.0)
+    height = state.body.place.up - (motion.goal.up + RANGE_LAG_S * state.body.speed.up if sees else 0.0)
     if sees and height <= limits.crawl_below and not state.contact.lost:
         return limits.crawl_speed
     share = (height - limits.land_low) / max(limits.land_high - limits.land_low, 1e-6)
     return min(limits.land_speed + min(max(share, 0.0), 1.0) * (limits.sinks_from - limits.land_speed), limits.descent)
 
 
-def touches_down(state: State, order: Order) -> bool:
-    return order.kind == LAND and (state.contact.on_ground or state.body.place.up <= order.goal.up)
+def touches_down(state: State, motion: Motion) -> bool:
+    return motion.kind == LAND and (state.contact.on_ground or state.body.place.up <= motion.goal.up)
 
 
 def detect_contact(state: State, body: Body, thrust: float, constants: SimulationConstants) -> Contact:
@@ -118,25 +118,25 @@ def detect_contact(state: State, body: Body, thrust: float, constants: Simulatio
     return Contact(on_ground, lost, before.stages, before.since)
 
 
-def heading_wanted(state: State, order: Order) -> float:
-    if not math.isnan(order.heading):
-        return order.heading
-    east, north = order.goal.east - state.body.place.east, order.goal.north - state.body.place.north
-    if east * east + north * north <= order.radius * order.radius:
+def heading_wanted(state: State, motion: Motion) -> float:
+    if not math.isnan(motion.heading):
+        return motion.heading
+    east, north = motion.goal.east - state.body.place.east, motion.goal.north - state.body.place.north
+    if east * east + north * north <= motion.radius * motion.radius:
         return state.yaw.angle
     return math.atan2(east, north)
 
 
-def heading_error(state: State, order: Order) -> float:
-    error = heading_wanted(state, order) - state.yaw.angle
+def heading_error(state: State, motion: Motion) -> float:
+    error = heading_wanted(state, motion) - state.yaw.angle
     return 0.0 if math.isnan(error) else error - 2.0 * math.pi * math.floor(error / (2.0 * math.pi) + 0.5)
 
 
-def turn_yaw(state: State, order: Order, limits: Px4Limits, dt: float) -> Yaw:
+def turn_yaw(state: State, motion: Motion, limits: Px4Limits, dt: float) -> Yaw:
     yaw = state.yaw
     if math.isnan(yaw.angle):
-        return Yaw(heading_wanted(state, order), 0.0)
-    error = heading_error(state, order)
+        return Yaw(heading_wanted(state, motion), 0.0)
+    error = heading_error(state, motion)
     accel = limits.yaw_accel
     most = min(limits.yaw_rate, math.sqrt(2.0 * accel * abs(error)), abs(error) / dt)
     rate = yaw.rate + min(max(math.copysign(most, error) - yaw.rate, -accel * dt), accel * dt)
@@ -150,23 +150,23 @@ MOVING = 0.2  # least speed of a turn [m/s]
 SEPARATE_AXES_SPEED = 0.5  # below, horizontal and vertical parts are cut separately [m/s]
 
 
-def guide(state: State, order: Order, limits: Px4Limits) -> Guidance:
+def guide(state: State, motion: Motion, limits: Px4Limits) -> Guidance:
     """Return the guidance, restarted from the present place after a change."""
     if limits.decoupled_axes:
         return state.guidance
     place = state.body.place
     before = state.guidance
-    error = reported_home_error(state, order)
+    error = reported_home_error(state, motion)
     reported_place = Enu(place.east, place.north, place.up - error)
-    ahead, along, across = beside_leg(reported_place, as_tuple(order.start), as_tuple(order.goal))
+    ahead, along, across = beside_leg(reported_place, as_tuple(motion.start), as_tuple(motion.goal))
     if ahead <= 1e-6:
-        return Guidance(ON_LINE, as_tuple(order.start), before.held, before.rising)
+        return Guidance(ON_LINE, as_tuple(motion.start), before.held, before.rising)
     side = ON_LINE
     if along > ahead:
         side = BEYOND
-    elif along < 0.0 and along * along + across * across > order.radius * order.radius:
+    elif along < 0.0 and along * along + across * across > motion.radius * motion.radius:
         side = BEFORE
-    elif order.kind != LAND and across > order.radius:
+    elif motion.kind != LAND and across > motion.radius:
         side = OFF_LINE
     if side == before.side and side != OFF_LINE:
         return before
@@ -184,12 +184,12 @@ def beside_leg(place: Enu, start: Enu, goal: Enu) -> tuple[float, float, float]:
     return length, along, math.sqrt(max(dot(flown, flown) - along * along, 0.0))
 
 
-def triplet(guidance: Guidance, order: Order) -> Triplet:
+def triplet(guidance: Guidance, motion: Motion) -> Triplet:
     """Return the leg's waypoints, or the way back to its end, start or nearest point."""
     anchor = guidance.anchor
-    start = as_tuple(order.start)
-    goal = as_tuple(order.goal)
-    beyond = as_tuple(order.beyond)
+    start = as_tuple(motion.start)
+    goal = as_tuple(motion.goal)
+    beyond = as_tuple(motion.beyond)
     if guidance.side == BEYOND:
         return Triplet(anchor, goal, beyond)
     if guidance.side == BEFORE:
@@ -200,13 +200,13 @@ def triplet(guidance: Guidance, order: Order) -> Triplet:
     return Triplet(start, goal, beyond)
 
 
-def reported_home_error(state: State, order: Order) -> float:
+def reported_home_error(state: State, motion: Motion) -> float:
     """Return the guidance's error of home's height [m]."""
-    return state.errors.reported if order.follows_home else 0.0
+    return state.errors.reported if motion.follows_home else 0.0
 
 
-def is_low_take_off(state: State, order: Order, limits: Px4Limits) -> bool:
-    return order.kind == TAKE_OFF and state.body.place.up < limits.land_high
+def is_low_take_off(state: State, motion: Motion, limits: Px4Limits) -> bool:
+    return motion.kind == TAKE_OFF and state.body.place.up < limits.land_high
 
 
 def climb_limits(rising: bool, low: bool, limits: Px4Limits) -> Climb:
@@ -218,35 +218,35 @@ def climb_limits(rising: bool, low: bool, limits: Px4Limits) -> Climb:
 
 
 def velocity_setpoint(
-    state: State, order: Order, constants: SimulationConstants, guidance: Guidance
+    state: State, motion: Motion, constants: SimulationConstants, guidance: Guidance
 ) -> tuple[Enu, Guidance]:
     """Return velocity setpoint before jerk limits, and guidance; in a turn it aims ahead at constant speed."""
     limits = constants.limits
     x, y = state.trajectory.east, state.trajectory.north
-    waypoints = triplet(guidance, order)
-    place = Enu(x.place, y.place, state.trajectory.up.place - reported_home_error(state, order))
+    waypoints = triplet(guidance, motion)
+    place = Enu(x.place, y.place, state.trajectory.up.place - reported_home_error(state, motion))
     to_point = minus(waypoints.goal, place)
     distance = horizontal_norm(to_point)
-    horizontal_speed = corner_speed(to_point, minus(waypoints.beyond, waypoints.goal), order, limits)
+    horizontal_speed = corner_speed(to_point, minus(waypoints.beyond, waypoints.goal), motion, limits)
     held = horizontal_speed
     speed = math.sqrt(x.speed * x.speed + y.speed * y.speed)
     is_turning = x.speed * to_point.east + y.speed * to_point.north < TURNING * speed * distance
-    if speed > MOVING and distance > order.radius and is_turning:
+    if speed > MOVING and distance > motion.radius and is_turning:
         held = guidance.held
         horizontal_speed = min(held, horizontal_speed)
-        to_point = ahead_on_leg(place, waypoints, to_point, order.radius)
-    if order.kind == LAND:
+        to_point = ahead_on_leg(place, waypoints, to_point, motion.radius)
+    if motion.kind == LAND:
         scale = horizontal_speed / distance if distance > AT_GOAL else 0.0
-        velocity = Enu(to_point.east * scale, to_point.north * scale, -sink_rate(state, order, constants))
+        velocity = Enu(to_point.east * scale, to_point.north * scale, -sink_rate(state, motion, constants))
     else:
-        climb = climb_limits(guidance.rising, is_low_take_off(state, order, limits), limits)
+        climb = climb_limits(guidance.rising, is_low_take_off(state, motion, limits), limits)
         rise = vertical_speed(place, waypoints, climb, limits)
         velocity = (
             decoupled_velocity(to_point, horizontal_speed, rise)
             if limits.decoupled_axes
             else coupled_velocity(to_point, horizontal_speed, rise)
         )
-    if limits.turns_first and order.may_turn_first and abs(heading_error(state, order)) > limits.yaw_error:
+    if limits.turns_first and motion.may_turn_first and abs(heading_error(state, motion)) > limits.yaw_error:
         velocity = ZERO
     return velocity, Guidance(guidance.side, guidance.anchor, held, velocity.up > 0.0)
 

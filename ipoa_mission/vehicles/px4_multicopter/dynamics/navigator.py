@@ -1,4 +1,4 @@
-"""Turn mission items, RTL and LAND into orders, as PX4's navigator."""
+"""Turn mission items, RTL and LAND into motions, as PX4's navigator."""
 
 import math
 from collections.abc import Iterator, Sequence
@@ -20,7 +20,7 @@ from ipoa_mission.vehicles.px4_multicopter.dynamics.state import (
     TAKE_OFF,
     Airframe,
     EastNorth,
-    Order,
+    Motion,
     SensorModel,
     SimulationConstants,
 )
@@ -49,25 +49,25 @@ def simulation_constants(
     return SimulationConstants(limits, airframe, sensors, wind.table, *steps, turns=True, noisy=True)
 
 
-def leg(limits: Px4Limits, start: Enu, goal: Enu, *, beyond: Enu | None = None, cruise: float | None = None) -> Order:
+def leg(limits: Px4Limits, start: Enu, goal: Enu, *, beyond: Enu | None = None, cruise: float | None = None) -> Motion:
     """Return a leg on to `beyond`, or with a stop; `cruise` [m/s] is by default MPC_XY_CRUISE."""
     fastest = min(limits.cruise if cruise is None else cruise, limits.max_speed)
-    return Order(
+    return Motion(
         GO, start, goal, beyond or goal, radius=limits.radius, height_radius=limits.height_radius, cruise=fastest
     )
 
 
-def take_off(top: Enu, limits: Px4Limits) -> Order:
+def take_off(top: Enu, limits: Px4Limits) -> Motion:
     """Return a climb above home at that time."""
     return leg(limits, top, top)._replace(kind=TAKE_OFF, follows_home=False)
 
 
-def waypoint(item: Item, order: Order, limits: Px4Limits) -> Order:
-    """Return the order of a leg with the item's hold, radius and heading."""
+def waypoint(item: Item, motion: Motion, limits: Px4Limits) -> Motion:
+    """Return the motion of a leg with the item's hold, radius and heading."""
     hold_s = max(0.0, item.params[0]) if item.command in HOLDING else 0.0  # NaN: no hold
     has_radius = item.command == Command.NAV_WAYPOINT and item.params[1] > 0.001
-    return order._replace(
-        beyond=order.goal if hold_s > 0 else order.beyond,
+    return motion._replace(
+        beyond=motion.goal if hold_s > 0 else motion.beyond,
         radius=item.params[1] if has_radius else limits.radius,
         hold_s=hold_s,
         heading=math.radians(item.params[3]),
@@ -76,13 +76,13 @@ def waypoint(item: Item, order: Order, limits: Px4Limits) -> Order:
     )
 
 
-def stay(place: Enu, limits: Px4Limits, seconds: float) -> list[Order]:
-    order = leg(limits, place, place)
-    return [order._replace(radius=ANY_RADIUS, height_radius=ANY_RADIUS, hold_s=seconds)] if seconds > 0 else []
+def stay(place: Enu, limits: Px4Limits, seconds: float) -> list[Motion]:
+    motion = leg(limits, place, place)
+    return [motion._replace(radius=ANY_RADIUS, height_radius=ANY_RADIUS, hold_s=seconds)] if seconds > 0 else []
 
 
-def landing_orders(start: Enu, ground: Enu, limits: Px4Limits, cruise: float, hold_s: float) -> list[Order]:
-    """Return a landing's orders, first to over the place if beyond the acceptance radius; `hold_s`: on the ground."""
+def landing_motions(start: Enu, ground: Enu, limits: Px4Limits, cruise: float, hold_s: float) -> list[Motion]:
+    """Return a landing's motions, first to over the place if beyond the acceptance radius; `hold_s`: on the ground."""
     over = ground._replace(up=start.up)
     legs = [leg(limits, start, over, cruise=cruise)] if math.dist(start, over) > limits.radius else []
     ground = ground if legs else start._replace(up=ground.up)
@@ -95,8 +95,8 @@ def stopping_place(place: Enu, speed: EastNorth, limits: Px4Limits) -> Enu:
     return place._replace(east=place.east + speed.east * time, north=place.north + speed.north * time)
 
 
-def return_orders(here: Enu, goal: Place, ground: Ground, limits: Px4Limits) -> list[Order]:
-    """Return the orders of RTL to home or a rally point: climb by `Px4Return`, fly at MPC_XY_CRUISE, wait, land.
+def return_motions(here: Enu, goal: Place, ground: Ground, limits: Px4Limits) -> list[Motion]:
+    """Return the motions of RTL to home or a rally point: climb by `Px4Return`, fly at MPC_XY_CRUISE, wait, land.
 
     Heights count from the goal's. While it climbs it flies back to `here`, until within NAV_LOITER_RAD.
     """
@@ -106,30 +106,30 @@ def return_orders(here: Enu, goal: Place, ground: Ground, limits: Px4Limits) -> 
     height = goal_height + limits.returning.height(here.up - goal_height, far)
     top = here._replace(up=height) if height > here.up + limits.height_radius else here
     climb = [leg(limits, top, top)._replace(radius=ANY_RADIUS)] if top != here else []
-    *legs, down = landing_orders(top, on_ground, limits, limits.cruise, limits.disarm_delay)
+    *legs, down = landing_motions(top, on_ground, limits, limits.cruise, limits.disarm_delay)
     # PX4's return has no previous waypoint: from wherever it turns home it flies straight, and keeps to no line.
-    legs = [order._replace(start=order.goal) for order in legs]
+    legs = [motion._replace(start=motion.goal) for motion in legs]
     over = down.goal._replace(up=top.up)
     low = over._replace(up=max(min(top.up, goal_height + limits.land_delay_height), on_ground.up))
     waits = [leg(limits, over, low), *stay(low, limits, limits.land_delay)] if limits.land_delay else []
     return [*climb, *legs, *waits, down]
 
 
-def land_mode_orders(here: Enu, speed: EastNorth, ground: Ground, limits: Px4Limits) -> list[Order]:
+def land_mode_motions(here: Enu, speed: EastNorth, ground: Ground, limits: Px4Limits) -> list[Motion]:
     stop = stopping_place(here, speed, limits)
     on_ground = stop._replace(up=ground.at(stop.east, stop.north))
-    return landing_orders(stop, on_ground, limits, limits.cruise, limits.disarm_delay)
+    return landing_motions(stop, on_ground, limits, limits.cruise, limits.disarm_delay)
 
 
-def contingency_orders(contingency: Contingency, row: Vector, itinerary: Itinerary, limits: Px4Limits) -> list[Order]:
+def contingency_motions(contingency: Contingency, row: Vector, itinerary: Itinerary, limits: Px4Limits) -> list[Motion]:
     here = Enu(*map(float, row[1:4]))
     if contingency is Contingency.RTL:
-        return return_orders(here, itinerary.goal_of_return(here), itinerary.ground, limits)
-    return land_mode_orders(here, EastNorth(float(row[4]), float(row[5])), itinerary.ground, limits)
+        return return_motions(here, itinerary.goal_of_return(here), itinerary.ground, limits)
+    return land_mode_motions(here, EastNorth(float(row[4]), float(row[5])), itinerary.ground, limits)
 
 
 class Navigator:
-    """Turn items of a program into orders; `here` is the place commanded last."""
+    """Turn items of a program into motions; `here` is the place commanded last."""
 
     def __init__(self, program: Program, ground: Ground, limits: Px4Limits, here: Enu) -> None:
         self.program = program
@@ -144,7 +144,7 @@ class Navigator:
         if kind < 2:
             self.cruise = speed if speed > 0 else self.limits.cruise
 
-    def fly_to(self, n: int, takes_off: bool) -> list[Order]:
+    def fly_to(self, n: int, takes_off: bool) -> list[Motion]:
         item = self.program.items[n]
         is_takeoff = item.command == Command.NAV_TAKEOFF
         start = self.here
@@ -154,22 +154,22 @@ class Navigator:
         climb = [take_off(start, self.limits)] if takes_off else []
         onward = self.program.onward(n)
         beyond = None if onward is None else self._target(onward)
-        order = leg(self.limits, start, self.here, beyond=beyond, cruise=self.cruise)
-        return [*climb, order if is_takeoff else waypoint(item, order, self.limits)]
+        motion = leg(self.limits, start, self.here, beyond=beyond, cruise=self.cruise)
+        return [*climb, motion if is_takeoff else waypoint(item, motion, self.limits)]
 
-    def land_at(self, n: int) -> list[Order]:
+    def land_at(self, n: int) -> list[Motion]:
         ground = self.ground_under(self._target(n))
-        return self._landing(landing_orders(self.here, ground, self.limits, self.cruise, 0.0))
+        return self._landing(landing_motions(self.here, ground, self.limits, self.cruise, 0.0))
 
-    def return_to(self, goal: Place) -> list[Order]:
+    def return_to(self, goal: Place) -> list[Motion]:
         self.cruise = self.limits.cruise
-        return self._landing(return_orders(self.here, goal, self.ground, self.limits))
+        return self._landing(return_motions(self.here, goal, self.ground, self.limits))
 
-    def return_along(self, places: Sequence[Place]) -> list[Order]:
+    def return_along(self, places: Sequence[Place]) -> list[Motion]:
         """`places`: back along the mission, the last over home."""
         self.cruise = self.limits.cruise
         back = [Enu(*place) for place in places]
-        legs = list[Order]()
+        legs = list[Motion]()
         start = self.here
         for place, beyond in zip(back, [*back[1:], None], strict=True):
             if math.dist(start, place) > self.limits.radius:
@@ -182,23 +182,23 @@ class Navigator:
     def ground_under(self, place: Enu) -> Enu:
         return place._replace(up=self.ground.at(place.east, place.north))
 
-    def _landing(self, orders: list[Order]) -> list[Order]:
-        self.here = orders[-1].goal
-        return orders
+    def _landing(self, motions: list[Motion]) -> list[Motion]:
+        self.here = motions[-1].goal
+        return motions
 
     def _target(self, n: int) -> Enu:
         """Open coordinates are those last commanded."""
         return Enu(*self.program.place(n, self.here))
 
 
-class ItineraryOrders(NamedTuple):
-    orders: tuple[Order, ...]
-    done: tuple[int, ...]  # number of orders done after each visit
+class ItineraryMotions(NamedTuple):
+    motions: tuple[Motion, ...]
+    done: tuple[int, ...]  # number of motions done after each visit
     remarks: tuple[str, ...]
 
 
-def orders_of_itinerary(itinerary: Itinerary, limits: Px4Limits, landing_delay: float = 0.0) -> ItineraryOrders:
-    """Return the orders of an itinerary, from the ground, or from over home.
+def motions_of_itinerary(itinerary: Itinerary, limits: Px4Limits, landing_delay: float = 0.0) -> ItineraryMotions:
+    """Return the motions of an itinerary, from the ground, or from over home.
 
     It disarms `landing_delay` s later.
 
@@ -208,35 +208,35 @@ def orders_of_itinerary(itinerary: Itinerary, limits: Px4Limits, landing_delay: 
     height = itinerary.start_height
     navigator = Navigator(itinerary.program, itinerary.ground, limits, Enu(0.0, 0.0, height or 0.0))
     airborne = height is not None
-    orders = list[Order]()
+    motions = list[Motion]()
     done = list[int]()
     remarks = list[str]()
     for n, visit in enumerate(itinerary.visits):
-        begins = orders[-1].goal if orders else navigator.here
+        begins = motions[-1].goal if motions else navigator.here
         visited = _visit(itinerary, n, navigator, airborne, remarks)
-        orders += with_timeouts(visited, begins, limits, landing_delay)
-        done.append(len(orders))
+        motions += with_timeouts(visited, begins, limits, landing_delay)
+        done.append(len(motions))
         if visit.item.command == Command.NAV_TAKEOFF:
             airborne = True
         elif visited and visited[-1].kind == LAND:
             airborne = False
-    return ItineraryOrders(tuple(orders), tuple(done), tuple(remarks))
+    return ItineraryMotions(tuple(motions), tuple(done), tuple(remarks))
 
 
-def with_timeouts(orders: Sequence[Order], start: Enu, limits: Px4Limits, landing_delay: float) -> Iterator[Order]:
-    """Yield orders flown from `start`, each with its timeout."""
-    # A guard against circling forever, not PX4's: several times the duration of any order that ends.
+def with_timeouts(motions: Sequence[Motion], start: Enu, limits: Px4Limits, landing_delay: float) -> Iterator[Motion]:
+    """Yield motions flown from `start`, each with its timeout."""
+    # A guard against circling forever, not PX4's: several times the duration of any motion that ends.
     slowest = min(limits.climb, limits.descent, limits.takeoff_speed, limits.land_speed, limits.crawl_speed)
-    for order in orders:
-        distance = math.dist(start[:2], order.goal[:2])
-        rise = abs(order.goal.up - start.up)
-        lasts = (300 if order.kind == LAND else 120) + 6 * distance * max(1.0, 1 / order.cruise) + 4 * rise / slowest
-        late = landing_delay if order.kind == LAND else 0.0
-        yield order._replace(hold_s=order.hold_s + late, timeout=lasts * max(1.0, 1 / order.radius))
-        start = order.goal
+    for motion in motions:
+        distance = math.dist(start[:2], motion.goal[:2])
+        rise = abs(motion.goal.up - start.up)
+        lasts = (300 if motion.kind == LAND else 120) + 6 * distance * max(1.0, 1 / motion.cruise) + 4 * rise / slowest
+        late = landing_delay if motion.kind == LAND else 0.0
+        yield motion._replace(hold_s=motion.hold_s + late, timeout=lasts * max(1.0, 1 / motion.radius))
+        start = motion.goal
 
 
-def _visit(itinerary: Itinerary, n: int, navigator: Navigator, airborne: bool, remarks: list[str]) -> list[Order]:
+def _visit(itinerary: Itinerary, n: int, navigator: Navigator, airborne: bool, remarks: list[str]) -> list[Motion]:
     item = itinerary.visits[n].item
     place = f"item {itinerary.visits[n].seq}"
     match item.command:

@@ -1,8 +1,8 @@
-"""PX4's orders, flight state, body in wind, and sensor errors; SI units, east, north, up.
+"""PX4's motions, flight state, body in wind, and sensor errors; SI units, east, north, up.
 
 Airframe and errors are fitted to flights (docs/lab/flight-time.md).
 
-Numba gets `Order` and `SimulationConstants` as records of the same names. From 1.17 on (pull request 25003), for two
+Numba gets `Motion` and `SimulationConstants` as records of the same names. From 1.17 on (pull request 25003), for two
 minutes after take-off, home and waypoints move if the measured height differs by 1 m. The navigator knows at once, the
 guidance later.
 """
@@ -19,7 +19,7 @@ NOTICED_S = 0.075  # half the navigator's cycle, and the setpoint's latency [s]
 #: Two congruences (L'Ecuyer, 1988) with products exact in floating point.
 FACTOR, MODULUS = 40014.0, 2147483563.0
 FACTOR_2, MODULUS_2 = 40692.0, 2147483399.0
-GO, TAKE_OFF, LAND = 0, 1, 2  # orders
+GO, TAKE_OFF, LAND = 0, 1, 2  # motions
 ON_LINE, BEYOND, BEFORE, OFF_LINE, UNKNOWN = 0, 1, 2, 3, 4
 NOT_YET, NOT_BEGUN = -1.0, -1
 
@@ -56,7 +56,7 @@ SIH_SENSORS = SensorModel(every=0.125, height_noise=0.5, drift=0.2, drift_up=0.1
 NOISE_FREE = SensorModel(every=math.inf, height_noise=0.0, drift=0.0, drift_up=0.0, drift_lasts=1.0, sees_ground=False)
 
 
-class Order(NamedTuple):
+class Motion(NamedTuple):
     """Fly from `start` to `goal`: to its radii and heading, and hold."""
 
     kind: int
@@ -166,7 +166,7 @@ class State(NamedTuple):
 
 class FlightProgress(NamedTuple):
     state: State
-    steps: int  # of its order, or NOT_BEGUN
+    steps: int  # of its motion, or NOT_BEGUN
     touched: float  # time of touchdown [s], or NOT_YET
 
 
