@@ -246,9 +246,9 @@ class Forecast:
         task = clearance_task(self.world, self.mission.autopilot)
         predicted = self.predicted(noise_free=True)
         model = self.mission.autopilot.part(FlightModel)
-        spread = None if task.chance is None else model.spread(self.itinerary, self._air, predicted)
+        excess = None if task.chance is None else model.excess_deviation(self.itinerary, self._air, predicted)
         track = self.placed_track(predicted.track.local())
-        return clearance_guarantee_of(PredictedFlight(self.itinerary, predicted, track, task, spread))
+        return clearance_guarantee_of(PredictedFlight(self.itinerary, predicted, track, task, excess))
 
     @property
     def over_uneven_terrain(self) -> tuple[int, ...]:

@@ -174,8 +174,8 @@ def _solve(flights: Sequence[Evidence], blank: LearnedVehicle, names: Sequence[s
 
     found = least_squares(misfit, np.zeros(len(names)), slopes, x_scale=prior, xtol=1e-3, ftol=1e-3, max_nfev=12)
     freedom = max(len(deviations) + len(log_drag) - len(names), 1)
-    spread = max(float((found.fun[: -len(names)] ** 2).sum()) / freedom, 1.0)
-    covariance = np.linalg.inv(found.jac.T @ found.jac) * spread
+    residual_variance = max(float((found.fun[: -len(names)] ** 2).sum()) / freedom, 1.0)
+    covariance = np.linalg.inv(found.jac.T @ found.jac) * residual_variance
     return found.x, np.sqrt(np.diag(covariance))
 
 

@@ -152,7 +152,7 @@ class RoundTrip:
         self.loses = False  # a repeat was too late for an echo
         self.doubts = 0  # answers to repeated questions since the last round trip
         self._mean: float | None = None
-        self._shortest = self._spread = 0.0
+        self._shortest = self._variation = 0.0
         self._backoff = 1.0
 
     def wait_s(self, item: bool) -> float:
@@ -160,7 +160,7 @@ class RoundTrip:
         if not self.policy.adapt:
             return wait
         if self._mean is not None:
-            wait = max(self._mean + 4 * self._spread, self.FASTEST_S)
+            wait = max(self._mean + 4 * self._variation, self.FASTEST_S)
         return min(wait * self._backoff, self.SLOWEST_S)
 
     def sample(self, seconds: float) -> None:
@@ -168,11 +168,11 @@ class RoundTrip:
         self.doubts = 0
         if self._mean is None:
             self._mean = seconds
-            self._spread = seconds / 4
+            self._variation = seconds / 4
             self._shortest = seconds
         else:
             self._shortest = min(seconds, self._shortest)
-            self._spread += (abs(seconds - self._mean) - self._spread) / 4
+            self._variation += (abs(seconds - self._mean) - self._variation) / 4
             self._mean += (seconds - self._mean) / 8
 
     @property

@@ -56,9 +56,9 @@ def expect_wide(scenario: Scenario) -> None:
 
 def least_reach(law: DeviationLaw, chance: float) -> float:
     """Return the least extra distance next to an obstacle [m]; less above and below it."""
-    vertical = [spread.distance(TYPICAL_CHANCE) for spread in (law.down, law.up)]
+    vertical = [quantiles.distance(TYPICAL_CHANCE) for quantiles in (law.down, law.up)]
     facing = min(1.0, min(vertical) / law.lateral.distance(TYPICAL_CHANCE))
-    reach = [spread.distance(chance) for spread in (law.down, law.up, law.lowest, law.highest)]
+    reach = [quantiles.distance(chance) for quantiles in (law.down, law.up, law.lowest, law.highest)]
     reach.append(facing * law.lateral.distance(chance))
     if law.farthest is not None:
         reach.append(facing * law.farthest.distance(chance / 2))

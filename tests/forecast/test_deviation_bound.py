@@ -88,9 +88,9 @@ def test_heights_of_whole_flights_keep_to_their_quantiles(side: str) -> None:
     for row in PASSES:
         if row["autopilot"] == "px4" and row["on_the_way"] == "1":
             most[row["flight"]] = max(most.get(row["flight"], 0.0), float(row[side]))
-    spread = PX4.lowest if side == "down" else PX4.highest
+    quantiles = PX4.lowest if side == "down" else PX4.highest
     for chance in (0.1, 0.05, 0.01):
-        assert np.mean(np.array(list(most.values())) > spread.distance(chance)) <= chance
+        assert np.mean(np.array(list(most.values())) > quantiles.distance(chance)) <= chance
 
 
 def test_beside_a_wall_the_chance_is_that_of_one_side_of_a_pass() -> None:
@@ -121,7 +121,7 @@ def test_two_walls_add_up_and_two_passes_are_two_draws() -> None:
 def test_height_errors_over_a_roof_last_a_whole_flight() -> None:
     roof = Prism("hall", ((-100.0, -50.0), (5000.0, -50.0), (5000.0, 50.0), (-100.0, 50.0)), (), 0.0, 15.0)
     course, world = straight(roof)
-    moment, flight = (5.0 - spread.distance(0.01) for spread in (PX4.down, PX4.lowest))
+    moment, flight = (5.0 - quantiles.distance(0.01) for quantiles in (PX4.down, PX4.lowest))
     assert proximity_risks(course, world, PX4, 3.0).clearance_at(0.01) == pytest.approx(moment, abs=0.002)
     for seconds in (399.9, 799.9):
         course = straight(seconds=seconds)[0]

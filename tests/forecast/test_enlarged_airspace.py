@@ -35,7 +35,7 @@ def test_a_tight_start_leaves_the_bound_of_other_seconds(
     contingency: Contingency, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """A wall that is near to the start was enlarged by 0.05 m along the whole flight."""
-    monkeypatch.setattr(Px4Model, "spread", lambda *_: None)
+    monkeypatch.setattr(Px4Model, "excess_deviation", lambda *_: None)
     for first_east in (30.0, -10.0):
         rows = Contingencies(beside_wall(first_east)).rows(contingency, timed=False)
         row = next(row for row in rows if row.from_s <= 40.0 < row.to_s)

@@ -21,7 +21,7 @@ from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.timing.track import Track, pieces_of
 from ipoa_mission.mission.mission_io import read_mission
 from ipoa_mission.scenario import read_scenario
-from ipoa_mission.vehicles.px4_multicopter.flight_model import spread_of
+from ipoa_mission.vehicles.px4_multicopter.flight_model import excess_of
 from ipoa_mission.vehicles.px4_multicopter.simulation import RUNS
 from ipoa_mission.world.airspace import Airspace, Bounds
 from ipoa_mission.world.obstacles import Prism
@@ -52,29 +52,29 @@ def test_recorded_flights_keep_the_guaranteed_clearance(what: str, limit: str) -
 
 
 def test_runs_on_the_path_add_nothing() -> None:
-    assert spread_of(STRAIGHT, [moved((0.0, 0.0, 0.0))] * 3).max() < 1e-9
+    assert excess_of(STRAIGHT, [moved((0.0, 0.0, 0.0))] * 3).max() < 1e-9
 
 
 def test_spread_is_the_mean_offset_where_runs_agree() -> None:
-    spread = spread_of(STRAIGHT, [moved((0.0, -1.5, 0.7))] * 3)
+    excess = excess_of(STRAIGHT, [moved((0.0, -1.5, 0.7))] * 3)
     late, early = STRAIGHT.times > 12.0, STRAIGHT.times < 8.0
-    assert spread[late] == pytest.approx(np.tile([1.5, 0.0, 0.7], (late.sum(), 1)), abs=0.01)
-    assert spread[early].max() < 0.01
+    assert excess[late] == pytest.approx(np.tile([1.5, 0.0, 0.7], (late.sum(), 1)), abs=0.01)
+    assert excess[early].max() < 0.01
 
 
 def test_spread_exceeds_the_usual_noise_where_runs_differ() -> None:
-    spread = spread_of(STRAIGHT, [moved((0.0, side, side)) for side in (-1.0, 1.0)])
-    side, height = RUNS.usual_spread
-    assert spread[-1] == pytest.approx([2.0 - side, 2.0 - height, 2.0 - height], abs=0.01)
+    excess = excess_of(STRAIGHT, [moved((0.0, side, side)) for side in (-1.0, 1.0)])
+    side, height = RUNS.usual_deviation
+    assert excess[-1] == pytest.approx([2.0 - side, 2.0 - height, 2.0 - height], abs=0.01)
 
 
-def test_obstacle_is_nearer_by_the_spread() -> None:
+def test_obstacle_is_nearer_by_the_excess() -> None:
     wall = Prism("wall", ((-10.0, 8.0), (200.0, 8.0), (200.0, 12.0), (-10.0, 12.0)), (), -5.0, 60.0)
     air = Airspace(Bounds((-500.0, -500.0, -50.0), (500.0, 500.0, 200.0)), Flat(), (wall,))
-    spread = np.tile([1.25, 0.0, 0.0], (len(STRAIGHT.times), 1))
+    excess = np.tile([1.25, 0.0, 0.0], (len(STRAIGHT.times), 1))
     usual, wider = (
         proximity_risks(pieces_of(STRAIGHT, beyond), air, law_of(Autopilot.PX4), 8.0).clearance_at(0.01)
-        for beyond in (None, spread)
+        for beyond in (None, excess)
     )
     assert wider == pytest.approx(usual - 1.25, abs=0.01)
 
@@ -101,17 +101,17 @@ def test_contingencies_keep_less_where_flights_spread() -> None:
     mission = replace(read_mission(FOLDER / "steep.plan"), firmware_version=Version.parsed("1.17"))
     forecast = Forecast(mission, read_scenario(FOLDER / "steep.toml"))
     paths, pieces = ContingencyPaths(forecast), forecast.guarantee.flight.pieces
-    at = int(np.argmax(pieces.spread.max(axis=1)))
+    at = int(np.argmax(pieces.excess.max(axis=1)))
     times = (pieces.times[at : at + 1] + pieces.times[at + 1 : at + 2]) / 2
     samples = paths.at(Contingency.HOLD, times)
     near = (pieces.times[:-1] > times[0] - 1.2) & (pieces.times[:-1] < times[0] + 1.2)
-    aside, height = samples.spread[0]
-    assert (aside, height) <= (pieces.spread[near, 0].max(), pieces.spread[near, 1:].max() + 0.5)
-    assert aside >= pieces.spread[at, 0]
-    assert height >= pieces.spread[at, 1:].max()
+    aside, height = samples.excess[0]
+    assert (aside, height) <= (pieces.excess[near, 0].max(), pieces.excess[near, 1:].max() + 0.5)
+    assert aside >= pieces.excess[at, 0]
+    assert height >= pieces.excess[at, 1:].max()
     clearance = paths.enlarged.taller(height).obstacle_clearance(samples.paths[0, 0]).distance
     assert samples.slack[0] == pytest.approx(clearance - paths.required - aside, abs=0.01)
-    assert paths.as_flown.at(Contingency.HOLD, times).spread.max() == 0.0
+    assert paths.as_flown.at(Contingency.HOLD, times).excess.max() == 0.0
 
 
 def test_obstacles_are_taller_where_flights_spread_in_height() -> None:

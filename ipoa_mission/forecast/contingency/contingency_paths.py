@@ -136,7 +136,7 @@ class ContingencyPaths:
         return ContingencySamples.merge([self._at(contingency, batch) for batch in batches])
 
     def _at(self, contingency: Contingency, times: Vector) -> ContingencySamples:
-        """Return paths at `times` (n,), the distances of their legs less the spread, and their slack."""
+        """Return paths at `times` (n,), the distances of their legs less the excess deviation, and their slack."""
         places, stops = self.stops(contingency).at(times)
         if contingency is Contingency.RTL:
             paths, possible = self.returns(places, stops, self.stops(contingency).seqs_at(times))
@@ -149,20 +149,20 @@ class ContingencyPaths:
             paths = self.in_place(contingency, places, stops, farthest)
             possible = np.ones(paths.shape[:2], dtype=bool)
 
-        spread = self._spread(times)
+        excess = self._excess(times)
         near = np.empty((*possible.shape, paths.shape[2] - 1))
         which = np.empty(near.shape, dtype=np.intp)
-        for height in np.unique(spread[:, 1]).tolist():
-            rows = spread[:, 1] == height
-            near[rows], which[rows] = self._near(paths[rows], possible[rows], spread[rows])
+        for height in np.unique(excess[:, 1]).tolist():
+            rows = excess[:, 1] == height
+            near[rows], which[rows] = self._near(paths[rows], possible[rows], excess[rows])
         if contingency is Contingency.SMART_RTL:
             near[:, 0, 1], which[:, 0, 1] = self._flown_so_far(times)
         if contingency is Contingency.RTL:
             self._reduce_to_flown_path(times, near, which)
         slack = np.where(possible, near.min(axis=2) - self.required, np.inf).min(axis=1).clip(max=SAMPLING.max_slack)
-        slack -= spread[:, 0]
-        near -= spread[:, :1, None]
-        return self._with_ground(contingency, ContingencySamples(times, paths, possible, near, which, slack, spread))
+        slack -= excess[:, 0]
+        near -= excess[:, :1, None]
+        return self._with_ground(contingency, ContingencySamples(times, paths, possible, near, which, slack, excess))
 
     def exact_clearance(self, contingency: Contingency, samples: ContingencySamples, n: int) -> Clearance:
         if contingency is Contingency.SMART_RTL:
@@ -171,7 +171,7 @@ class ContingencyPaths:
             name = self.enlarged.whole.obstacles[number].name if number >= 0 else "nothing"
             flown = Clearance(float(samples.near[n, 0, 1]), as_place(samples.paths[n, 0, 1]), name, 1)
             return min(braking, flown, key=lambda clearance: clearance.distance)
-        return self.nearest(samples.paths[n][samples.possible[n]], *samples.spread[n].tolist())
+        return self.nearest(samples.paths[n][samples.possible[n]], *samples.excess[n].tolist())
 
     def nearest(self, paths: Iterable[Points], aside: float, height: float) -> Clearance:
         clearances = map(self.enlarged.taller(height).obstacle_clearance, paths)
@@ -180,23 +180,23 @@ class ContingencyPaths:
     def lowest_height(self, contingency: Contingency, samples: ContingencySamples, n: int) -> Check:
         paths = samples.paths[n, samples.possible[n], : _end_of_flight(contingency)]
         paths = paths[:1] if contingency is Contingency.LAND else paths
-        return self.lowest(paths, float(samples.spread[n].max()))
+        return self.lowest(paths, float(samples.excess[n].max()))
 
-    def lowest(self, paths: Iterable[Points], spread: float) -> Check:
+    def lowest(self, paths: Iterable[Points], excess: float) -> Check:
         checks = (check for path in paths for check in prove_ground(path, self.forecast.world))
         lowest = min(checks, key=lambda check: check.slack)
-        return replace(lowest, nearest=lowest.nearest.minus(spread))
+        return replace(lowest, nearest=lowest.nearest.minus(excess))
 
-    def _spread(self, times: Vector) -> Matrix:
-        """Return the spread within a second of `times` (n,), (n, 2) [m]; heights rounded up."""
-        if self.flight.spread is None or self.enlarged.whole is self.forecast.world.airspace:
+    def _excess(self, times: Vector) -> Matrix:
+        """Return the excess deviation within a second of `times` (n,), (n, 2) [m]; heights rounded up."""
+        if self.flight.excess is None or self.enlarged.whole is self.forecast.world.airspace:
             return np.zeros((len(times), 2))
         pieces = self.flight.pieces
-        height = np.ceil(2.0 * pieces.spread[:, 1:].max(axis=1)) / 2.0  # [m]
-        spread = np.vstack([np.column_stack([pieces.spread[:, 0], height]), np.zeros(2)])
-        first = np.clip(np.searchsorted(pieces.times, times - 1.0) - 1, 0, len(spread) - 2)
-        last = np.clip(np.searchsorted(pieces.times, times + 1.0), first + 1, len(spread) - 1)
-        alternating = np.maximum.reduceat(spread, np.column_stack([first, last]).ravel(), axis=0)
+        height = np.ceil(2.0 * pieces.excess[:, 1:].max(axis=1)) / 2.0  # [m]
+        excess = np.vstack([np.column_stack([pieces.excess[:, 0], height]), np.zeros(2)])
+        first = np.clip(np.searchsorted(pieces.times, times - 1.0) - 1, 0, len(excess) - 2)
+        last = np.clip(np.searchsorted(pieces.times, times + 1.0), first + 1, len(excess) - 1)
+        alternating = np.maximum.reduceat(excess, np.column_stack([first, last]).ravel(), axis=0)
         return np.asarray(alternating[::2])  # maximum over each [first, last)
 
     def goal_names(self, contingency: Contingency, samples: ContingencySamples, n: int) -> str:
@@ -210,12 +210,12 @@ class ContingencyPaths:
         goals = self._goals[samples.possible[n]]
         return " or ".join(dict.fromkeys(names[goal] for goal in np.unique(goals)))
 
-    def _near(self, paths: Paths, possible: NDArray[np.bool_], spread: Matrix) -> tuple[Distances, ObstacleIndices]:
+    def _near(self, paths: Paths, possible: NDArray[np.bool_], excess: Matrix) -> tuple[Distances, ObstacleIndices]:
         """Bound each possible leg's distance to an obstacle, exactly if slanting and too near; also its index."""
-        enlarged = self.enlarged.taller(float(spread[0, 1]))  # of all rows
+        enlarged = self.enlarged.taller(float(excess[0, 1]))  # of all rows
         within = self.required + SAMPLING.max_slack
         parts = paths.shape[2] - 1
-        required = self.required + np.repeat(spread[np.nonzero(possible)[0], 0], parts)
+        required = self.required + np.repeat(excess[np.nonzero(possible)[0], 0], parts)
         flown = paths[possible]
         starts = flown[:, :-1].reshape(-1, 3)
         ends = flown[:, 1:].reshape(-1, 3)
@@ -274,16 +274,16 @@ class ContingencyPaths:
         rows, numbers = np.nonzero(possible)
         rows = in_cruise[rows]
         paths = samples.paths[rows, numbers, :end]
-        spread = samples.spread.max(axis=1)
-        enough = world.limits.height_above_ground + ROUNDING + float(spread.max(initial=0.0))
+        excess = samples.excess.max(axis=1)
+        enough = world.limits.height_above_ground + ROUNDING + float(excess.max(initial=0.0))
         legs = paths[:, :-1].reshape(-1, 3), paths[:, 1:].reshape(-1, 3)
         heights = world.airspace.terrain.legs_height(*legs, enough).reshape(-1, paths.shape[1] - 1)
-        is_low = heights.min(axis=1) - spread[rows] < world.limits.height_above_ground + ROUNDING
+        is_low = heights.min(axis=1) - excess[rows] < world.limits.height_above_ground + ROUNDING
 
         near, which, slack = samples.near.copy(), samples.which.copy(), samples.slack.copy()
         for n, k in zip(rows[is_low].tolist(), numbers[is_low].tolist(), strict=True):
             for check in prove_ground(samples.paths[n, k, :end], world):
-                left = check.slack - spread[n]
+                left = check.slack - excess[n]
                 if left < min(slack[n], 0.0):
                     leg = min(check.nearest.leg, near.shape[2] - 1)
                     near[n, k, leg] = self.required + left

@@ -61,7 +61,7 @@ class ContingencySamples:
     """One contingency, ordered at each of `times` (n,) [s after arming].
 
     `possible` (n, k): whether a path may be flown. `near`, `which`: the thing nearest to a leg; infinite, -1 for none.
-    `slack` (n,): to the required distance [m]. `spread` (n, 2): to a side, in height [m].
+    `slack` (n,): to the required distance [m]. `excess` (n, 2): deviation beyond the law, to a side, in height [m].
     """
 
     times: Vector
@@ -70,7 +70,7 @@ class ContingencySamples:
     near: Distances
     which: ObstacleIndices
     slack: Vector
-    spread: Matrix
+    excess: Matrix
 
     @property
     def clear(self) -> NDArray[np.bool_]:

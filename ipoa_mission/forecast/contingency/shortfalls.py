@@ -169,7 +169,7 @@ def find_shortfalls(
 
 def nearest_of_legs(paths: ContingencyPaths, samples: ContingencySamples, n: int, legs: range) -> Check:
     parts = [path[legs.start : legs.stop + 1] for path in samples.paths[n][samples.possible[n]]]
-    aside, height = samples.spread[n].tolist()
+    aside, height = samples.excess[n].tolist()
     if GROUND in samples.which[n, :, legs.start : legs.stop]:
         return paths.lowest([part[:2] for part in parts], max(aside, height))
     return Check("obstacles", paths.nearest(parts, aside, height), paths.required)

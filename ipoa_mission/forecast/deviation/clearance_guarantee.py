@@ -165,13 +165,13 @@ def _worst_checks(part: Pieces, task: kept_limits.ClearanceTask, bound: kept_lim
 def _stretches(part: Pieces, bound: kept_limits.DeviationBound) -> Iterator[kept_limits.Stretch]:
     """Yield the lowest and highest path of each 2 s; where they do not differ, one."""
     upwards = np.array([[0.0, 0.0, 1.0]])
-    length = 16 if part.spread.any() else len(part.spread)  # pieces
-    for first in range(0, len(part.spread), length):
+    length = 16 if part.excess.any() else len(part.excess)  # pieces
+    for first in range(0, len(part.excess), length):
         points = part.points[first : first + length + 1]
-        spread = part.spread[first : first + length]
-        aside, below, above = np.vstack([spread, spread[-1:]]).T[..., None]  # of each point
+        excess = part.excess[first : first + length]
+        aside, below, above = np.vstack([excess, excess[-1:]]).T[..., None]  # of each point
         wider = replace(bound, lateral=bound.lateral + float(aside.max()))
-        if spread.any():
+        if excess.any():
             yield points - below * upwards, wider
         yield points + above * upwards, wider
 
@@ -192,11 +192,11 @@ class PredictedFlight:
     prediction: Prediction
     track: Track
     task: kept_limits.ClearanceTask
-    spread: Points | None = None
+    excess: Points | None = None
 
     @cached_property
     def pieces(self) -> Pieces:
-        return pieces_of(self.track, self.spread)
+        return pieces_of(self.track, self.excess)
 
     def drop_pieces(self) -> None:
         self.__dict__.pop("pieces", None)

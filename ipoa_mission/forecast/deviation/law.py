@@ -14,10 +14,10 @@ class Quantiles:
     Between them the probability falls exponentially, and beyond the last at that rate.
 
     >>> import numpy as np
-    >>> spread = Quantiles((0.0, 0.5, 1.0), (1.0, 0.1, 0.01))
-    >>> spread.distance(0.001)
+    >>> quantiles = Quantiles((0.0, 0.5, 1.0), (1.0, 0.1, 0.01))
+    >>> quantiles.distance(0.001)
     1.5
-    >>> spread.chance(np.array([-1.0, 0.5, 1.5])).round(6).tolist()
+    >>> quantiles.chance(np.array([-1.0, 0.5, 1.5])).round(6).tolist()
     [1.0, 0.1, 0.001]
     """
 

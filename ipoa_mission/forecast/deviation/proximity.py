@@ -103,8 +103,8 @@ class ProximityRisks:
 
     @cached_property
     def by_height(self) -> NDArray[np.bool_]:
-        spreads = (self.law.lateral, self.law.down, self.law.up)
-        clearance = self.distance - max(spread.distance(TYPICAL_CHANCE) for spread in spreads)
+        laws = (self.law.lateral, self.law.down, self.law.up)
+        clearance = self.distance - max(quantiles.distance(TYPICAL_CHANCE) for quantiles in laws)
         return np.asarray(self._vertical(clearance) < self._sideways(clearance))
 
     def _each(self, clearance: float) -> Vector:
@@ -164,7 +164,7 @@ def proximity_risks(flown: Pieces, airspace: Airspace, law: DeviationLaw, cleara
     a, b = flown.points[:-1], flown.points[1:]
     widening = law.widening(flown.lateral_accel)
     rare = 1e-5  # the chance of obstacles that are ignored
-    reach = max(clearance, 0.0) + widening * law.lateral.distance(rare) + flown.spread[:, 0]
+    reach = max(clearance, 0.0) + widening * law.lateral.distance(rare) + flown.excess[:, 0]
     near_pieces, near_obstacles = airspace.beside(shapely.linestrings(np.stack([a[:, :2], b[:, :2]], axis=1)), reach)
     pairs = [np.zeros((6, 0))]  # piece, obstacle, lateral, above, below, sides
     order = np.argsort(near_obstacles, kind="stable")
@@ -175,7 +175,7 @@ def proximity_risks(flown: Pieces, airspace: Airspace, law: DeviationLaw, cleara
     lateral, above, below, sides = np.hstack(pairs)[2:]
     piece, obstacle = np.hstack(pairs)[:2].astype(np.intp)
     over = above >= below
-    side, down, up = flown.spread[piece].T
+    side, down, up = flown.excess[piece].T
     nearer = np.maximum(above, below) - np.where(over, down, up)
     seconds = flown.times[piece]
     return ProximityRisks(law, piece, obstacle, seconds, lateral - side, nearer, over, widening[piece], sides)

@@ -143,7 +143,7 @@ class FlightModel(ABC):
     def predicted(self, itinerary: Itinerary, wind: Wind, noise_free: bool) -> Prediction:
         """Predict the flight, `noise_free` or with the mean of sensor noise; raises as `Forecast.predicted`."""
 
-    def spread(self, itinerary: Itinerary, wind: Wind, predicted: Prediction) -> Points | None:
+    def excess_deviation(self, itinerary: Itinerary, wind: Wind, predicted: Prediction) -> Points | None:
         """Return the deviation due to this route, beyond the deviation law, (n, 3) as in `Pieces`; None: nowhere."""
         return None
 

@@ -95,11 +95,11 @@ def _folded(path: Points, kept: NDArray[np.intp], most: float) -> NDArray[np.boo
 class Pieces(Track):
     """Short straight pieces, with the lateral acceleration `lateral_accel` of each, (n-1,) [m/s^2].
 
-    `spread`: deviation beyond the vehicle's law, to a side, below and above (n-1, 3) [m].
+    `excess`: deviation by noise beyond the vehicle's law, to a side, below and above (n-1, 3) [m].
     """
 
     lateral_accel: Vector
-    spread: Points
+    excess: Points
 
     def part(self, begin: float, end: float) -> "Pieces":
         first = max(int(np.searchsorted(self.times, begin, side="right")) - 1, 0)
@@ -109,11 +109,11 @@ class Pieces(Track):
         flown = slice(first, last + 1)
         each = slice(first, last)
         return Pieces(
-            self.times[flown], self.points[flown], self.speeds[flown], self.lateral_accel[each], self.spread[each]
+            self.times[flown], self.points[flown], self.speeds[flown], self.lateral_accel[each], self.excess[each]
         )
 
 
-def pieces_of(track: Track, spread: Points | None = None) -> Pieces:
+def pieces_of(track: Track, excess: Points | None = None) -> Pieces:
     shortest = 0.05  # [m]
     is_kept = np.concatenate([[True], np.diff(np.floor(arc_lengths(track.points) / shortest)) > 0.0])
     is_kept[-1] = True
@@ -122,8 +122,8 @@ def pieces_of(track: Track, spread: Points | None = None) -> Pieces:
     middles = (times[:-1] + times[1:]) / 2
     lateral_accel = np.interp(middles, *_lateral_accels(track))
     wider = np.zeros((len(middles), 3))
-    if spread is not None:
-        wider = interpolate(middles, track.times, spread)
+    if excess is not None:
+        wider = interpolate(middles, track.times, excess)
     return Pieces(times, track.points[kept], track.speeds[kept], lateral_accel, wider)
 
 

@@ -1,6 +1,6 @@
 """Flight times of PX4 in AUTO.MISSION, measured on 1.17 and 1.18.
 
-A run without noise gives the path, many with noise mean and spread.
+A run without noise gives the path, many with noise mean and deviation.
 """
 
 import math
@@ -113,7 +113,7 @@ class Px4Model(FlightModel):
         between = float(low[1]), float(touched), float(high[1])
         return Prediction(np.array([end]), low[:1], high[:1], ("",), track, remarks, touched=between)
 
-    def spread(self, itinerary: Itinerary, wind: Wind, predicted: Prediction) -> Points | None:
+    def excess_deviation(self, itinerary: Itinerary, wind: Wind, predicted: Prediction) -> Points | None:
         simulation = MissionSimulation(itinerary, wind)
         if not itinerary.visits or len(predicted.track.times) < 4:  # it does not move
             return None
@@ -130,7 +130,7 @@ class Px4Model(FlightModel):
                     raise
                 continue
             runs.append(np.column_stack([np.interp(run.samples[:, 0], run.done[ends], done), run.samples[:, 1:4]]))
-        return spread_of(predicted.track, runs)
+        return excess_of(predicted.track, runs)
 
     def kinematics(self, parameters: Parameters, speed: float | None = None) -> Kinematics:
         limits = px4_limits(parameters)
@@ -224,7 +224,7 @@ def _missed(itinerary: Itinerary, runs: Matrix) -> tuple[Missed, ...]:
     return tuple(Missed(*map(float, both)) for both in zip(share, cost, strict=True))
 
 
-def spread_of(path: Track, runs: list[Matrix]) -> Points:
+def excess_of(path: Track, runs: list[Matrix]) -> Points:
     """Return how far runs leave the path beyond the usual: to a side, below, above (n, 3) [m].
 
     A run is time on the path and place (m, 4).
@@ -241,7 +241,7 @@ def spread_of(path: Track, runs: list[Matrix]) -> Points:
         nearest = away[np.argmin(np.sum(away**2, axis=-1), axis=0), np.arange(len(sample_times))]
         offset[:] = np.column_stack([np.sum(nearest[:, :2] * across, axis=1), nearest[:, 2]])
     side, up = offsets.mean(axis=0).T
-    wider, higher = np.maximum(2.0 * offsets.std(axis=0) - RUNS.usual_spread, 0.0).T
+    wider, higher = np.maximum(2.0 * offsets.std(axis=0) - RUNS.usual_deviation, 0.0).T
     beyond = (np.abs(side) + wider, np.maximum(higher - up, 0.0), np.maximum(higher + up, 0.0))
     return np.column_stack([np.interp(path.times, sample_times, column) for column in beyond])
 

@@ -41,7 +41,7 @@ class NoisyRuns(NamedTuple):
     contingency_deviations: float = 2.3  # for contingencies, fitted in docs/lab/returns.md
     missed_s: float = 3.0  # later than the median: missed
     nearest_s: float = 1.6  # before or after, for the nearest place of another run
-    usual_spread: tuple[float, float] = (0.6, 1.0)  # to a side and in height [m]: the deviation law has it
+    usual_deviation: tuple[float, float] = (0.6, 1.0)  # to a side and in height [m]: the deviation law has it
 
 
 RUNS = NoisyRuns()
