@@ -4,7 +4,7 @@ from ipoa_mission.autopilot.autopilot import Autopilot as Autopilot
 from ipoa_mission.autopilot.commands import Command as Command
 from ipoa_mission.autopilot.commands import Frame as Frame
 from ipoa_mission.autopilot.energy import NotEnoughBattery as NotEnoughBattery
-from ipoa_mission.autopilot.returning import Contingency as Contingency
+from ipoa_mission.autopilot.failsafe import Contingency as Contingency
 from ipoa_mission.checks.check import check_mission as check_mission
 from ipoa_mission.checks.unsafe import NotAtStart as NotAtStart
 from ipoa_mission.errors import BadInput as BadInput

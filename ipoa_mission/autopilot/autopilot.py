@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, TypeVar
 
 from ipoa_mission.autopilot import guidance_profile as profile
 from ipoa_mission.autopilot import returning
-from ipoa_mission.autopilot.failsafe import Failsafe, FailsafeProfile, OwnFence
+from ipoa_mission.autopilot.failsafe import IN_PLACE, Contingency, Failsafe, FailsafeProfile, OwnFence
 from ipoa_mission.autopilot.firmware_tables import Firmware, FirmwareTables, Refusals
 from ipoa_mission.autopilot.parameters import Parameters, ParameterTable
 from ipoa_mission.autopilot.version import Version
@@ -114,11 +114,11 @@ class Autopilot(metaclass=_ByName):
     def braking_distance(self, parameters: Parameters, speed: "Vector", accel: "Vector") -> "Vector":
         """Return the straight distance to a stop (n,) [m] from `speed` [m/s] and `accel` along it [m/s^2]."""
 
-    def braking_delay_s(self, contingency: returning.Contingency) -> float:
-        return 0.0 if contingency in returning.IN_PLACE else self.guidance.brakes_after
+    def braking_delay_s(self, contingency: Contingency) -> float:
+        return 0.0 if contingency in IN_PLACE else self.guidance.brakes_after
 
     def stopping_displacement(
-        self, parameters: Parameters, velocity: "Points", accel: "Points", contingency: returning.Contingency
+        self, parameters: Parameters, velocity: "Points", accel: "Points", contingency: Contingency
     ) -> "Points":
         """Return the displacement to the stop of velocities and accelerations, (n, 3) each [m].
 
@@ -142,7 +142,7 @@ class Autopilot(metaclass=_ByName):
         level = velocity * (1.0, 1.0, 0.0)
         late_s = brake.begins_late_s * (1.0 + np.minimum(velocity[:, 2], 0.0) / brake.descent)
         sinks_s = np.hypot(*level[:, :2].T) / brake.accel + brake.settles_s - late_s
-        stopped = self.stopping_displacement(parameters, level, 0.0 * level, returning.Contingency.LAND)
+        stopped = self.stopping_displacement(parameters, level, 0.0 * level, Contingency.LAND)
         farthest = stopped + brake.overshoots_s * level
         return np.column_stack([farthest[:, :2], -brake.descent * np.maximum(sinks_s, 0.0)])
 

@@ -1,4 +1,4 @@
-"""Failsafes as rules: for each cause a parameter's value selects a contingency and its fallbacks."""
+"""Contingencies, and failsafes as rules: for each cause a parameter's value selects one and its fallbacks."""
 
 import math
 from collections.abc import Callable, Iterable, Mapping
@@ -7,9 +7,33 @@ from enum import StrEnum
 from typing import NamedTuple
 
 from ipoa_mission.autopilot.parameters import Parameters, whole
-from ipoa_mission.autopilot.returning import Contingency, FlightStage
 
 Series = tuple[int, int]
+
+
+class Contingency(StrEnum):
+    """An action that replaces the rest of the mission."""
+
+    RTL = "rtl"  # home or a rally point, by `Autopilot.return_route` and `return_height`
+    LAND = "land"  # in place
+    SMART_RTL = "smart_rtl"  # back along the flown path
+    HOLD = "hold"  # until a new order or an empty battery
+    CONTINUE = "continue"
+    LAND_START = "land_start"  # to the mission's landing
+    TERMINATE = "terminate"  # the motors stop; the vehicle falls
+    UNKNOWN = "unknown"  # not modeled; see the action's `words`
+
+
+COMPUTED = (Contingency.RTL, Contingency.LAND, Contingency.SMART_RTL, Contingency.HOLD)  # their paths are known
+TIMED = (Contingency.RTL, Contingency.LAND)  # flight models end them on the ground
+IN_PLACE = (Contingency.LAND, Contingency.HOLD)
+
+
+class FlightStage(StrEnum):
+    TAKEOFF = "take-off"
+    ROUTE = "route"
+    RETURN = "return"
+    LANDING = "landing"
 
 
 class Cause(StrEnum):

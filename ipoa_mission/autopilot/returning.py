@@ -1,4 +1,4 @@
-"""Contingencies, the routes of a return to home, a rally point or the mission's landing, and the speed of LAND.
+"""The routes of a return to home, a rally point or the mission's landing, and LAND at its end.
 
 Touchdown depends on LAND's height above home. A range finder, terrain data or ArduCopter 4.7's LAND altitude in AUTO
 would take precedence.
@@ -14,31 +14,6 @@ from ipoa_mission.autopilot.version import Version
 
 if TYPE_CHECKING:
     from ipoa_mission.geometry import Place
-
-
-class Contingency(StrEnum):
-    """An action that replaces the rest of the mission."""
-
-    RTL = "rtl"  # home or a rally point, by `Autopilot.return_route` and `return_height`
-    LAND = "land"  # in place
-    SMART_RTL = "smart_rtl"  # back along the flown path
-    HOLD = "hold"  # until a new order or an empty battery
-    CONTINUE = "continue"
-    LAND_START = "land_start"  # to the mission's landing
-    TERMINATE = "terminate"  # the motors stop; the vehicle falls
-    UNKNOWN = "unknown"  # not modeled; see the action's `words`
-
-
-COMPUTED = (Contingency.RTL, Contingency.LAND, Contingency.SMART_RTL, Contingency.HOLD)  # their paths are known
-TIMED = (Contingency.RTL, Contingency.LAND)  # flight models end them on the ground
-IN_PLACE = (Contingency.LAND, Contingency.HOLD)
-
-
-class FlightStage(StrEnum):
-    TAKEOFF = "take-off"
-    ROUTE = "route"
-    RETURN = "return"
-    LANDING = "landing"
 
 
 HOME: "Place" = (0.0, 0.0, 0.0)

@@ -4,7 +4,7 @@ import numpy as np
 import shapely
 
 from ipoa_mission.autopilot.commands import Command
-from ipoa_mission.autopilot.returning import FlightStage
+from ipoa_mission.autopilot.failsafe import FlightStage
 from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.geodesy import Geodetic, LocalFrame

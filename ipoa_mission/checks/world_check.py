@@ -8,7 +8,7 @@ import numpy as np
 import shapely
 
 import ipoa_mission.forecast.contingency.shortfalls as shortfalls
-from ipoa_mission.autopilot.returning import Contingency, FlightStage
+from ipoa_mission.autopilot.failsafe import Contingency, FlightStage
 from ipoa_mission.checks.landings import check_ground, check_unread
 from ipoa_mission.errors import MissionError, Remedy
 from ipoa_mission.finding import Finding, Severity

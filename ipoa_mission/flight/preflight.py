@@ -9,9 +9,8 @@ from types import MappingProxyType
 import numpy as np
 
 from ipoa_mission.autopilot.commands import Frame, plain_frame
-from ipoa_mission.autopilot.failsafe import FenceLimit, OwnFence
+from ipoa_mission.autopilot.failsafe import FenceLimit, FlightStage, OwnFence
 from ipoa_mission.autopilot.parameters import Parameters
-from ipoa_mission.autopilot.returning import FlightStage
 from ipoa_mission.autopilot.version import Version
 from ipoa_mission.checks.check import check_mission
 from ipoa_mission.checks.firmware_check import check_aboard

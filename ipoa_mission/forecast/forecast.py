@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from ipoa_mission.autopilot.failsafe import TIMED, Contingency, FlightStage
 from ipoa_mission.autopilot.known_parameters import expect_known
 from ipoa_mission.autopilot.parameters import NO_PARAMETERS, Parameters
-from ipoa_mission.autopilot.returning import TIMED, Contingency, FlightStage
 from ipoa_mission.autopilot.version import Version
 from ipoa_mission.errors import MissionError, NotModeled
 from ipoa_mission.forecast.deviation.law import DeviationLaw, law_of

@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from ipoa_mission.autopilot.commands import Command
-from ipoa_mission.autopilot.returning import FlightStage, SlowStretch
+from ipoa_mission.autopilot.failsafe import FlightStage
+from ipoa_mission.autopilot.returning import SlowStretch
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.itinerary.flown_legs import Leg
 from ipoa_mission.mission.items import Item

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ipoa_mission.autopilot.commands import Command
-from ipoa_mission.autopilot.returning import Contingency
+from ipoa_mission.autopilot.failsafe import Contingency
 from ipoa_mission.errors import Unsafe
 from ipoa_mission.forecast.contingency.contingencies import (
     Contingencies,

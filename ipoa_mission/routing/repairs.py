@@ -4,8 +4,9 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from ipoa_mission.autopilot.commands import Command
+from ipoa_mission.autopilot.failsafe import FlightStage
 from ipoa_mission.autopilot.parameters import name_values
-from ipoa_mission.autopilot.returning import HEIGHT_UNCERTAINTY, FlightStage
+from ipoa_mission.autopilot.returning import HEIGHT_UNCERTAINTY
 from ipoa_mission.errors import Unsafe
 from ipoa_mission.forecast.contingency.shortfalls import clear_in, heights_above
 from ipoa_mission.forecast.forecast import Forecast

@@ -13,7 +13,7 @@ from typing import Literal
 import numpy as np
 
 from ipoa_mission import FlightRecord, Forecast, Geodetic, MissionError, Vehicle, Wind
-from ipoa_mission.autopilot.returning import Contingency
+from ipoa_mission.autopilot.failsafe import Contingency
 from ipoa_mission.flight.procedure import ProcedureOptions, Stage, Stages, begin_mission, load_mission
 from ipoa_mission.forecast.contingency.contingencies import ContingencyRow
 from ipoa_mission.forecast.contingency.contingencies_now import ContingenciesNow

@@ -6,7 +6,7 @@ from itertools import pairwise
 import numpy as np
 
 from ipoa_mission import Airspace, Bounds, Command, Flat, Flight, Forecast, Scenario
-from ipoa_mission.autopilot.returning import TIMED, Contingency
+from ipoa_mission.autopilot.failsafe import TIMED, Contingency
 from ipoa_mission.centimeters import ceil_cm, floor_cm
 from ipoa_mission.forecast.contingency.contingencies import Contingencies, ContingencyRow, Grade, PredictedContingency
 from ipoa_mission.forecast.contingency.contingencies_now import DURATIONS

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.autopilot.commands import Command
-from ipoa_mission.autopilot.returning import FlightStage
+from ipoa_mission.autopilot.failsafe import FlightStage
 from ipoa_mission.checks.check import check_mission
 from ipoa_mission.checks.unsafe import NotAtStart, begun_at, check_start
 from ipoa_mission.forecast.forecast import Forecast, estimate

@@ -5,7 +5,8 @@ import pytest
 
 from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.autopilot.commands import Frame
-from ipoa_mission.autopilot.returning import Contingency, ReturnBy
+from ipoa_mission.autopilot.failsafe import Contingency
+from ipoa_mission.autopilot.returning import ReturnBy
 from ipoa_mission.checks.unsafe import check_start
 from ipoa_mission.errors import NotModeled
 from ipoa_mission.flight.post_flight import _from_ground

@@ -7,7 +7,7 @@ import pytest
 
 from ipoa_mission import read_mission, read_scenario
 from ipoa_mission.autopilot.autopilot import Autopilot, autopilot_named, registered
-from ipoa_mission.autopilot.returning import Contingency
+from ipoa_mission.autopilot.failsafe import Contingency
 from ipoa_mission.autopilot.version import Version
 from ipoa_mission.checks.world_check import check_failsafe_return
 from ipoa_mission.forecast.contingency.contingency_paths import ContingencyPaths

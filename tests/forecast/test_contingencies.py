@@ -14,8 +14,7 @@ from typer.testing import CliRunner
 from ipoa_mission import Forecast, plan_flight, read_mission, read_scenario
 from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.autopilot.commands import Command, Frame
-from ipoa_mission.autopilot.failsafe import FailsafeProfile
-from ipoa_mission.autopilot.returning import COMPUTED, IN_PLACE, TIMED, Contingency
+from ipoa_mission.autopilot.failsafe import COMPUTED, IN_PLACE, TIMED, Contingency, FailsafeProfile
 from ipoa_mission.autopilot.version import Version
 from ipoa_mission.cli.app import app
 from ipoa_mission.errors import BadInput, MissionError

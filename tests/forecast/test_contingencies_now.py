@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from ipoa_mission import Forecast, read_mission, read_scenario
-from ipoa_mission.autopilot.returning import Contingency
+from ipoa_mission.autopilot.failsafe import Contingency
 from ipoa_mission.cli.contingency_output import ContingencyDisplay
 from ipoa_mission.flight.preflight import expect_charge
 from ipoa_mission.forecast.contingency.contingencies import Contingencies

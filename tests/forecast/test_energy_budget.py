@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.autopilot.failsafe import Contingency
 from ipoa_mission.autopilot.learned import Learned, LearnedVehicle
-from ipoa_mission.autopilot.returning import Contingency
 from ipoa_mission.checks.check import check_mission
 from ipoa_mission.finding import Severity
 from ipoa_mission.forecast.contingency.contingencies import predict_contingency

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from ipoa_mission import Forecast, Mission, read_scenario
-from ipoa_mission.autopilot.returning import Contingency
+from ipoa_mission.autopilot.failsafe import Contingency
 from ipoa_mission.forecast.contingency.contingencies import Contingencies, Grade
 from ipoa_mission.forecast.contingency.contingency_paths import ContingencyPaths
 from ipoa_mission.forecast.contingency.enlarged_airspace import EnlargedAirspace

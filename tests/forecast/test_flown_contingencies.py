@@ -17,7 +17,7 @@ import pytest
 
 from ipoa_mission import Forecast, read_mission, read_scenario
 from ipoa_mission.autopilot.autopilot import Autopilot, autopilot_named
-from ipoa_mission.autopilot.returning import Contingency, FlightStage
+from ipoa_mission.autopilot.failsafe import Contingency, FlightStage
 from ipoa_mission.autopilot.version import Version
 from ipoa_mission.forecast.contingency.contingencies import Contingencies, ContingencyRow, predict_contingency
 from ipoa_mission.forecast.timing.flight_model import FlightModel

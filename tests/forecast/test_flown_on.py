@@ -12,7 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from ipoa_mission import Forecast, read_mission, read_scenario
-from ipoa_mission.autopilot.returning import TIMED, Contingency
+from ipoa_mission.autopilot.failsafe import TIMED, Contingency
 from ipoa_mission.compiled import compiled
 from ipoa_mission.forecast.contingency.contingencies import predict_contingency
 from ipoa_mission.vehicles.px4_multicopter.simulation import FlownMotions, MissionSimulation

@@ -5,7 +5,7 @@ import pytest
 
 from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.autopilot.commands import FLOWN_TO, Command, Frame
-from ipoa_mission.autopilot.returning import FlightStage
+from ipoa_mission.autopilot.failsafe import FlightStage
 from ipoa_mission.autopilot.version import Version
 from ipoa_mission.checks.check import check, check_mission
 from ipoa_mission.checks.unsafe import begun_at

@@ -6,7 +6,7 @@ import pytest
 
 from ipoa_mission import read_mission, read_scenario
 from ipoa_mission.autopilot.autopilot import Autopilot, registered
-from ipoa_mission.autopilot.returning import Contingency
+from ipoa_mission.autopilot.failsafe import Contingency
 from ipoa_mission.forecast.contingency.contingency_paths import ContingencyPaths
 from ipoa_mission.forecast.forecast import Forecast
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from ipoa_mission.autopilot.autopilot import Autopilot
-from ipoa_mission.autopilot.returning import Contingency
+from ipoa_mission.autopilot.failsafe import Contingency
 from ipoa_mission.autopilot.version import Version
 from ipoa_mission.checks.check import check
 from ipoa_mission.finding import Severity

@@ -8,7 +8,7 @@ import shapely
 
 from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.autopilot.commands import Command
-from ipoa_mission.autopilot.returning import FlightStage
+from ipoa_mission.autopilot.failsafe import FlightStage
 from ipoa_mission.checks.check import check_mission
 from ipoa_mission.forecast.forecast import estimate
 from ipoa_mission.forecast.itinerary.flown_legs import flown_legs, join

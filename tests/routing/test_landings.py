@@ -6,7 +6,7 @@ import pytest
 
 from ipoa_mission import check_mission, plan_flight
 from ipoa_mission.autopilot.autopilot import Autopilot, registered
-from ipoa_mission.autopilot.returning import Contingency
+from ipoa_mission.autopilot.failsafe import Contingency
 from ipoa_mission.flight.flight import Flight
 from ipoa_mission.forecast.contingency.contingencies import Contingencies
 from ipoa_mission.scenario import Scenario, parse_scenario

@@ -4,7 +4,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from ipoa_mission.autopilot.returning import Contingency
+from ipoa_mission.autopilot.failsafe import Contingency
 from ipoa_mission.forecast.contingency.contingency_samples import ReturnLeg
 from ipoa_mission.forecast.contingency.shortfalls import Shortfall
 from ipoa_mission.routing.obstacle_growth import ObstacleGrowth, initial_growth

@@ -7,7 +7,7 @@ import shapely
 
 from ipoa_mission import Forecast, plan_flight, read_mission
 from ipoa_mission.autopilot.autopilot import Autopilot
-from ipoa_mission.autopilot.returning import Contingency
+from ipoa_mission.autopilot.failsafe import Contingency
 from ipoa_mission.flight.flight import Flight
 from ipoa_mission.forecast.contingency.contingencies import Contingencies
 from ipoa_mission.forecast.contingency.contingency_paths import ContingencyPaths

@@ -6,7 +6,7 @@ import pytest
 from ipoa_mission import plan_flight, read_mission
 from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.autopilot.commands import Command
-from ipoa_mission.autopilot.returning import Contingency
+from ipoa_mission.autopilot.failsafe import Contingency
 from ipoa_mission.checks.check import check
 from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.forecast.contingency.contingencies import Contingencies

@@ -3,7 +3,7 @@ import pytest
 
 from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.autopilot.commands import Command
-from ipoa_mission.autopilot.returning import FlightStage
+from ipoa_mission.autopilot.failsafe import FlightStage
 from ipoa_mission.forecast.forecast import estimate
 from ipoa_mission.forecast.itinerary.flown_legs import flown_legs
 from ipoa_mission.geodesy import Geodetic, LocalFrame

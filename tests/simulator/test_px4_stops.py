@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from ipoa_mission.autopilot.autopilot import Autopilot
-from ipoa_mission.autopilot.returning import Contingency
+from ipoa_mission.autopilot.failsafe import Contingency
 from ipoa_mission.geodesy import Geodetic, LocalFrame
 from ipoa_mission.mission.items import takeoff, waypoint
 from ipoa_mission.simulator.simulated_flight import SimulatedFlight

@@ -7,7 +7,7 @@ import pytest
 pytest.importorskip("tomlkit")
 
 from ipoa_mission import Forecast, read_mission, read_scenario
-from ipoa_mission.autopilot.returning import Contingency
+from ipoa_mission.autopilot.failsafe import Contingency
 from ipoa_mission.forecast.contingency.contingencies import Contingencies, Grade
 from ipoa_mission.forecast.contingency.energy_budget import budget_of
 from ipoa_mission.studio.answers import ContingencyStrip, StripCost

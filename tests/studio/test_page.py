@@ -6,7 +6,7 @@ from typing import Any
 import pytest
 
 from ipoa_mission import Forecast, read_mission
-from ipoa_mission.autopilot.returning import Contingency
+from ipoa_mission.autopilot.failsafe import Contingency
 from ipoa_mission.forecast.contingency.contingencies import Contingencies, Grade, contingencies_of
 from ipoa_mission.report.panels.contingency_panel import GRADE_LOOKS
 from ipoa_mission.scenario import parse_scenario

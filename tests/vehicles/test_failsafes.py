@@ -11,10 +11,9 @@ import re
 import pytest
 
 from ipoa_mission.autopilot.autopilot import Autopilot
-from ipoa_mission.autopilot.failsafe import Failsafe
+from ipoa_mission.autopilot.failsafe import Contingency, Failsafe, FlightStage
 from ipoa_mission.autopilot.known_parameters import expect_known
 from ipoa_mission.autopilot.parameters import INT8, INT16, INT32, REAL32, Parameters
-from ipoa_mission.autopilot.returning import Contingency, FlightStage
 from ipoa_mission.autopilot.version import Version
 from tests.refused import refuses
 from tools.generate import failsafes as page

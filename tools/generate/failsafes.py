@@ -9,8 +9,7 @@ from dataclasses import replace
 from typing import TypeAlias
 
 from ipoa_mission.autopilot.autopilot import Autopilot, registered
-from ipoa_mission.autopilot.failsafe import Cause, FailsafeAction, FailsafeRule
-from ipoa_mission.autopilot.returning import Contingency
+from ipoa_mission.autopilot.failsafe import Cause, Contingency, FailsafeAction, FailsafeRule
 from tools import REPOSITORY, command_line
 
 Fallbacks: TypeAlias = Mapping[Contingency, tuple[Contingency, ...]]

@@ -9,8 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ipoa_mission.autopilot.failsafe import Failsafe
-from ipoa_mission.autopilot.returning import COMPUTED, TIMED, Contingency
+from ipoa_mission.autopilot.failsafe import COMPUTED, TIMED, Contingency, Failsafe
 from ipoa_mission.centimeters import ceil_cm, floor_cm
 from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.forecast.contingency.contingency_paths import ContingencyPaths

@@ -5,7 +5,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from ipoa_mission.autopilot.returning import TIMED, Contingency
+from ipoa_mission.autopilot.failsafe import TIMED, Contingency
 from ipoa_mission.forecast.contingency.contingencies import Contingencies, ContingencyRow, Grade
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.geometry import Vector

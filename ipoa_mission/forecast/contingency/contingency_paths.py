@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from ipoa_mission.autopilot.autopilot import STATIONARY_SPEED
 from ipoa_mission.autopilot.commands import Command
-from ipoa_mission.autopilot.returning import HOME, IN_PLACE, Contingency, ReturnBy
+from ipoa_mission.autopilot.failsafe import IN_PLACE, Contingency
+from ipoa_mission.autopilot.returning import HOME, ReturnBy
 from ipoa_mission.forecast.contingency.contingency_samples import (
     GROUND,
     SAMPLING,

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ipoa_mission.autopilot.energy import Battery, Interval, NotEnoughBattery, shortage
-from ipoa_mission.autopilot.returning import Contingency
+from ipoa_mission.autopilot.failsafe import Contingency
 from ipoa_mission.errors import MissionError
 from ipoa_mission.forecast.contingency.contingencies import predict_contingency
 from ipoa_mission.forecast.flight_energy import LIFTED_DISTANCE, Consumption, battery_of

@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ipoa_mission.autopilot.returning import Contingency
+from ipoa_mission.autopilot.failsafe import Contingency
 from ipoa_mission.forecast.contingency.contingency_paths import ContingencyPaths
 from ipoa_mission.forecast.contingency.contingency_samples import GROUND, SAMPLING, ContingencySamples, ReturnLeg
 from ipoa_mission.forecast.contingency.enlarged_airspace import SHARING, EnlargedAirspace

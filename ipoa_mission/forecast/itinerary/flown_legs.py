@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 
 import ipoa_mission.forecast.itinerary.copter_curves as curves
 from ipoa_mission.autopilot.commands import FLOWN_TO, JUMPS, Command
-from ipoa_mission.autopilot.returning import FlightStage, ReturnBy, ReturnOrder
+from ipoa_mission.autopilot.failsafe import FlightStage
+from ipoa_mission.autopilot.returning import ReturnBy, ReturnOrder
 from ipoa_mission.geodesy import Geodetic, LocalFrame
 from ipoa_mission.geometry import Place, Points, Vector, arc_lengths, as_place
 from ipoa_mission.ground import Ground

@@ -8,8 +8,9 @@ from typing import ClassVar, Generic, NamedTuple, Protocol, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from ipoa_mission.autopilot.failsafe import Contingency
 from ipoa_mission.autopilot.parameters import Parameters
-from ipoa_mission.autopilot.returning import Contingency, horizontal_distance
+from ipoa_mission.autopilot.returning import horizontal_distance
 from ipoa_mission.errors import NotModeled
 from ipoa_mission.forecast.itinerary.itinerary import Itinerary, turn_deg
 from ipoa_mission.forecast.timing.track import Track

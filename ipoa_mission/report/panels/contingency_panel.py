@@ -5,7 +5,7 @@ from typing import Any, Literal, TypeAlias
 
 import numpy as np
 
-from ipoa_mission.autopilot.returning import Contingency
+from ipoa_mission.autopilot.failsafe import Contingency
 from ipoa_mission.forecast.contingency.contingencies import Contingencies, ContingencyRow, Grade, contingencies_of
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.geometry import Vector

@@ -7,9 +7,17 @@ AP_BattMonitor, AC_Fence, AP_SmartRTL.
 from dataclasses import replace
 
 from ipoa_mission.autopilot import failsafe
-from ipoa_mission.autopilot.failsafe import GOES_ON, Cause, Failsafe, FailsafeAction, FailsafeProfile, FailsafeRule
+from ipoa_mission.autopilot.failsafe import (
+    GOES_ON,
+    Cause,
+    Contingency,
+    Failsafe,
+    FailsafeAction,
+    FailsafeProfile,
+    FailsafeRule,
+    FlightStage,
+)
 from ipoa_mission.autopilot.parameters import Parameters, whole
-from ipoa_mission.autopilot.returning import Contingency, FlightStage
 from ipoa_mission.vehicles.arducopter.limits import FENCE_SWITCHES, PARAMETER_TABLE, FenceType
 
 LAND_PAUSE = 4.0  # LAND_WITH_DELAY_MS, except for a fence breach [s]

@@ -7,8 +7,8 @@ from typing import NamedTuple
 import numpy as np
 
 from ipoa_mission.autopilot.commands import LANDINGS, LAST_NAV, TAKEOFFS, Command
+from ipoa_mission.autopilot.failsafe import Contingency
 from ipoa_mission.autopilot.parameters import Parameters
-from ipoa_mission.autopilot.returning import Contingency
 from ipoa_mission.errors import BadInput, EndlessFlight, MissionError
 from ipoa_mission.forecast.deviation.law import DeviationLaw, Quantiles
 from ipoa_mission.forecast.itinerary.itinerary import UNTIMED, Itinerary

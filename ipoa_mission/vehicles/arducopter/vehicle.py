@@ -10,10 +10,10 @@ from ipoa_mission.autopilot import guidance_profile as profile
 from ipoa_mission.autopilot import returning
 from ipoa_mission.autopilot.autopilot import MULTICOPTERS, Autopilot
 from ipoa_mission.autopilot.commands import LANDINGS, WAYPOINTS, Command, Frame
-from ipoa_mission.autopilot.failsafe import OwnFence
+from ipoa_mission.autopilot.failsafe import IN_PLACE, Contingency, OwnFence
 from ipoa_mission.autopilot.firmware_tables import POLYGON, Firmware, FirmwareTables, Refusals, Refused, rows
 from ipoa_mission.autopilot.parameters import Parameters, whole
-from ipoa_mission.autopilot.returning import HOME, Contingency, ReturnBy, ReturnOrder, ReturnRoute, horizontal_distance
+from ipoa_mission.autopilot.returning import HOME, ReturnBy, ReturnOrder, ReturnRoute, horizontal_distance
 from ipoa_mission.autopilot.version import Version
 from ipoa_mission.geometry import Place, Points, Vector
 from ipoa_mission.vehicles.arducopter.braking import braking_displacement, flown_circle
@@ -262,7 +262,7 @@ class ArduCopter(Autopilot):
         """
         lead_s = 0.1  # of the target's vertical speed, as flown
         climb = velocity[:, 2] + lead_s * accel[:, 2]
-        if contingency not in returning.IN_PLACE:
+        if contingency not in IN_PLACE:
             displacement = super().stopping_displacement(parameters, velocity, accel, contingency)
             run_on_s = 0.95  # as flown; it then comes back
             displacement[:, 2] = run_on_s * climb

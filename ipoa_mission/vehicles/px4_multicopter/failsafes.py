@@ -7,9 +7,17 @@ parameters, navigator. The most severe counts. Fallbacks: hold, RTL, land, desce
 from dataclasses import replace
 
 from ipoa_mission.autopilot import failsafe
-from ipoa_mission.autopilot.failsafe import GOES_ON, Cause, Failsafe, FailsafeAction, FailsafeProfile, FailsafeRule
+from ipoa_mission.autopilot.failsafe import (
+    GOES_ON,
+    Cause,
+    Contingency,
+    Failsafe,
+    FailsafeAction,
+    FailsafeProfile,
+    FailsafeRule,
+    FlightStage,
+)
 from ipoa_mission.autopilot.parameters import Parameters, whole
-from ipoa_mission.autopilot.returning import Contingency, FlightStage
 
 V1_18, V1_19 = (1, 18), (1, 19)
 TERMINATES = FailsafeAction(Contingency.TERMINATE)

@@ -10,8 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ipoa_mission.autopilot.commands import MULTICOPTER_LANDINGS
+from ipoa_mission.autopilot.failsafe import Contingency
 from ipoa_mission.autopilot.parameters import Parameters
-from ipoa_mission.autopilot.returning import Contingency, ReturnBy
+from ipoa_mission.autopilot.returning import ReturnBy
 from ipoa_mission.compiled import records
 from ipoa_mission.errors import EndlessFlight, MissionError, NotModeled
 from ipoa_mission.forecast.deviation.law import DeviationLaw, Quantiles

@@ -8,7 +8,7 @@ from typing import NamedTuple, Protocol
 import numpy as np
 
 from ipoa_mission.autopilot.commands import Command
-from ipoa_mission.autopilot.returning import Contingency
+from ipoa_mission.autopilot.failsafe import Contingency
 from ipoa_mission.compiled import compiled, records
 from ipoa_mission.errors import MissionError
 from ipoa_mission.forecast.itinerary.itinerary import Itinerary

@@ -11,11 +11,11 @@ from ipoa_mission.autopilot import guidance_profile as profile
 from ipoa_mission.autopilot import returning
 from ipoa_mission.autopilot.autopilot import MULTICOPTERS, Autopilot
 from ipoa_mission.autopilot.commands import FLOWN_TO, Command, Frame
-from ipoa_mission.autopilot.failsafe import FenceLimit, OwnFence
+from ipoa_mission.autopilot.failsafe import IN_PLACE, Contingency, FenceLimit, OwnFence
 from ipoa_mission.autopilot.firmware_tables import POLYGON, Firmware, FirmwareTables, Refusals, Refused, rows
 from ipoa_mission.autopilot.guidance_profile import mode_number
 from ipoa_mission.autopilot.parameters import Parameters, whole
-from ipoa_mission.autopilot.returning import HOME, Contingency, ReturnBy, ReturnOrder, ReturnRoute, horizontal_distance
+from ipoa_mission.autopilot.returning import HOME, ReturnBy, ReturnOrder, ReturnRoute, horizontal_distance
 from ipoa_mission.autopilot.version import Version
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.vehicles.px4_multicopter.failsafes import FAILSAFES
@@ -256,7 +256,7 @@ class Px4Multicopter(Autopilot):
         brakes = np.where(climb > 0.0, limits.accel_down, limits.accel_up)
         run_on = _braking_distance(speed, accel[:, 2] * np.sign(climb), brakes, limits.jerk)
         noticed_s = 0.15 - self.braking_delay_s(contingency)  # by the navigator, the setpoint and the rotors
-        if contingency in returning.IN_PLACE:
+        if contingency in IN_PLACE:
             overshoots_s = self.overshoots_s if contingency is Contingency.HOLD else 0.0
             stops_s = limits.stopping_time(horizontal_speed) + overshoots_s
             displacement[:, :2] = velocity[:, :2] * stops_s[:, None]

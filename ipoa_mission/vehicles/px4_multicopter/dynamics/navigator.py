@@ -5,8 +5,8 @@ from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 from ipoa_mission.autopilot.commands import HOLDING, LAST_NAV, Command, Frame, plain_frame
+from ipoa_mission.autopilot.failsafe import Contingency
 from ipoa_mission.autopilot.learned import LearnedVehicle
-from ipoa_mission.autopilot.returning import Contingency
 from ipoa_mission.errors import EndlessFlight
 from ipoa_mission.forecast.itinerary.itinerary import UNTIMED, Itinerary
 from ipoa_mission.geometry import GRAVITY, Enu, Place, Vector
