@@ -5,10 +5,10 @@ from ipoa_mission.autopilot.commands import JUMPS, LANDINGS, WAYPOINTS, Command,
 from ipoa_mission.checks.check import check
 from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.finding import Severity
-from ipoa_mission.forecast.contingency.energy_budget import budget_of, greatest_fitting, refusal_of
+from ipoa_mission.forecast.contingency.energy_budget import budget_of, refusal_of
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.geodesy import Geodetic
-from ipoa_mission.mission.items import Item, Mission, camera_trigger, return_to_launch, waypoint
+from ipoa_mission.mission.items import Item, Mission, camera_trigger, longest_part, return_to_launch, waypoint
 from ipoa_mission.scenario import Scenario
 
 # These lead elsewhere than to the next item.
@@ -94,7 +94,7 @@ class _Parts:
             straight[begin + waypoints] = flight = self.part(begin, begin + waypoints)
             return refusal_of(flight) is None
 
-        reached = begin + greatest_fitting(fits, self.last - begin, guess)
+        reached = begin + longest_part(fits, self.last - begin, guess)
         if reached == begin:
             short = refusal_of(straight[begin + 1])
             assert short is not None

@@ -1,6 +1,7 @@
 """A mission: items, fence, rally points and home, which is no item."""
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
@@ -330,3 +331,20 @@ def return_to_launch() -> Item:
 
 def land(place: Geodetic) -> Item:
     return _above_home(Command.NAV_LAND, place, 0.0, 0.0, 0.0, 0.0, math.nan)
+
+
+def longest_part(fits: Callable[[int], bool], count: int, guess: int) -> int:
+    """Return how many of a mission's `count` legs or lines fit one flight, possibly 0; quick if `guess` is near."""
+    fitting = 0
+    beyond = count + 1
+    tried = guess
+    step = 1
+    while beyond - fitting > 1:
+        tried = min(max(tried, fitting + 1), beyond - 1)
+        fitting, beyond = (tried, beyond) if fits(tried) else (fitting, tried)
+        if fitting > 0 and beyond <= count:
+            tried = (fitting + beyond) // 2
+        else:
+            tried = fitting + step if beyond > count else beyond - step
+        step *= 2
+    return fitting

@@ -7,8 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ipoa_mission import NotEnoughBattery
-from ipoa_mission.forecast.contingency.energy_budget import greatest_fitting
 from ipoa_mission.geometry import Plane, Points, Vector, polyline_length
+from ipoa_mission.mission.items import longest_part
 
 MAX_PIECES = 64  # of a line
 
@@ -103,7 +103,7 @@ def fewest_parts(tour: Tour, fits: Callable[[Tour], bool], overlap: float, guess
     """
     rest = tour
     while True:
-        count = greatest_fitting(lambda n, rest=rest: fits(rest.part(0, n)), len(rest.swaths), guess)  # type: ignore[misc]
+        count = longest_part(lambda n, rest=rest: fits(rest.part(0, n)), len(rest.swaths), guess)  # type: ignore[misc]
         if count == 0:
             rest = _first_line_cut(rest, fits, overlap)
             continue

@@ -1,4 +1,4 @@
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
@@ -168,20 +168,3 @@ def _budget(forecast: Forecast) -> Budget | None:
 def refusal_of(forecast: Forecast) -> NotEnoughBattery | None:
     budget = budget_of(forecast)
     return None if budget is None else budget.refusal
-
-
-def greatest_fitting(fits: Callable[[int], bool], count: int, guess: int = 1) -> int:
-    """Return the greatest number from 0 to `count` that fits; quick if `guess` is near."""
-    least = 0
-    beyond = count + 1
-    here = guess
-    step = 1
-    while beyond - least > 1:
-        here = min(max(here, least + 1), beyond - 1)
-        least, beyond = (here, beyond) if fits(here) else (least, here)
-        if least > 0 and beyond <= count:
-            here = (least + beyond) // 2
-        else:
-            here = least + step if beyond > count else beyond - step
-        step *= 2
-    return least
