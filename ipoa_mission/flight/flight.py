@@ -24,17 +24,7 @@ from ipoa_mission.mission.waypoints_file import left_out
 from ipoa_mission.planning.planner import Plan
 from ipoa_mission.planning.proof import Proof
 from ipoa_mission.progress import Progress, silent
-from ipoa_mission.report.summary import (
-    clearance_as_json,
-    energy_as_json,
-    findings_as_json,
-    items_as_json,
-    limits_as_json,
-    passed_over_as_json,
-    proof_as_json,
-    rounded,
-    route_summary,
-)
+from ipoa_mission.report import summary
 from ipoa_mission.routing.attempt import Attempt
 from ipoa_mission.routing.planned_returns import return_remarks
 from ipoa_mission.routing.refusal import slowed_where_needed_remarks
@@ -139,7 +129,7 @@ class Flight:
         energy = self.energy
         budget = self.budget
         parameters = dict(self.mission.parameters)
-        items = items_as_json(self.forecast)
+        items = summary.items_as_json(self.forecast)
         return {
             "name": self.name,
             "version": version("ipoa-mission"),
@@ -147,21 +137,21 @@ class Flight:
             "seed": plan.seed,
             "optimizer": plan.optimizer,
             "evaluations": int(plan.evaluations[-1]),
-            "cost": {name: rounded(value) for name, value in asdict(plan.cost).items()},
-            "clearance": clearance_as_json(self.guarantee)
-            | {"curve": proof_as_json(plan.proof), "legs": proof_as_json(self.proof)},
-            "limits": limits_as_json(self.proof),
-            "control_points": [[rounded(value) for value in point] for point in plan.curve.control],
+            "cost": {name: summary.rounded(value) for name, value in asdict(plan.cost).items()},
+            "clearance": summary.clearance_as_json(self.guarantee)
+            | {"curve": summary.proof_as_json(plan.proof), "legs": summary.proof_as_json(self.proof)},
+            "limits": summary.limits_as_json(self.proof),
+            "control_points": [[summary.rounded(value) for value in point] for point in plan.curve.control],
             **items,
             "estimate": items["estimate"]
-            | {"qgroundcontrol_counts": COUNTED_TERMS, "route": route_summary(self.estimate)},
+            | {"qgroundcontrol_counts": COUNTED_TERMS, "route": summary.route_summary(self.estimate)},
             **({"wind": self.forecast.wind.as_json()} if self.forecast.wind.strongest > 0 else {}),
-            "energy_wh": None if energy is None else rounded(energy.energy_wh),
-            **({} if budget is None else {"energy": energy_as_json(budget)}),
+            "energy_wh": None if energy is None else summary.rounded(energy.energy_wh),
+            **({} if budget is None else {"energy": summary.energy_as_json(budget)}),
             **({"parameters": parameters} if parameters else {}),
-            **({"findings": findings_as_json(self.findings)} if self.findings else {}),
+            **({"findings": summary.findings_as_json(self.findings)} if self.findings else {}),
             "remarks": list(self.remarks),
-            "passed_over": passed_over_as_json(self.scenario),
+            "passed_over": summary.passed_over_as_json(self.scenario),
             "unread": unread_as_json(self.scenario.unread),
             **({"flights": list(map(_part_as_json, self.names, self.parts))} if self.parts else {}),
         }
@@ -194,9 +184,9 @@ def _part_as_json(name: str, part: Forecast) -> dict[str, object]:
     return {
         "file": f"{name}.plan",
         "items": len(part.mission.items),
-        "time_s": rounded(part.estimate.total_s),
-        "energy_wh": [rounded(wh) for wh in energy],
-        "left": None if left is None else [rounded(share) for share in left],
+        "time_s": summary.rounded(part.estimate.total_s),
+        "energy_wh": [summary.rounded(wh) for wh in energy],
+        "left": None if left is None else [summary.rounded(share) for share in left],
     }
 
 
