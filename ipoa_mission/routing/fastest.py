@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+import ipoa_mission.routing.resample as resample
 from ipoa_mission.centimeters import ceil_cm
 from ipoa_mission.forecast.deviation.clearance_guarantee import limits_broken_by_deviation
 from ipoa_mission.forecast.deviation.kept_limits import clearance_task, with_margins
@@ -20,18 +21,6 @@ from ipoa_mission.planning.proof import unproved_legs
 from ipoa_mission.planning.spline import Spline
 from ipoa_mission.routing.attempt import Attempt
 from ipoa_mission.routing.build import VISITED
-from ipoa_mission.routing.resample import (
-    ON_THE_CURVE,
-    Route,
-    corridor,
-    curve_samples,
-    evenly_spaced,
-    every,
-    is_far,
-    lefts,
-    push_clear,
-    through,
-)
 from ipoa_mission.scenario import Scenario
 
 
@@ -62,7 +51,7 @@ def composed_route(plan: Plan, scenario: Scenario) -> Attempt:
     for _ in range(COMPOSITION.max_rounds):
         points, stations, radii = _composed(levels, chosen)
         radius = radii if scenario.vehicle.autopilot.guidance.turns_at_acceptance_radius else 0.0
-        attempt = Attempt(plan, Route(points, radius=radius), scenario)
+        attempt = Attempt(plan, resample.Route(points, radius=radius), scenario)
         places = list[tuple[float, float, float]]()
         if attempt.is_fit:
             if attempt.is_guaranteed:
@@ -97,17 +86,19 @@ def _approximations(plan: Plan, scenario: Scenario) -> list[_Level]:
     via = scenario.via_points
     task = clearance_task(scenario)
     lines = [
-        (*corridor(curve, width * scenario.route.tolerance, via=via), radius, tight)
+        (*resample.corridor(curve, width * scenario.route.tolerance, via=via), radius, tight)
         for width, radius, tight in COMPOSITION.levels
     ]
     for spacing in COMPOSITION.spacings:
-        even = every(curve, spacing, via)
+        even = resample.every(curve, spacing, via)
         lines.append((even, np.linspace(0.0, curve.length, len(even)), 0.0, COMPOSITION.levels[-1][-1]))
     levels = []
     for points, stations, radius, tight in lines:
         given = (points[:, None] == scenario.places).all(axis=2).any(axis=1)
         given[[0, -1]] = True
-        levels.append(_Level(push_clear(points, with_margins(task, tight, keep_gaps=True)), stations, given, radius))
+        levels.append(
+            _Level(resample.push_clear(points, with_margins(task, tight, keep_gaps=True)), stations, given, radius)
+        )
     return levels
 
 
@@ -134,11 +125,13 @@ def _composed(levels: list[_Level], chosen: NDArray[np.intp]) -> tuple[Points, V
 
 def _broken(attempt: Attempt, stations: Vector, places: list[tuple[float, float, float]], risk: float) -> Vector:
     """Return stations [m] of `places`, of broken limits, and of the likeliest shortfall."""
-    prediction, scenario, curve = attempt.quick_prediction, attempt.scenario, attempt.plan.curve
-    task, tolerance = clearance_task(scenario), scenario.route.tolerance
-    airspace, required = task.path.airspace, ceil_cm(task.path.limits.obstacle_distance)
-    flown, (samples, line) = pieces_of(prediction.track), curve_samples(curve)
-    is_broken = (airspace.obstacle_distance(flown.points) < required) | is_far(flown.points, line, tolerance)
+    tolerance = attempt.scenario.route.tolerance
+    task = clearance_task(attempt.scenario)
+    airspace = task.path.airspace
+    required = ceil_cm(task.path.limits.obstacle_distance)
+    flown = pieces_of(attempt.quick_prediction.track)
+    samples, line = resample.curve_samples(attempt.plan.curve)
+    is_broken = (airspace.obstacle_distance(flown.points) < required) | resample.is_far(flown.points, line, tolerance)
     for place in [*places, *(check.nearest.place for check in limits_broken_by_deviation(flown.points, task))]:
         is_broken[np.argmin(np.linalg.norm(flown.points - place, axis=1))] = True
     times = flown.times[is_broken]
@@ -146,9 +139,9 @@ def _broken(attempt: Attempt, stations: Vector, places: list[tuple[float, float,
         risks = proximity_risks(flown, airspace, task.law, required)
         times = np.append(times, risks.seconds[risks.likeliest_passings(required, risk * task.chance)])
     broken = [
-        np.interp(times, prediction.reached, stations),
-        arc_lengths(samples)[is_far(samples, flown.points, tolerance)],
-        ((stations[:-1] + stations[1:]) / 2)[list(unproved_legs(attempt.route.points, scenario))],
+        np.interp(times, attempt.quick_prediction.reached, stations),
+        arc_lengths(samples)[resample.is_far(samples, flown.points, tolerance)],
+        ((stations[:-1] + stations[1:]) / 2)[list(unproved_legs(attempt.route.points, attempt.scenario))],
     ]
     return np.unique(np.concatenate(broken).clip(stations[0], stations[-1]))
 
@@ -161,11 +154,11 @@ MAX_ROUNDS, SHARES, ENOUGH = 500, 0.5 ** np.arange(30), 1e-13  # of Newton's met
 def relaxed(curve: Spline, room: float, via: Points) -> Points:
     """Return places (n, 3) of the line with least bending within `room` [m] of the curve, through via points (m, 3)."""
     count = int(np.clip(math.ceil(curve.length / PLACE_SPACING), 8, MAX_PLACES))
-    samples, stops = through(curve.sample(count + 1), via)
+    samples, stops = resample.through(curve.sample(count + 1), via)
     free = np.setdiff1d(np.arange(1, len(samples) - 1), stops)
     if room <= 0 or len(free) == 0:
         return samples
-    aside = lefts(samples)[:, :2]
+    aside = resample.lefts(samples)[:, :2]
     bend = np.diff(np.eye(len(samples)), 2, axis=0)  # curvature
     system = np.vstack([(bend * aside[:, axis])[:, free] for axis in (0, 1)])
     wanted = -np.concatenate([bend @ samples[:, axis] for axis in (0, 1)])
@@ -178,8 +171,10 @@ def _least_squares(system: Matrix, wanted: Vector, room: float) -> Vector:
     """Solve for x (n,), |x| <= `room`, that minimizes |`system` x - `wanted`|, by projected Newton (Bertsekas 1982)."""
     from ipoa_mission.planning.banded import solve_banded
 
-    hessian, toward = system.T @ system, system.T @ wanted
-    x, cost = np.zeros(len(toward)), 0.0
+    hessian = system.T @ system
+    toward = system.T @ wanted
+    x = np.zeros(len(toward))
+    cost = 0.0
     for _ in range(MAX_ROUNDS):
         slope = hessian @ x - toward
         free = np.nonzero(((x > -room) | (slope <= 0)) & ((x < room) | (slope >= 0)))[0]
@@ -195,7 +190,8 @@ def _least_squares(system: Matrix, wanted: Vector, room: float) -> Vector:
                 break
         if less >= cost - ENOUGH * abs(cost):
             break
-        x, cost = trial, less
+        x = trial
+        cost = less
     return x
 
 
@@ -214,7 +210,7 @@ class RouteGrid(NamedTuple):
 GRID = RouteGrid()
 
 
-def candidates(curve: Spline, scenario: Scenario) -> Iterator[Route]:
+def candidates(curve: Spline, scenario: Scenario) -> Iterator[resample.Route]:
     guidance = scenario.vehicle.autopilot.guidance
     if guidance.flies_splines:
         yield from _splines(curve, scenario)
@@ -222,14 +218,14 @@ def candidates(curve: Spline, scenario: Scenario) -> Iterator[Route]:
     for share in GRID.straight_shares:
         width = share * scenario.route.tolerance
         beside = (-GRID.aside_share * width, 0.0, GRID.aside_share * width)
-        for asides in (beside, ON_THE_CURVE) if share == 1.0 else (beside,):
-            points = corridor(curve, width, asides, scenario.via_points)[0]
+        for asides in (beside, resample.ON_THE_CURVE) if share == 1.0 else (beside,):
+            points = resample.corridor(curve, width, asides, scenario.via_points)[0]
             if points.tobytes() in drawn:
                 continue
             drawn.add(points.tobytes())
             has_radii = guidance.turns_at_acceptance_radius and len(points) > 2
             for radius in GRID.turn_radii if has_radii else GRID.turn_radii[:1]:
-                yield Route(points, radius=radius)
+                yield resample.Route(points, radius=radius)
 
 
 def braking_length(scenario: Scenario) -> float:
@@ -238,19 +234,20 @@ def braking_length(scenario: Scenario) -> float:
     return scenario.vehicle.cruise_speed**2 / limits.accel
 
 
-def _splines(curve: Spline, scenario: Scenario) -> Iterator[Route]:
+def _splines(curve: Spline, scenario: Scenario) -> Iterator[resample.Route]:
     via = scenario.via_points
     for room in GRID.spline_shares:
         line = relaxed(curve, room * scenario.route.tolerance, via)
         length = float(leg_lengths(line).sum())
-        whole, brake = braking_length(scenario), min(braking_length(scenario), length / 2)
+        whole = braking_length(scenario)
+        brake = min(whole, length / 2)
         spacings = {max(spacing, length / GRID.max_splines) for spacing in GRID.spline_spacings if spacing < length / 2}
         for spacing in sorted(spacings, reverse=True):
             even = length / math.ceil(length / spacing)
             for last, on_curve in ((max(brake, even), True), (max(brake, even), False), (even, False)):
-                points = evenly_spaced(line, spacing, last, via)
+                points = resample.evenly_spaced(line, spacing, last, via)
                 if leg_lengths(points).min() >= NEAREST and not (on_curve and last < whole):
-                    yield Route(points, spline=True, brakes_on_curve=on_curve)
+                    yield resample.Route(points, spline=True, brakes_on_curve=on_curve)
 
 
 class RouteSearch(NamedTuple):
@@ -299,23 +296,26 @@ def _best_of_equal(attempts: list[Attempt]) -> Attempt:
 def _quickest(drawn: list[Attempt], scenario: Scenario) -> list[Attempt]:
     waiting = [(attempt.quick_prediction.seconds, n, False, attempt) for n, attempt in enumerate(drawn)]
     heapify(waiting)
-    cleared, fit = dict[bytes, Points](), dict[tuple[int, bool], Attempt]()
+    cleared = dict[bytes, Points]()
+    fit = dict[tuple[int, bool], Attempt]()
     while waiting and len(fit) < SEARCH.starts:
         seconds, n, is_clear, attempt = heappop(waiting)
         if fit and seconds > SEARCH.max_behind * min(other.quick_prediction.seconds for other in fit.values()):
             break
         points = attempt.route.points
-        kind, place = (len(points), attempt.route.spline), points.tobytes()
+        kind = (len(points), attempt.route.spline)
         if kind in fit:
             continue
         if is_clear:
             if attempt.is_fit:
                 fit[kind] = attempt
             continue
+        place = points.tobytes()
         if place not in cleared:
-            cleared[place] = push_clear(points, scenario)
-        if leg_lengths(cleared[place]).min() >= NEAREST:
-            clear = attempt if (cleared[place] == points).all() else attempt.along(cleared[place])
+            cleared[place] = resample.push_clear(points, scenario)
+        moved = cleared[place]
+        if leg_lengths(moved).min() >= NEAREST:
+            clear = attempt if (moved == points).all() else attempt.along(moved)
             heappush(waiting, (clear.quick_prediction.seconds, n, True, clear))
     return list(fit.values())
 
