@@ -63,12 +63,7 @@ def fly(
     is_planned = source.suffix.lower() == ".toml"
     link = asked.on_vehicle.link
     ignore = asked.ignore or ()
-    if not is_planned:
-        of_planning = {"--report": to.report, "--optimizer": search.optimizer is not None}
-        _refuse(of_planning, f"expected a scenario, not {source}", "a mission is flown as it is")
-    if link is None:
-        hint = "the built-in autopilot begins at the first item, and flies by the forecast's model"
-        _refuse(asked.on_vehicle.given_for_link(), "needs --link", hint)
+    _expect_fitting(asked, source)
     expect_folder(to.folder)
     expect_log(asked.on_link.log)
     fly_job: FlyJob = partial(_fly_built_in, changes, search.seed)
@@ -78,6 +73,8 @@ def fly(
         scenario = adapt_scenario(read_scenario(source).ignoring(ignore), search, flown_by)
         planner = planner_of(scenario, [make() for make in planners()])
         if planner is not None:
+            given = {"--depart-at": asked.on_vehicle.departure is not None}
+            _refuse(given, "expected a single flight", "plan, then fly each mission")
             planner.fly(scenario, asked, fly_job, changes)
             return
         to.expect_plans([scenario.name])
@@ -208,6 +205,7 @@ def _fly_stages(
         stages=stages,
         remark=remark,
         checked=True,
+        depart_at=on_vehicle.departure,
     )
     try:
         with changes.reporting(""):  # between two stages
@@ -224,6 +222,15 @@ def _fly_stages(
             error.known = flight_as_json(job.estimate, vehicle.record(), job.reserves) | error.known
         raise
     return job, remarks, record
+
+
+def _expect_fitting(asked: FlyOptions, source: Path) -> None:
+    if source.suffix.lower() != ".toml":
+        of_planning = {"--report": asked.files.report, "--optimizer": asked.search.optimizer is not None}
+        _refuse(of_planning, f"expected a scenario, not {source}", "a mission is flown as it is")
+    if asked.on_vehicle.link is None:
+        hint = "the built-in autopilot begins at the first item, and flies by the forecast's model"
+        _refuse(asked.on_vehicle.given_for_link(), "needs --link", hint)
 
 
 def _refuse(options: dict[str, bool], words: str, hint: str) -> None:

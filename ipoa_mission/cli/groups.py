@@ -1,9 +1,12 @@
+import re
 from collections.abc import Iterable
 from dataclasses import dataclass
+from datetime import datetime, timedelta
 from pathlib import Path
 from typing import Annotated
 
 import ipoa_mission.options as options
+from ipoa_mission.errors import BadInput
 from ipoa_mission.mission.flight_record import OnDeviation
 from ipoa_mission.terminal import expect_free
 
@@ -101,7 +104,30 @@ class FlightOptions:
     on_deviation: Annotated[
         OnDeviation, options.link_option("--on-deviation", "Order sent once if the flight deviates from the forecast.")
     ] = OnDeviation.HOLD
+    depart_at: Annotated[
+        str | None,
+        options.link_option("--depart-at", "Arm at HH:MM:SS, local, or as 2026-11-30T14:05:30Z; not 3 s late.", "TIME"),
+    ] = None
+
+    def __post_init__(self) -> None:
+        self.departure = read_departure_option(self.depart_at)
 
     def given_for_link(self) -> dict[str, bool]:
         deviates = self.on_deviation is not OnDeviation.HOLD
-        return {"--from": self.begin != 1, "--set-params": self.set_params, "--on-deviation": deviates}
+        given = {"--from": self.begin != 1, "--set-params": self.set_params, "--on-deviation": deviates}
+        return given | {"--depart-at": self.departure is not None}
+
+
+def read_departure_option(text: str | None) -> datetime | None:
+    """Return a time of the next 24 hours, with its zone; raise BadInput."""
+    if text is None:
+        return None
+    now = datetime.now().astimezone()
+    try:
+        at = datetime.fromisoformat(f"{now.date()}T{text}" if re.fullmatch(r"\d\d:\d\d:\d\d", text) else text)
+    except ValueError:
+        at = now - timedelta(1)
+    if not timedelta(0) < at.astimezone() - now < timedelta(1):
+        words = "expected a time within the next 24 hours, like 14:05:30 of today, or 2026-11-30T14:05:30Z"
+        raise BadInput(words, place=f"--depart-at {text}")
+    return at.astimezone()

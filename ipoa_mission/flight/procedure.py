@@ -1,6 +1,7 @@
 from collections.abc import Callable, Iterable, Sequence
 from contextlib import AbstractContextManager, nullcontext, suppress
 from dataclasses import dataclass, replace
+from datetime import UTC, datetime
 from enum import StrEnum
 from typing import TYPE_CHECKING, TypeAlias
 
@@ -32,7 +33,7 @@ class Stage(StrEnum):
     UPLOAD = "upload"
     RECHECK = "checking the uploaded mission against the vehicle"
     READY = "waiting until it is ready"
-    START = "armed and started"
+    START = "arming and starting"
     FLIGHT = "flying"
 
 
@@ -53,6 +54,7 @@ class ProcedureOptions:
     stages: Stages = without_progress
     remark: ReportRemark = lambda words: None
     checked: bool = False  # the forecast, in its world
+    depart_at: datetime | None = None
 
 
 def upload_mission(
@@ -266,7 +268,8 @@ def begin_mission(vehicle: Vehicle, forecast: Forecast, options: ProcedureOption
         begun = begun_here(vehicle, forecast, options.first)
         vehicle.conformance.begin(_monitor(vehicle, begun, options.first, options.remark))
     with options.stages(Stage.START) as show:
-        vehicle.start(show)
+        at = options.depart_at
+        vehicle.start(show, None if at is None else (at - datetime.now(UTC)).total_seconds())
     with options.stages(Stage.FLIGHT) as show:
         return vehicle.watch(show)
 

@@ -33,6 +33,8 @@ class Departure:
     DISARM_ATTEMPTS = 3
     CLIMB_S = 120.0
     CLIMBED_BELOW = 0.5  # the requested height [m]
+    AGAIN_S = 20.0  # before a set time: prepare again
+    LATE_S = 3.0  # three deviations of a departure in `deconflict`
 
     state: VehicleState
     first: int
@@ -157,6 +159,21 @@ def _not_ready_reason(state: VehicleState) -> str:
     if state.warnings.words:
         return str(state.warnings)
     return "its pre-arm checks do not pass, without a reason" if _has_position(state) else "it has no position"
+
+
+def depart_at(departure: Departure, left_s: Callable[[], float]) -> Dialogue[None]:
+    """Run `depart` when `left_s` is 0, or raise NotReady; prepare again before: the vehicle may have changed."""
+    if left_s() > Departure.AGAIN_S:
+        while left_s() > Departure.AGAIN_S:
+            departure.progress(0.0, f"departure in {left_s():.0f} s")
+            yield from wait(min(1.0, left_s() - Departure.AGAIN_S))
+        yield from prepare(departure, left_s())
+        departure.expect_permitted()
+    yield from wait(left_s())
+    if left_s() < -Departure.LATE_S:
+        words = f"the vehicle was ready {-left_s():.0f} s after its departure time"
+        raise NotReady(words, hint="set a later time", code="departure-missed")
+    yield from depart_when_ready(departure, lambda: left_s() + Departure.LATE_S)
 
 
 def depart_when_ready(departure: Departure, left_s: Callable[[], float]) -> Dialogue[None]:

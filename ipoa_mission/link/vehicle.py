@@ -221,24 +221,26 @@ class Vehicle(VehicleSession):
             prepared.expect_permitted()
         self._departure = prepared
 
-    def start(self, progress: Progress = silent) -> None:
-        """Arm a prepared vehicle and start its mission; time zero is the arming.
+    def start(self, progress: Progress = silent, in_s: float | None = None) -> None:
+        """Arm a prepared vehicle, after `in_s` [s] if given, and start its mission; time zero is the arming.
 
         Directly before, prove that it holds the lists that were uploaded or downloaded. After a temporary refusal begin
         again; `progress` reports that.
 
         Raises:
-            NotReady, TimeUp: it was not prepared, or could not be armed in time; with its reasons.
+            NotReady, TimeUp: it was not prepared, or could not be armed in time; with its reasons. An arming that
+                begins 3 s after `in_s` is late.
             Replaced, ReplacedSince: it holds other lists.
             CommandRefused, NoAnswer, NotReady, LinkDown, Cancelled: the hint is its state; on the ground it was
                 disarmed again.
         """
         if self._departure is None:
             raise NotReady("the vehicle was not prepared", hint="call `prepare` first")
-        until_s = min(self._until, self.connection.now() + self.ready_s)
+        run = departure.depart_when_ready if in_s is None else departure.depart_at
+        until_s = min(self._until, self.connection.now() + (self.ready_s if in_s is None else in_s))
         prepared = replace(self._departure, progress=progress)
         with self.state.with_state_as_hint(), departure.restored_mode(self.state, self._run_unlimited):
-            self._run_unlimited(departure.depart_when_ready(prepared, lambda: until_s - self.connection.now()))
+            self._run_unlimited(run(prepared, lambda: until_s - self.connection.now()))
         self.state.replaced_mode = None
 
     def watch(self, progress: Progress = silent) -> FlightRecord:

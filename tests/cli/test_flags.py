@@ -9,11 +9,13 @@ import threading
 import time
 from collections import Counter
 from dataclasses import replace
+from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
 import pytest
 
 from ipoa_mission import files
+from ipoa_mission.cli.groups import read_departure_option
 from ipoa_mission.files import MISSIONS as MISSION_SUFFIXES
 from ipoa_mission.files import read_text, write_together
 from ipoa_mission.forecast.forecast import Forecast
@@ -22,6 +24,7 @@ from ipoa_mission.mission.mission_io import mission_text, not_as_written, read_m
 from ipoa_mission.report.exports import EXPORTS, forecast_text
 from ipoa_mission.scenario import read_scenario
 from tests.cli.conftest import Planned, Run
+from tests.cli.test_surveying import SCENARIO
 from tests.examples import some
 from tests.refused import refuses
 from tools.generate import verbs
@@ -111,6 +114,29 @@ def test_parameters_and_wind_change_what_every_verb_tells(run: Run) -> None:
 
 def test_a_wind_from_beyond_the_compass_is_refused(run: Run) -> None:
     assert "[deg, to 360]" in run(f"show {SITL} --wind 5@720").err
+
+
+@pytest.mark.parametrize("time", ["noon", "25:00:00", "2026-11-01T14:05:30Z", "2999-01-01T00:00:00Z", "14:05"])
+def test_a_departure_is_within_the_next_day(run: Run, time: str) -> None:
+    ended = run(f"fly {SITL} --link tcp:127.0.0.1:1 --depart-at {time}")
+    assert (ended.code, "within the next 24 hours, like 14:05:30" in ended.err) == (2, True)
+
+
+@pytest.mark.parametrize(("zone", "hours"), [("", 0), ("+00:00", 0), ("+02:00", 2)])
+def test_a_departure_is_local_or_has_its_zone(zone: str, hours: int) -> None:
+    then = datetime.now(UTC) + timedelta(seconds=600)
+    there = then.astimezone() if not zone else then + timedelta(hours=hours)
+    read = read_departure_option(f"{there:%Y-%m-%dT%H:%M:%S}{zone}")
+    assert read is not None
+    assert abs((read - then).total_seconds()) <= 1.0
+
+
+def test_a_departure_needs_a_link_and_a_single_flight(run: Run, tmp_path: Path) -> None:
+    then = f"{datetime.now(UTC) + timedelta(seconds=600):%Y-%m-%dT%H:%M:%SZ}"
+    assert "--depart-at: needs --link" in run(f"fly {SITL} --depart-at {then}").err
+    (tmp_path / "field.toml").write_text(SCENARIO)
+    survey = f"fly {tmp_path}/field.toml --out {tmp_path} --link tcp:127.0.0.1:1 --depart-at {then}"
+    assert "--depart-at: expected a single flight" in run(survey).err
 
 
 @pytest.mark.parametrize("suffix", [*EXPORTS, *MISSION_SUFFIXES])

@@ -3,6 +3,7 @@
 import re
 from contextlib import AbstractContextManager
 from dataclasses import replace
+from datetime import UTC, datetime, timedelta
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +18,7 @@ from ipoa_mission.flight import preflight, procedure
 from ipoa_mission.flight.procedure import (
     ProcedureOptions,
     Stage,
+    begin_mission,
     fly_mission,
     left_lists,
     load_mission,
@@ -34,6 +36,7 @@ from ipoa_mission.link.dialogue import NoAnswer, TimeUp
 from ipoa_mission.link.messages import MissionType, ParamRequestRead, Position, Result
 from ipoa_mission.link.orders import CommandRefused
 from ipoa_mission.link.vehicle import Vehicle
+from ipoa_mission.link.vehicle_state import NotReady
 from ipoa_mission.mission.items import Mission, return_to_launch, waypoint
 from ipoa_mission.mission.mission_io import read_mission
 from ipoa_mission.progress import Progress
@@ -79,6 +82,24 @@ def test_upload_to_a_vehicle_in_flight_is_refused(autopilot: Autopilot) -> None:
     assert vehicle.download().rally == ()
     upload_mission(vehicle, other, anyway=True)
     assert vehicle.download().rally == RALLY
+
+
+@pytest.mark.parametrize("autopilot", registered())
+def test_a_departure_has_its_time(autopilot: Autopilot) -> None:
+    vehicle = met(autopilot)
+    flown = suited(vehicle, replace(MISSION, rally=()))
+    begun_s: dict[Stage, float] = {}
+
+    def stages(stage: Stage) -> AbstractContextManager[Progress]:
+        begun_s[stage] = vehicle.connection.now()
+        return without_progress(stage)
+
+    loaded = load_mission(vehicle, Forecast(flown), ProcedureOptions())
+    at = datetime.now(UTC) + timedelta(seconds=90.0)
+    assert begin_mission(vehicle, loaded, ProcedureOptions(stages=stages, depart_at=at)).completed
+    assert begun_s[Stage.FLIGHT] - begun_s[Stage.START] == pytest.approx(90.0, abs=4.0)
+    with refuses("departure-missed", "", kind=NotReady):
+        begin_mission(vehicle, loaded, ProcedureOptions(depart_at=at - timedelta(seconds=100.0)))
 
 
 def unreadable(unread: Exception, monkeypatch: pytest.MonkeyPatch) -> tuple[Vehicle, Mission]:

@@ -16,6 +16,7 @@ import sys
 import time
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack
+from datetime import UTC, datetime
 from importlib import import_module
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -32,6 +33,7 @@ from tools.fly.simulators import connected, newest_log, set_up, simulation, true
 
 SEPARATION = 10.0  # [m]
 READY_S = 25.0  # until ArduCopter can be armed, beyond its first message
+PREPARED_S = 40.0  # until both are prepared
 
 
 class SimulatedVehicle(NamedTuple):
@@ -92,13 +94,12 @@ def fly_pair(n: int, files: list[Path], slots: list[dict[str, Any]], options: An
         for vehicle in vehicles:
             begun(vehicle.link)
         time.sleep(READY_S)
-        began = time.time()
+        began = time.time() + PREPARED_S
 
         def fly(index: int) -> tuple[int, str]:
-            later_s = (0.0, options.second_later)[index]
-            time.sleep((slots[index]["departs_s"] + later_s) / options.speed)
+            departure = datetime.fromtimestamp(began + slots[index]["departs_s"] / options.speed, UTC)
             words = program("fly", slots[index]["file"], "--link", vehicles[index].link, "--set-params")
-            words += ["--log", str(logs[index])]
+            words += ["--log", str(logs[index]), "--depart-at", departure.isoformat()]
             ended = subprocess.run(words, capture_output=True, text=True, check=False, timeout=600)
             return ended.returncode, ended.stdout + ended.stderr
 
@@ -128,9 +129,6 @@ def main() -> None:
     parser.add_argument("--repaired", action="store_true")
     parser.add_argument("--most-delay", type=float, default=600.0, help="of a timetable; 0: holds and heights only [s]")
     parser.add_argument("--meet", action="store_true", help="depart so that a loss of separation is most probable")
-    parser.add_argument(
-        "--second-later", type=float, default=0.0, help="delay of the second start, if it arms sooner [s]"
-    )
     parser.add_argument("--vehicle", nargs=4, action="append", required=True, metavar=SimulatedVehicle._fields)
     options = parser.parse_args()
     first, second = (words[0] for words in options.vehicle)
