@@ -23,7 +23,7 @@ RULES: Mapping[str, bool] = {
         "speed", "jump-target", "jump-without-end", "jump-repeats", "jump-no-way-on", "jump-tag-twice",
         "too-many-jumps", "waits-for-someone", "behind-landing", "fence-off", "waits-until-clock",
         "action-at-other-time", "takeoff-missing", "ends-refused", "disarms-waiting", "terrain-data",
-        "terrain-clearance", "fence-shape", "battery-unsure", "circle-sense", "not-read", "readers-differ",
+        "terrain-clearance", "fence-shape", "battery-unsure", "circle-sense", "not-read",
         "slow-landing", "wind-not-measured", "waypoint-may-be-passed", "no-aircraft", "other-vehicle", "file",
         "file-home", "file-numbers"
     ), False),

@@ -38,10 +38,8 @@ def read_requested(
     if len(with_this_version) == 1:
         (fallback,) = with_this_version
     read = read_by_items(file, read_mission_file(file, flown_by.autopilot or autopilot, fallback))
-    maps = {} if world is None else {section.file: section for section in world.maps}
-    findings = (*read.findings, *(finding for section in maps.values() for finding in section.differences()))
     mission = read.mission
-    remarks = (*(finding.message for finding in findings), *taken_for(read))
+    remarks = (*(finding.message for finding in read.findings), *taken_for(read))
     if flown_by.version is not None:
         possible = [candidate for candidate in with_this_version if candidate is not mission.autopilot]
         try:
@@ -57,7 +55,7 @@ def read_requested(
     if flown_by.vehicle is not None:
         mission = replace(mission, vehicle=read_vehicle(flown_by.vehicle, mission.autopilot))
     remarks += flown_by.parameter_remarks
-    return RequestedMission(mission.with_parameters(flown_by.parameters), findings, remarks, read.planned)
+    return RequestedMission(mission.with_parameters(flown_by.parameters), read.findings, remarks, read.planned)
 
 
 def taken_for(read: "MissionFile") -> tuple[str, ...]:

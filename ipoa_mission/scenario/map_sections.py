@@ -1,17 +1,15 @@
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Annotated, ClassVar, Literal, TypeAlias
 
 from pydantic import Field, model_validator
 
 from ipoa_mission.errors import NothingThere
-from ipoa_mission.finding import Finding
 from ipoa_mission.geodesy import LocalFrame
 from ipoa_mission.maps.areas import RESTRICTIONS, Restriction, Zones, find_zones
 from ipoa_mission.maps.building_rules import BuildingRules
 from ipoa_mission.maps.buildings import Buildings, search_buildings
 from ipoa_mission.maps.geoid import ElevationRules
-from ipoa_mission.maps.map_reader import READERS, compare_with_gdal, read_features
+from ipoa_mission.maps.map_reader import READERS, read_features
 from ipoa_mission.maps.map_window import Box, MapWindow
 from ipoa_mission.scenario.section import Section, existing_file
 from ipoa_mission.world.terrain import Grid
@@ -23,9 +21,6 @@ class MapFile(Section):
     file: Annotated[Path, existing_file("a map")]
     """Path relative to the scenario file."""
     suffixes: ClassVar[tuple[str, ...]] = READERS
-
-    def differences(self) -> Iterator[Finding]:
-        return compare_with_gdal(self.file)
 
 
 class BuildingsMap(BuildingRules, MapFile):

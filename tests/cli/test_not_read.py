@@ -5,7 +5,6 @@ from pathlib import Path
 import pytest
 
 from ipoa_mission import plan_flight
-from ipoa_mission.maps.map_reader import compare_with_gdal
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.mission.mission_io import write_mission
 from ipoa_mission.scenario import parse_scenario
@@ -64,37 +63,6 @@ def test_ignore_names_it_and_it_is_listed_all_the_same(run: Run, folder: Path, w
         ("zones.geojson", "R1", True)
     ]
     assert any("without a geometry" in remark for remark in result["remarks"])
-
-
-@pytest.mark.parametrize("verb", ["check", "show", "estimate"])
-def test_a_ring_that_gdal_loses_is_named_where_the_mission_is_read(run: Run, folder: Path, verb: str) -> None:
-    """Of a LinearRing GDAL's KML driver gives no bytes; the zone is kept."""
-    pyogrio = pytest.importorskip("pyogrio")
-    ring = "<LinearRing><coordinates>8.02,47 8.03,47 8.03,47.01 8.02,47</coordinates></LinearRing>"
-    Path("zones.kml").write_text(f"<kml><Placemark><name>R2</name>{ring}</Placemark></kml>")
-    Path("ring.toml").write_text(SCENARIO.replace("zones.geojson", "zones.kml"))
-    result = json.loads(run(f"{verb} kept.plan --scenario ring.toml --json").out)
-    (remark,) = (
-        words for words in [*result["remarks"], *(f["message"] for f in result.get("findings", ()))] if "two" in words
-    )
-    assert remark.startswith("zones.kml: two readers differ: 1 ring by ipoa-mission ")
-    assert f"nothing by GDAL {pyogrio.__gdal_version_string__} (pyogrio {pyogrio.__version__}); GDAL lacks R2" in remark
-    if verb == "check":
-        assert [finding["code"] for finding in result["findings"]] == ["readers-differ"]
-        assert (
-            json.loads(run("check kept.plan --scenario ring.toml --json --ignore readers-differ").out)["findings"] == []
-        )
-
-
-def test_a_map_of_which_gdal_has_more_and_one_it_refuses(tmp_path: Path) -> None:
-    pytest.importorskip("pyogrio")
-    box = "<north>47.1</north><south>47</south><east>8.1</east><west>8</west>"
-    (tmp_path / "image.kml").write_text(f"<kml><GroundOverlay><LatLonBox>{box}</LatLonBox></GroundOverlay></kml>")
-    (finding,) = compare_with_gdal(tmp_path / "image.kml")
-    assert "nothing by ipoa-mission" in finding.message
-    assert finding.message.endswith("the first that only GDAL has is at 47, 8")
-    (tmp_path / "empty.geojson").write_text('{"features": []}')
-    assert not list(compare_with_gdal(tmp_path / "empty.geojson"))
 
 
 def test_ignore_refuses_a_code_of_a_crash_and_one_that_is_none(run: Run, folder: Path) -> None:
