@@ -19,10 +19,6 @@ if TYPE_CHECKING:
 HOME: "Place" = (0.0, 0.0, 0.0)
 
 
-def horizontal_distance(start: "Place", end: "Place") -> float:
-    return math.hypot(start[0] - end[0], start[1] - end[1])
-
-
 class ReturnBy(StrEnum):
     DIRECT = "direct"  # at the return height, to home or a rally point
     LANDING = "to the mission's landing"  # at the return height

@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 
 from ipoa_mission.autopilot.failsafe import Contingency
 from ipoa_mission.autopilot.parameters import Parameters
-from ipoa_mission.autopilot.returning import horizontal_distance
 from ipoa_mission.errors import NotModeled
 from ipoa_mission.forecast.itinerary.itinerary import Itinerary, turn_deg
 from ipoa_mission.forecast.timing.track import Track
@@ -49,7 +48,7 @@ class Prediction:
 
 def corner_deg(before: Place, at: Place, after: Place) -> float:
     """Return the turn at a place, 0 to 180; 0 at a vertical side."""
-    if horizontal_distance(before, at) < 0.1 or horizontal_distance(at, after) < 0.1:
+    if math.dist(before[:2], at[:2]) < 0.1 or math.dist(at[:2], after[:2]) < 0.1:
         return 0.0
     return turn_deg(before, at, after)
 

@@ -13,7 +13,7 @@ from ipoa_mission.autopilot.commands import LANDINGS, WAYPOINTS, Command, Frame
 from ipoa_mission.autopilot.failsafe import IN_PLACE, Contingency, OwnFence
 from ipoa_mission.autopilot.firmware_tables import POLYGON, Firmware, FirmwareTables, Refusals, Refused, rows
 from ipoa_mission.autopilot.parameters import Parameters, whole
-from ipoa_mission.autopilot.returning import HOME, ReturnBy, ReturnOrder, ReturnRoute, horizontal_distance
+from ipoa_mission.autopilot.returning import HOME, ReturnBy, ReturnOrder, ReturnRoute
 from ipoa_mission.autopilot.version import Version
 from ipoa_mission.geometry import Place, Points, Vector
 from ipoa_mission.vehicles.arducopter.braking import braking_displacement, flown_circle
@@ -88,7 +88,7 @@ def _no_place(values: Sequence[float], frame: int) -> Refused | None:
 
 
 def _is_inside(fence: OwnFence, place: Place) -> bool:
-    is_near = horizontal_distance(place, HOME) <= fence.radius.value
+    is_near = math.dist(place[:2], HOME[:2]) <= fence.radius.value
     return is_near and fence.floor.value <= place[2] <= fence.ceiling.value
 
 
@@ -325,7 +325,7 @@ class ArduCopter(Autopilot):
         fence = fence_limits(parameters)
         home = ReturnRoute(ReturnBy.DIRECT)
         inside = [n for n, place in enumerate(order.rally) if fence is None or _is_inside(fence, place)]
-        distances = {n: horizontal_distance(order.here, order.rally[n]) for n in inside}
+        distances = {n: math.dist(order.here[:2], order.rally[n][:2]) for n in inside}
         if not distances:
             return home
         nearest = min(distances, key=distances.__getitem__)
@@ -333,7 +333,7 @@ class ArduCopter(Autopilot):
         limit = 1000.0 * p["RALLY_LIMIT_KM"]
         if limit > 0.0 and distances[nearest] > limit:
             return home
-        if p["RALLY_INCL_HOME"] != 0.0 and distances[nearest] >= horizontal_distance(order.here, HOME):
+        if p["RALLY_INCL_HOME"] != 0.0 and distances[nearest] >= math.dist(order.here[:2], HOME[:2]):
             return home
         return ReturnRoute(ReturnBy.DIRECT, nearest)
 

@@ -15,7 +15,7 @@ from ipoa_mission.autopilot.failsafe import IN_PLACE, Contingency, FenceLimit, O
 from ipoa_mission.autopilot.firmware_tables import POLYGON, Firmware, FirmwareTables, Refusals, Refused, rows
 from ipoa_mission.autopilot.guidance_profile import mode_number
 from ipoa_mission.autopilot.parameters import Parameters, whole
-from ipoa_mission.autopilot.returning import HOME, ReturnBy, ReturnOrder, ReturnRoute, horizontal_distance
+from ipoa_mission.autopilot.returning import HOME, ReturnBy, ReturnOrder, ReturnRoute
 from ipoa_mission.autopilot.version import Version
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.vehicles.px4_multicopter.failsafes import FAILSAFES
@@ -311,15 +311,15 @@ class Px4Multicopter(Autopilot):
             return ReturnRoute(ReturnBy.MISSION_FORWARD if ahead else ReturnBy.MISSION_REVERSED)
         rally_only = kind == ReturnType.RALLY_ONLY and (order.version or self.newest).series >= (1, 18)
         best = ReturnRoute(ReturnBy.LAND_IN_PLACE if rally_only else ReturnBy.DIRECT)
-        nearest = math.inf if rally_only or kind == ReturnType.HOME_LAST else horizontal_distance(here, HOME)
+        nearest = math.inf if rally_only or kind == ReturnType.HOME_LAST else math.dist(here[:2], HOME[:2])
         advantage = 2.0  # [m]
         if landing is not None and kind in {ReturnType.HOME_LAST, ReturnType.NEAREST}:
-            distance = horizontal_distance(here, landing.place)
+            distance = math.dist(here[:2], landing.place[:2])
             if distance + advantage < nearest:
                 best, nearest = ReturnRoute(ReturnBy.LANDING), distance
         for n, place in enumerate(order.rally):
-            distance = horizontal_distance(here, place)
-            if (rally_only or horizontal_distance(HOME, place) > 10.0) and distance + advantage < nearest:
+            distance = math.dist(here[:2], place[:2])
+            if (rally_only or math.dist(HOME[:2], place[:2]) > 10.0) and distance + advantage < nearest:
                 best, nearest = ReturnRoute(ReturnBy.DIRECT, n), distance
         return best
 
