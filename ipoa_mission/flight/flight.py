@@ -3,7 +3,6 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
 from importlib.metadata import version
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from threadpoolctl import threadpool_limits
 
@@ -18,6 +17,7 @@ from ipoa_mission.forecast.deviation.clearance_guarantee import ClearanceGuarant
 from ipoa_mission.forecast.flight_energy import Consumption
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.timing.estimate import COUNTED_TERMS, Estimate
+from ipoa_mission.mission.flight_record import FlightRecord
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.mission.mission_io import write_files
 from ipoa_mission.mission.waypoints_file import left_out
@@ -33,9 +33,6 @@ from ipoa_mission.routing.seek import by_way_of_the_goal_remarks, plan_with_marg
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.unread import unread_as_json
 from ipoa_mission.wind import Wind
-
-if TYPE_CHECKING:
-    from ipoa_mission.mission.flight_record import FlightRecord
 
 log = logging.getLogger(__name__)
 
@@ -156,7 +153,7 @@ class Flight:
             **({"flights": list(map(_part_as_json, self.names, self.parts))} if self.parts else {}),
         }
 
-    def report(self, path: str | Path, record: "FlightRecord | None" = None) -> None:
+    def report(self, path: str | Path, record: FlightRecord | None = None) -> None:
         """Write the page of the flight.
 
         Args:
@@ -168,7 +165,7 @@ class Flight:
         """
         write_atomically(Path(path), self._page(record))
 
-    def _page(self, record: "FlightRecord | None" = None) -> str:
+    def _page(self, record: FlightRecord | None = None) -> str:
         from ipoa_mission.report.page import PageNotes, report_html
         from ipoa_mission.report.panels.tables import parts_panel
 
@@ -265,7 +262,7 @@ def write_report(
     forecast: Forecast,
     path: str | Path,
     plan: Plan | None = None,
-    flight: "FlightRecord | None" = None,
+    flight: FlightRecord | None = None,
     remarks: Sequence[str] = (),
 ) -> None:
     """Write the report on a mission, one page without a server.

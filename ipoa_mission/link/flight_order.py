@@ -6,10 +6,11 @@ from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import partial
-from typing import TYPE_CHECKING, Protocol
+from typing import Protocol
 
 from ipoa_mission.autopilot.commands import Command, VehicleCommand
 from ipoa_mission.geodesy import Geodetic
+from ipoa_mission.geometry import Vector
 from ipoa_mission.link import messages as m
 from ipoa_mission.link import orders
 from ipoa_mission.link.conversations import listen_for_words
@@ -18,9 +19,6 @@ from ipoa_mission.link.logbook import Logbook
 from ipoa_mission.link.vehicle_state import NotFlown, NotReady, VehicleState
 from ipoa_mission.link.vehicle_words import VehicleTexts
 from ipoa_mission.mission.flight_record import Deviation, DeviationKind, OnDeviation
-
-if TYPE_CHECKING:
-    from ipoa_mission.geometry import Vector
 
 log = logging.getLogger(__name__)
 ORDER_REPEATS = 6  # one a second
@@ -180,9 +178,9 @@ def _taken_back(state: VehicleState, mode: int, texts: VehicleTexts) -> Dialogue
 
 
 class Monitor(Protocol):
-    def local(self, at: Geodetic, height: float) -> "Vector": ...
+    def local(self, at: Geodetic, height: float) -> Vector: ...
     def interrupt(self) -> None: ...
-    def see(self, time: float, place: "Vector", item: int | None) -> Deviation | None: ...
+    def see(self, time: float, place: Vector, item: int | None) -> Deviation | None: ...
 
 
 @dataclass
