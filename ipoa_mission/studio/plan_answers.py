@@ -14,10 +14,8 @@ from ipoa_mission.forecast.contingency.energy_budget import Budget, budget_of
 from ipoa_mission.forecast.deviation.clearance_guarantee import ClearanceGuarantee
 from ipoa_mission.forecast.timing.estimate import Estimate
 from ipoa_mission.forecast.timing.flight_model import FlightModel
-from ipoa_mission.geometry import Points
 from ipoa_mission.mission.item_words import item_words
 from ipoa_mission.planning.planner import Sketch
-from ipoa_mission.planning.spline import Spline
 from ipoa_mission.report import drawn_flight
 from ipoa_mission.report.drawn_flight import SampledTrack
 from ipoa_mission.report.panels.contingency_panel import GRADE_LOOKS, contingency_bars, return_paths, stretches
@@ -31,7 +29,8 @@ UNKNOWN_EXTENT = 1e7  # [m]
 def sketched(sketch: Sketch, scenario: Scenario, number: int | None) -> answers.Sketch:
     """Return a coarse path; its time is a lower bound."""
     vehicle = scenario.vehicle
-    points, *others = (_sampled(curve) for curve in (sketch.curve, *sketch.others))
+    curves = (sketch.curve, *sketch.others)
+    points, *others = (curve.sample(math.ceil(min(max(curve.length / 2.0, 40.0), 400.0))) for curve in curves)
     limits = vehicle.autopilot.part(FlightModel).kinematics(vehicle.autopilot_parameters(), vehicle.cruise_speed)
     east, north, up = np.diff(points, axis=0).T
     rises = np.where(up > 0.0, up / limits.climb, -up / limits.descent)
@@ -112,10 +111,6 @@ def course_of(forecast: Forecast) -> SampledTrack:
     nowhere = Airspace(Bounds((-UNKNOWN_EXTENT,) * 3, (UNKNOWN_EXTENT,) * 3), Flat())
     airspace = nowhere if forecast.scenario is None else forecast.scenario.airspace
     return drawn_flight.sample_track(forecast.estimate.track, airspace, samples=500)
-
-
-def _sampled(curve: Spline) -> Points:
-    return curve.sample(math.ceil(min(max(curve.length / 2.0, 40.0), 400.0)))
 
 
 def _turns_home(course: SampledTrack, forecast: Forecast) -> int | None:

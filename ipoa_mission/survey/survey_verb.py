@@ -131,7 +131,8 @@ def _fly(survey: "Survey", asked: FlyOptions, fly_job: FlyJob) -> None:
     hint = ""
     system: int | None = None
     for n, (name, forecast) in enumerate(zip(survey.names, survey.flights, strict=True)):
-        if n and link is not None and not _is_ready(survey, n):
+        ready = f"Fly {name}: a charged battery is in, and nobody is near the propellers?"
+        if n and link is not None and not confirm(f"{survey.names[n - 1]} has landed. {ready}"):
             why = f"{name} and later flights were not flown"
             break
         log = asked.log_of(name)
@@ -155,9 +156,3 @@ def _fly(survey: "Survey", asked: FlyOptions, fly_job: FlyJob) -> None:
     if why:
         print(f"error: {why}", *([f"hint: {hint}"] if hint else []), sep="\n", file=sys.stderr)
         raise typer.Exit(1)
-
-
-def _is_ready(survey: "Survey", n: int) -> bool:
-    landed = survey.names[n - 1]
-    ready = "a charged battery is in, and nobody is near the propellers?"
-    return confirm(f"{landed} has landed. Fly {survey.names[n]}: {ready}")

@@ -194,10 +194,6 @@ class Contingencies:
     def _mean(self, times: Vector) -> Vector:
         return np.asarray(np.interp(times, *self._clocks))
 
-    def _noise_free(self, times: Vector) -> Vector:
-        noise_free, mean = self._clocks
-        return np.asarray(np.interp(times, mean, noise_free))
-
     @property
     def in_air(self) -> tuple[float, float]:
         begin, end = self._mean(np.array(self.paths.in_air))
@@ -258,7 +254,8 @@ class Contingencies:
         unclear = ~(samples.clear[after - 1] & samples.clear[after])
         nearer = np.zeros(len(evenly), dtype=bool)
         if unclear.any():
-            flown = self.paths.as_flown.at(contingency, self._noise_free(evenly[unclear]))
+            noise_free, mean = self._clocks
+            flown = self.paths.as_flown.at(contingency, np.interp(evenly[unclear], mean, noise_free))
             is_near = flown.near.min(axis=2) < self.paths.required
             nearer[unclear] = (is_near | ~flown.possible).all(axis=1)
         return evenly, nearer

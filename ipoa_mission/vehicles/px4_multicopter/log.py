@@ -62,9 +62,10 @@ def _log(path: Path, log: Any) -> Log:
         raise BadInput(words, code="other-vehicle", place=path)
     begins = log.start_timestamp / 1e6
     opened_by_arming = log.initial_parameters.get("SDLOG_MODE", 0) == 0
+    homes = _records(topics.get("home_position"), "lat", "lon", "alt")
     events = [
         *_parameters(log, begins),
-        *_homes(topics.get("home_position")),
+        *((time, HomePosition(*map(float, place))) for time, *place in homes),
         *_states(status, begins if opened_by_arming else None),
         *_items(topics.get("mission_result")),
         *((message.timestamp / 1e6, Text(INFO, message.message)) for message in log.logged_messages),
@@ -139,11 +140,6 @@ def _records(topic: Any | None, *names: str) -> Iterator[tuple[Any, ...]]:
     columns = [] if topic is None else [topic[name] for name in ("timestamp", *names)]
     for stamp, *values in zip(*columns, strict=True):
         yield float(stamp) / 1e6, *values
-
-
-def _homes(home: Any | None) -> Iterator[Event]:
-    for time, *place in _records(home, "lat", "lon", "alt"):
-        yield time, HomePosition(*map(float, place))
 
 
 def _states(status: Any, opened_by_arming: float | None) -> Iterator[Event]:
