@@ -72,7 +72,7 @@ def find_zones(
         ends = dict[str, VerticalLimit | None]()
         if is_near:
             ends = limits_of(feature.tags, partial(notes.note, feature))
-            _note_not_understood(feature, notes)
+            _note_not_understood(feature, shape, notes)
             if restrictions is None:
                 _note_limits_of_area(feature, ends, notes)
             ends = {side: _above_sea(side, limit, feature, notes) for side, limit in ends.items()}
@@ -124,8 +124,10 @@ def _note_limits_of_area(feature: Feature, ends: Mapping[str, VerticalLimit | No
             notes.note(feature, subject, f"{limit.height:g} m {limit.reference}")
 
 
-def _note_not_understood(feature: Feature, notes: MapNotes) -> None:
+def _note_not_understood(feature: Feature, shape: Any, notes: MapNotes) -> None:
     tags = feature.tags
+    if any(part.geom_type == "Point" for part in simple_parts(shape)):
+        width_of(tags, lambda key, value: notes.note(feature, f"size of a point, {key}", value, may_limit=True))
     if "restriction" in tags and not _restrictions(tags):
         notes.note(feature, "restriction, taken as one that keeps a flight out", tags["restriction"])
     kind = tags.get("type", tags.get("Type", ""))

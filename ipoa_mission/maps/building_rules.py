@@ -9,7 +9,7 @@ from pydantic import BaseModel, ConfigDict, Field
 from ipoa_mission.maps.keys import Means, keys_of
 from ipoa_mission.maps.kinds import DRAG_LIFTS, TALL, WIRES, WOODS, is_bridge, is_tagged, values_of
 from ipoa_mission.maps.lengths import length_of, storeys_of
-from ipoa_mission.maps.tag_heights import WIDEST_ROTOR, Odd, width_of
+from ipoa_mission.maps.tag_heights import WIDEST_ROTOR, Odd, read_length, width_of
 
 
 class Size(NamedTuple):
@@ -141,7 +141,7 @@ def reach_of(
         hubs = [hub for key in keys_of(tags, Means.HUB) if (hub := length_of(tags[key])[0])]
         usual = min(usual, top / 2, *(max(top - hub, 0.0) or usual for hub in hubs))
     width = width_of(tags, odd, is_tree=tags.get("natural") in TALL["natural"])
-    lengths = [length for key in keys_of(tags, Means.LENGTH) if (length := length_of(tags[key])[0])]
+    lengths = [length for key in keys_of(tags, Means.LENGTH) if (length := read_length(tags, key, odd))]
     if is_point and width is not None and lengths:
         width = math.hypot(width, *lengths)
     if width is not None:
@@ -188,6 +188,8 @@ def wire_of(tags: Mapping[str, str], rules: BuildingRules) -> Wire | None:
 
 
 def volts_of(text: str) -> float | None:
-    """Return the highest voltage ("110000", "380000;110000", "20 kV") [V]."""
-    parts = [re.fullmatch(r"(\d{1,7}(?:\.\d{1,3})?) ?(k?)v?", part.strip().lower()) for part in text.split(";")]
-    return max((float(part[1]) * (1000.0 if part[2] else 1.0) for part in parts if part), default=None)
+    """Return the highest voltage ("110000", "380000;110000", "20 kV") [V]; None if any is unknown."""
+    texts = [part for part in text.lower().replace(" ", "").split(";") if part]
+    parts = [re.fullmatch(r"(\d{1,7}(?:\.\d{1,3})?)(k?)v?", text) for text in texts]
+    volts = [float(part[1]) * (1000.0 if part[2] else 1.0) for part in parts if part]
+    return max(volts, default=None) if all(parts) else None

@@ -198,7 +198,7 @@ def _corners(element: ElementTree.Element, least: int, place: str) -> Corners:
 def _positions(text: str, least: int, place: str) -> Corners:
     words = _words(text)
     try:
-        corners = np.array([[float(number) for number in word.split(",")[:2]] for word in words], float)
+        corners = np.array([[float(number) for number in word.strip(",").split(",")][:2] for word in words], float)
     except ValueError:
         corners = np.zeros((0, 0))
     if any(word.count(",") > 2 for word in words):

@@ -20,12 +20,12 @@ _UNITS = {
     1609.344: "mi mile miles",
 }
 UNIT_FACTORS = {name: factor for factor, names in _UNITS.items() for name in names.split()}
-# Commas, dots or blanks separate thousands. No sign: `12-15` is a range.
-_NUMBER = (
-    r"(?:\d{1,3}(?:,\d{3})+(?:\.\d+)?(?!\d)|\d{1,3}(?:\.\d{3})+,\d+|\d{1,3}(?: \d{3})+(?!\d)"
+# Commas, apostrophes, dots or blanks separate thousands. No sign: `12-15` is a range.
+NUMBER = (
+    r"(?:\d{1,3}(?:[,'’]\d{3})+(?:\.\d+)?(?!\d)|\d{1,3}(?:\.\d{3})+,\d+|\d{1,3}(?: \d{3})+(?!\d)"
     r"|\d+(?:[.,]\d+)?(?:e[-+]?\d(?!\d))?|[.,]\d+)"
 )
-_QUANTITY = re.compile(rf"({_NUMBER})\.? ?([a-zм′’″”“`´'\"è]*)")
+_QUANTITY = re.compile(rf"({NUMBER})\.? ?([a-zм′’″”“`´'\"è]*)")
 _ASIDE = re.compile(
     r"approx(?:imate(?:ly)?)?|about|around|circa|ca?|est(?:imate[d]?)?|roughly|agl|above|over|ground|level|lvl|from|the|"
     r"high|tall|height|total|overall|roof|ridge|top|tip|spire|antenna|mast|tower|building|parapet|with(?:out)?|"
@@ -69,8 +69,10 @@ def length_of(text: str) -> tuple[float | None, bool]:
             factor = INCH
         length = _number(match[1]) * factor
         joint = between.strip(" ,")
-        # 12 m + 8 m antenna; 7 ft 4 in, 5 m 30 cm
-        if lengths and (joint in ("+", "plus", "with") or (factor < last and joint in ("", "and"))):
+        is_part = factor < last and joint in ("", "and")  # 7 ft 4 in, 5 m 30 cm
+        if lengths and ((not between.strip() and not (is_part and length < last)) or (joint == "/" and not last)):
+            rest.append(match[0])  # 12.5.3, 5 m 30, 1/2
+        if lengths and (is_part or joint in ("+", "plus", "with")):  # 12 m + 8 m antenna
             lengths[-1] += length
         else:
             lengths.append(length)
@@ -88,7 +90,7 @@ def storeys_of(text: str) -> tuple[float | None, bool]:
     In `G+4` and `2+1` each part counts, a letter as one storey, basements as none.
     """
     numbers = list[float]()
-    sure = True
+    sure = not re.search(r"\d[ -]\d+/\d", text)  # 10-1/2
     for part in re.split(r"[;/]|(?<=\d)[-–](?=\d)", _without_blanks_at_plus(text)):
         part = re.sub(rf"\b(?:{_STOREY})\b", "", part).strip(" ~≈<>.()")
         if _SUM.fullmatch(part):
@@ -96,21 +98,21 @@ def storeys_of(text: str) -> tuple[float | None, bool]:
             terms = [term for term in part.split("+") if not re.fullmatch(below, term)]
             numbers.append(sum(_number(re.sub("[a-zäöü]+$", "", term)) if term[0].isdigit() else 1.0 for term in terms))
         else:
-            counts = [_number(number) for number in re.findall(_NUMBER, part)]
+            counts = [_number(number) for number in re.findall(NUMBER, part)]
             numbers += counts
-            sure = sure and len(counts) == 1 and not _ASIDE.sub("", re.sub(_NUMBER, "", part, count=1))
+            sure = sure and len(counts) == 1 and not _ASIDE.sub("", re.sub(NUMBER, "", part, count=1))
     return (max(numbers), sure) if numbers and math.isfinite(max(numbers)) else (None, False)
 
 
-def count_storeys(text: str) -> float | None:
-    """Return the storeys of `6 floors` or `G+4`, no others."""
+def names_storeys(text: str) -> bool:
+    """Tell `6 floors` and `G+4` from lengths."""
     plain = _without_blanks_at_plus(text)
     is_sum = _SUM.fullmatch(plain) and plain[0] in "abcdefghijklmnopqrstuvwxyz"
-    return storeys_of(text)[0] if is_sum or re.search(rf"{_NUMBER} ?(?:{_STOREY})\b", plain) else None
+    return bool(is_sum or re.search(rf"{NUMBER} ?(?:{_STOREY})\b", plain))
 
 
 def _plain(text: str) -> str:
-    text = text.translate(_WIDE).strip().lower()
+    text = " ".join(text.translate(_WIDE).lower().split())
     return "" if len(text) > 60 or text.startswith(("-", "−")) else text
 
 
@@ -122,6 +124,6 @@ def _number(text: str) -> float:
     text = text.replace(" ", "")
     if re.fullmatch(r"\d{1,3}(\.\d{3})+,\d+", text):
         text = text.replace(".", "")
-    if re.fullmatch(r"\d{1,3}(,\d{3})+(\.\d+)?", text):
-        text = text.replace(",", "")
+    if re.fullmatch(r"\d{1,3}([,'’]\d{3})+(\.\d+)?", text):
+        text = re.sub("[,'’]", "", text)
     return float(text.replace(",", "."))

@@ -65,8 +65,9 @@ class MapNotes:
         thing = PassedOver(self.path.name, name, why.words, shape, why.may_be_obstacle, why.remedy, code, why.heights)
         self.passed_over.append(thing)
 
-    def note(self, feature: Feature, subject: str, example: str) -> None:
-        self.unread.append(Unread(self.path.name, subject, self._within_file(feature.name), example))
+    def note(self, feature: Feature, subject: str, example: str, may_limit: bool = False) -> None:
+        place = self._within_file(feature.name)
+        self.unread.append(Unread(self.path.name, subject, place, example, may_limit=may_limit))
 
     def add_missing(self, feature: Feature) -> bool:
         """Add the unread part of a feature; return whether it may be near."""

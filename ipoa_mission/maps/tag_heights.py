@@ -4,7 +4,7 @@ import re
 from collections.abc import Callable, Mapping
 
 from ipoa_mission.maps.keys import AMBIGUITY_MARK, Means, keys_of, normalize
-from ipoa_mission.maps.lengths import UNIT_FACTORS, count_storeys, length_of, storeys_of
+from ipoa_mission.maps.lengths import NUMBER, UNIT_FACTORS, length_of, names_storeys, storeys_of
 
 WIDEST_ROTOR = 170.0  # without a tag [m]
 UNITS_IN_KEYS = ("ft", "feet", "km", "nm", "nmi", "mi", "miles")  # smaller ones are ignored, for safety
@@ -45,9 +45,9 @@ def foot_of(tags: Mapping[str, str], storey_height: float, odd: Odd) -> float:
 def width_of(tags: Mapping[str, str], odd: Odd, is_tree: bool = False) -> float | None:
     """Return a width or diameter [m]; of a tree, `diameter` is that of the trunk."""
     wide = (Means.CROWN,) if is_tree else (Means.ROTOR, Means.CROWN, Means.WIDTH)
-    widths = [_length(tags, key, odd) for key in keys_of(tags, *wide)]
+    widths = [read_length(tags, key, odd) for key in keys_of(tags, *wide)]
     half = (Means.RADIUS,) if is_tree else (Means.BLADE, Means.RADIUS)
-    widths += [2 * (_length(tags, key, odd) or 0.0) for key in keys_of(tags, *half)]
+    widths += [2 * (read_length(tags, key, odd) or 0.0) for key in keys_of(tags, *half)]
     return max((width for width in widths if width), default=None)
 
 
@@ -63,7 +63,7 @@ def unread_heights(tags: Mapping[str, str], height: float, storey_height: float)
 
 def _height_in(text: str) -> float:
     """Return the greatest length next to a word for height [m]; 0: none."""
-    length = r"(\d+(?:[.,]\d+)?\s?(?:m|ft|feet|')?\b)"
+    length = rf"({NUMBER}\s?(?:m|ft|feet|')?\b)"
     name = r"(?:height|höhe|hoehe|hauteur|altura|altezza|hoogte)"
     plain = re.sub(r"<[^>]*>", " ", text[:20_000]).lower()
     found = re.findall(rf"{name}\D{{0,20}}?{length}|{length}[a-zè]*\s(?:high|tall|hoch|haut)", plain)
@@ -73,8 +73,8 @@ def _height_in(text: str) -> float:
 def unused_numbers(tags: Mapping[str, str], height: float) -> list[str]:
     """Return unknown keys whose number may be a greater height."""
     unknown = [key for key in keys_of(tags, Means.NOTHING) if not key.startswith(("addr:", "@")) and "id" not in key]
-    numbers = {key: tags[key] for key in unknown if tags[key].replace(".", "", 1).isdecimal()}
-    return [key for key, number in numbers.items() if height < float(number) < 1000.0]
+    lengths = {key: length_of(tags[key]) for key in unknown}
+    return [key for key, (length, sure) in lengths.items() if sure and height < (length or 0.0) < 1000.0]
 
 
 def is_by_storeys(tags: Mapping[str, str]) -> bool:
@@ -84,17 +84,17 @@ def is_by_storeys(tags: Mapping[str, str]) -> bool:
 
 
 def _top(tags: Mapping[str, str], key: str, storey_height: float, odd: Odd) -> float | None:
-    storeys = count_storeys(tags[key])
-    height = _length(tags, key, odd) if storeys is None else storeys * storey_height
+    storeys = _read(storeys_of, tags, key, odd) if names_storeys(tags[key]) else None
+    height = read_length(tags, key, odd) if storeys is None else storeys * storey_height
     if height is not None and height <= 0:
         odd(key, tags[key])
         return None
     return height
 
 
-def _length(tags: Mapping[str, str], key: str, odd: Odd) -> float | None:
+def read_length(tags: Mapping[str, str], key: str, odd: Odd) -> float | None:
     length = _read(length_of, tags, key, odd)
-    if length is not None and tags[key].replace(".", "", 1).isdecimal():
+    if length is not None and not re.search(r"[^\W\d_]|['’′\"”″]", tags[key]):  # without a unit
         length *= _unit_factor(tags, normalize(key).removesuffix("_value"))
     return length
 
@@ -110,7 +110,7 @@ def _unit_factor(tags: Mapping[str, str], plain_key: str) -> float:
 
 
 def _tip(tags: Mapping[str, str], odd: Odd, height_known: bool) -> float | None:
-    hubs = [height for key in keys_of(tags, Means.HUB) if (height := _length(tags, key, odd))]
+    hubs = [height for key in keys_of(tags, Means.HUB) if (height := read_length(tags, key, odd))]
     rotor = width_of(tags, odd) if keys_of(tags, Means.ROTOR, Means.BLADE) else None
     if not hubs or (rotor is None and height_known):
         return None
@@ -123,7 +123,7 @@ def _by_storeys(tags: Mapping[str, str], storey_height: float, odd: Odd) -> floa
     known = [count for count in counts if count is not None] + [number + 1 for number in highest if number is not None]
     if not known:
         return None
-    roofs = [_length(tags, key, odd) for key in keys_of(tags, Means.ROOF)]
+    roofs = [read_length(tags, key, odd) for key in keys_of(tags, Means.ROOF)]
     if not any(roof is not None for roof in roofs):
         roofs = [(_read(storeys_of, tags, key, odd) or 0.0) * storey_height for key in keys_of(tags, Means.ROOF_LEVELS)]
     roof = max((roof for roof in roofs if roof is not None), default=0.0)

@@ -153,7 +153,7 @@ def test_a_height_in_other_words_is_read(
 
 
 @pytest.mark.parametrize(
-    "text", ["Mast, height 66 m", "66 m high", "<table><tr><td>HEIGHT</td><td>66</td></tr></table>", "Höhe: 66,5 m"]
+    "text", ["Mast, height 66 m", "66 m high", "<td>HEIGHT</td><td>66</td>", "Höhe: 66,5 m", "height 1 200 m"]
 )
 @pytest.mark.parametrize("key", ["description", "note"])
 def test_a_height_in_a_text_is_named_and_no_flight_passes_near(
@@ -179,11 +179,11 @@ def test_a_description_in_a_kml_is_read(tmp_path: Path, frame: LocalFrame) -> No
 def test_numbers_of_a_building_without_a_height_are_named(
     write_map: WriteMap, frame: LocalFrame, square: Square
 ) -> None:
-    tags = {**HOUSE, "tallness": 66, "area": 5000, "fid": 77, "addr:housenumber": "45", "rooms": 4}
+    tags = {**HOUSE, "tallness": 66, "tallest": "45 m", "area": 5000, "fid": 77, "addr:housenumber": "45", "rooms": 4}
     remarks = find(write_map((square(0, 0), tags)), frame).remarks
     assert remarks == (
         "1 building without a height, given 20 m",
-        "numbers of things without a height, not read: tallness",
+        "numbers of things without a height, not read: tallness, tallest",
     )
 
 
@@ -219,6 +219,19 @@ def test_a_point_with_an_unknown_size_may_be_a_zone(
         (True, "a point with a size that was not understood (buffer '80')"),
         (False, "a point"),
     ]
+
+
+@pytest.mark.parametrize("is_flight_area", [False, True])
+def test_a_size_of_a_zone_read_in_part_keeps_a_plan_from_being_safe(
+    write_map: WriteMap, frame: LocalFrame, at: At, is_flight_area: bool
+) -> None:
+    path = write_map(({"type": "Point", "coordinates": at(0, 0)}, {"name": "heliport", "radius": "1/2 km"}))
+    found = zones(path, frame, is_flight_area)
+    (unread,) = found.unread
+    assert (unread.words, unread.may_limit) == (
+        'map.geojson: not read: size of a point, radius: heliport ("1/2 km")', True,
+    )  # fmt: skip
+    assert len(found.zones) == 1
 
 
 def test_limits_of_a_flight_area_are_named(write_map: WriteMap, frame: LocalFrame, square: Square) -> None:

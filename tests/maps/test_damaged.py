@@ -61,6 +61,7 @@ def test_a_zone_round_the_whole_earth_stays_one() -> None:
         (lambda text: text.replace("UTF-8", "utf-7"), ("wrong-format", "m.kml", "XML")),
         (lambda text: text.replace("LinearRing", "LineString"), ("bad-input", "m.kml: Placemark[0].Polygon")),
         (lambda text: text.replace("LinearRing", "Folder"), ("bad-input", "m.kml: Placemark[0].Polygon")),
+        (lambda text: text.replace("47.001 ", "47.001,12m "), ("bad-input", "m.kml: Placemark[0].Polygon.coordinates")),
         (lambda text: text[: len(text) // 2], ("wrong-format", "m.kml: line 2")),
     ],
 )

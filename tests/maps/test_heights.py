@@ -1,7 +1,7 @@
 import pytest
 
 from ipoa_mission.errors import BadInput
-from ipoa_mission.maps.lengths import meters
+from ipoa_mission.maps.lengths import length_of, meters
 from ipoa_mission.maps.tag_heights import foot_of, height_of
 
 #: From the wiki's page on `height`, and exports [m].
@@ -50,13 +50,38 @@ LENGTHS = {
     "5 ft and 6 in": 1.6764,
     "12..15": 15.0,
     "> 60": 60.0,
+    "5 m 30 cm": 5.3,
+    "1'200 m": 1200.0,
+    "1\u202f200\u00a0m": 1200.0,
 }
-NO_LENGTHS = ["tall", "", "-3", "-5-3", "3 storeys", "nan", "inf", "3e400", "12;tall", "²", "1-" * 99]
+HALF_READ = {
+    "1/2 m": 2.0, "12.5.3": 12.5, "5 m 30": 30.0, "5m30": 30.0, "5 30": 30.0, "10/12": 12.0, "5'11 1/2\"": 1.8034,
+    "1.000.000": 1.0, "12,5,3": 12.5, "10 m2": 10.0, "6'13": 2.159, "30 m 100 ft": 60.48,
+}  # fmt: skip
+NO_LENGTHS = [*HALF_READ, "tall", "", "-3", "-5-3", "3 storeys", "nan", "inf", "3e400", "12;tall", "²", "1-" * 99]
 
 
 @pytest.mark.parametrize(("text", "expected"), LENGTHS.items(), ids=LENGTHS)
 def test_a_length_is_read_in_meters(text: str, expected: float) -> None:
     assert meters(text, "here") == pytest.approx(expected)
+
+
+@pytest.mark.parametrize(("text", "greatest"), HALF_READ.items(), ids=HALF_READ)
+def test_a_length_read_in_part_is_in_doubt(text: str, greatest: float) -> None:
+    length, sure = length_of(text)
+    assert (length, sure) == (pytest.approx(greatest), False)
+
+
+@pytest.mark.parametrize("tags", [{"height": "12.5.3 floors"}, {"building:levels": "10-1/2"}, {"height": "5 m 30"}])
+def test_a_height_read_in_part_is_named(tags: dict[str, str]) -> None:
+    named: list[tuple[str, str]] = []
+    height_of(tags, "height", 3.0, lambda *odd: named.append(odd))
+    assert named == [*tags.items()]
+
+
+@pytest.mark.parametrize(("text", "height"), [("1,2", 1200.0), ("~0.5", 500.0), ("30 m", 30.0)])
+def test_a_unit_in_the_key_counts_for_every_number_without_one(text: str, height: float) -> None:
+    assert height_of({"height_km": text}, "height", 3.0, fail) == height
 
 
 @pytest.mark.parametrize("text", NO_LENGTHS)

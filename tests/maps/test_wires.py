@@ -146,7 +146,8 @@ def test_repeated_points_of_a_line_make_no_span() -> None:
 
 
 def test_voltages_are_read_as_mappers_write_them() -> None:
-    assert [volts_of(text) for text in ("110000", "380000;220000", "20 kV", "0.4kV", "high", "")] == [
-        110e3, 380e3, 20e3, 400.0, None, None,
+    texts = ("110000", "380000;220000", "20 kV", "0.4kV", "110000;", "high", "", "20 kV;1,100 kV")
+    assert [volts_of(text) for text in texts] == [
+        110e3, 380e3, 20e3, 400.0, 110e3, None, None, None,
     ]  # fmt: skip
     assert wire_of({"building": "yes"}, BuildingRules()) is None
