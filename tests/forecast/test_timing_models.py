@@ -96,6 +96,15 @@ def test_a_wind_that_cannot_be_flown_against_is_an_error(autopilot: Autopilot) -
         fly(autopilot, waypoint(place(0, 300), 30.0), wind=Wind(25.0, 0.0))
 
 
+@pytest.mark.parametrize(("speed", "seq"), [(10.0, 3), (12.0, 1)])
+def test_a_wind_that_px4_cannot_fly_against_is_named_as_the_cause(speed: float, seq: int) -> None:
+    with refuses(
+        "unreachable", "", f"item {seq}, ", f"the wind of {speed:g} m/s is stronger than the 9.8 m/s"
+    ) as error:
+        fly(Autopilot.PX4, change_speed(9.0), waypoint(place(0, 300), 30.0), wind=Wind(speed, 0.0))
+    assert "MPC_TILTMAX_AIR" in str(error.value.hint)
+
+
 def test_wind_is_named_for_where_it_comes_from() -> None:
     west = Wind(4.0, 270.0)
     assert (west.east, west.north) == (pytest.approx(4.0), pytest.approx(0.0, abs=1e-12))

@@ -112,21 +112,25 @@ class MissionSimulation:
             progress = state.FlightProgress(state.State(*last), of_motion, touched)
             if len(done) > (len(motions) if to is None else to) or progress.state.time >= until:
                 return FlownMotions(done, np.vstack([flight.samples, places]), progress)
-            raise MissionError(
-                f"the vehicle does not reach {self._goal_words(motions, len(done) - 1)}",
-                hint="set a hold of 0.1 s (param1) at its waypoints, or name its version (--firmware-version). "
-                "Other causes: too strong a wind, or too small an acceptance radius",
-                code="unreachable",
-            )
+            raise MissionError(*self._why_not_reached(motions, len(done) - 1), code="unreachable")
 
         return fly_on
 
-    def _goal_words(self, motions: tuple[Motion, ...], n: int) -> str:
+    def _why_not_reached(self, motions: tuple[Motion, ...], n: int) -> tuple[str, str]:
+        """Return the words and the hint."""
         goal = motions[n].goal
-        place = f"{round(goal.east)} m east and {round(goal.north)} m north of home"
-        if motions is not self.mission_motions.motions:  # a contingency's
-            return place
-        return f"item {self.itinerary.visits[bisect_right(self.mission_motions.done, n)].seq}, {place}"
+        is_own = motions is self.mission_motions.motions  # not a contingency's
+        item = f"item {self.itinerary.visits[bisect_right(self.mission_motions.done, n)].seq}, " if is_own else ""
+        words = f"the vehicle does not reach {item}{round(goal.east)} m east and {round(goal.north)} m north of home"
+        wind = max(map(self.wind.speed_at, (motions[n].start.up, goal.up)))
+        top = self.airframe.top_speed(self.limits.max_tilt)
+        if wind > top:
+            words += f": the wind of {wind:.3g} m/s is stronger than the {top:.2g} m/s that it can fly against"
+            return words, "fly in less wind, or with a greater tilt (MPC_TILTMAX_AIR, at its risk)"
+        return words, (
+            "set a hold of 0.1 s (param1) at its waypoints, or name its version (--firmware-version). "
+            "Other causes: too strong a wind, or too small an acceptance radius"
+        )
 
     def at_start(self, seed: int) -> FlownMotions:
         height = self.itinerary.start_height or 0.0
