@@ -24,6 +24,9 @@ class Box:
         lower: least values, (D,).
         upper: greatest values, (D,).
 
+    Raises:
+        BadInput: `lower` is above `upper`, or a value is not finite.
+
     Example:
         >>> Box(np.zeros(3), np.ones(3)).clip(np.array([0.5, -2.0, 7.0]))
         array([0.5, 0. , 1. ])
@@ -31,6 +34,11 @@ class Box:
 
     lower: NDArray[np.float64]
     upper: NDArray[np.float64]
+
+    def __post_init__(self) -> None:
+        is_box = np.shape(self.lower) == np.shape(self.upper) and np.less_equal(self.lower, self.upper).all()
+        if not is_box or not np.isfinite([self.lower, self.upper]).all():
+            raise BadInput(f"expected finite lower values up to the upper ones, not {self.lower} and {self.upper}")
 
     @property
     def dimension(self) -> int:

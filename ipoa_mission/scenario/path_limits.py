@@ -2,6 +2,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ipoa_mission.errors import BadInput
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.world.airspace import Airspace
 
@@ -30,6 +31,9 @@ class Limits:
         descent_angle: steepest descent below it [rad]; infinite: no limit.
         low_zones: circles with a lower required height.
 
+    Raises:
+        BadInput: a value is no number, negative, or above its limit.
+
     Example:
         >>> import numpy as np
         >>> Limits(obstacle_distance=2.0, height_above_ground=5.0).required_height(np.zeros((2, 3)))
@@ -42,6 +46,13 @@ class Limits:
     climb_angle: float = np.inf
     descent_angle: float = np.inf
     low_zones: tuple[LowZone, ...] = ()
+
+    def __post_init__(self) -> None:
+        are_heights = -np.inf < self.height_above_ground <= self.ceiling_above_ground
+        are_angles = self.climb_angle > 0.0 and self.descent_angle > 0.0
+        if not (are_heights and are_angles and 0.0 <= self.obstacle_distance < np.inf):
+            words = f"expected a distance of 0 or more, a height up to the ceiling, and angles above 0, not {self}"
+            raise BadInput(words, place="limits")
 
     def required_height(self, points: Points) -> Vector:
         """Return the required height above ground at points (n, 2 or 3), (n,) [m]."""

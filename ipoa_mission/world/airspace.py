@@ -48,7 +48,7 @@ class Bounds:
         footprint: the flight area.
 
     Raises:
-        BadInput: `lower` is not below `upper`.
+        BadInput: `lower` is not below `upper`, or not finite.
 
     Example:
         >>> import numpy as np
@@ -61,8 +61,9 @@ class Bounds:
     footprint: Polygon | None = None
 
     def __post_init__(self) -> None:
-        if not all(low < high for low, high in zip(self.lower, self.upper, strict=True)):
-            raise BadInput(f"expected lower below upper, not {self.lower} and {self.upper}", place="bounds")
+        is_finite = np.isfinite([*self.lower, *self.upper])
+        if len(is_finite) != 6 or not is_finite.all() or not np.less(self.lower, self.upper).all():
+            raise BadInput(f"expected a finite lower below upper, not {self.lower} and {self.upper}", place="bounds")
 
     @property
     def area(self) -> shapely.Polygon:

@@ -5,6 +5,7 @@ import pytest
 
 from ipoa_mission.optimize.registry import build_optimizer, optimizer_class, optimizer_names
 from ipoa_mission.optimize.search import Box, Candidates, Costs, Optimizer, minimize
+from tests.refused import refuses
 
 D = 6
 LOWER, UPPER = np.linspace(-30, -10, D), np.linspace(20, 60, D)
@@ -115,6 +116,14 @@ def test_one_dimension_and_one_iteration_are_enough(name: str) -> None:
     least = small(name, evaluations=40, iterations=1)
     optimum = minimize(lambda x: x[:, 0] ** 2, box, least, np.random.default_rng(1))
     assert -1 <= optimum.x[0] <= 2
+
+
+@pytest.mark.parametrize(
+    ("lower", "upper"), [([1.0, 0.0], [0.0, 1.0]), ([0.0], [1.0, 1.0]), ([np.nan], [1.0]), ([-np.inf], [1.0])]
+)
+def test_a_box_without_an_inside_is_refused(lower: list[float], upper: list[float]) -> None:
+    with refuses("bad-input", "", "finite lower values"):
+        Box(np.array(lower), np.array(upper))
 
 
 def test_every_optimizer_has_a_known_ability() -> None:

@@ -1,9 +1,12 @@
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 import pytest
 import shapely
 
+from ipoa_mission.geometry import Place
+from ipoa_mission.scenario.path_limits import Limits
 from ipoa_mission.world.airspace import Airspace, Bounds
 from ipoa_mission.world.obstacles import Cylinder, Obstacle, Prism, Sphere
 from ipoa_mission.world.polygon import Polygon
@@ -111,9 +114,19 @@ def test_a_flight_area_is_kept_to_along_the_whole_leg() -> None:
     assert across.distance < -10
 
 
-def test_bounds_turned_inside_out_are_refused() -> None:
+@pytest.mark.parametrize("upper", [(1.0, -1.0, 1.0), (1.0, 1.0, np.inf), (1.0, np.nan, 1.0)])
+def test_bounds_inside_out_or_without_end_are_refused(upper: Place) -> None:
     with refuses("bad-input", "bounds"):
-        Bounds((0.0, 0.0, 0.0), (1.0, -1.0, 1.0))
+        Bounds((0.0, 0.0, 0.0), upper)
+
+
+@pytest.mark.parametrize(
+    "values",
+    [(2.0, 30.0, 20.0), (-1.0, 5.0), (np.nan, 5.0), (2.0, np.nan), (2.0, 5.0, 20.0, 0.0), (2.0, 5.0, 9.0, 1.0, -1.0)],
+)
+def test_limits_that_no_path_can_keep_are_refused(values: Any) -> None:
+    with refuses("bad-input", "limits"):
+        Limits(*values)
 
 
 def test_a_vertical_leg_beside_an_obstacle_is_as_near_as_its_points() -> None:
