@@ -6,6 +6,7 @@ import os
 import sys
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
+from difflib import get_close_matches
 from functools import cache
 from importlib.metadata import EntryPoints, entry_points
 from pathlib import Path
@@ -133,7 +134,8 @@ def reading(path: Path, text: str = "") -> Iterator[None]:
     try:
         yield
     except OSError as error:
-        raise Unreadable(f"cannot be read: {error.strerror or error}", place=path) from error
+        hint = near_name(path) if isinstance(error, FileNotFoundError) else None
+        raise Unreadable(f"cannot be read: {error.strerror or error}", hint=hint, place=path) from error
     except json.JSONDecodeError as error:
         place = f"{path}: line {error.lineno}, column {error.colno}"
         raise WrongFormat(f"expected JSON: {error.msg}", hint=_why_no_json(text, error.pos), place=place) from error
@@ -141,6 +143,15 @@ def reading(path: Path, text: str = "") -> Iterator[None]:
         raise TooLarge("expected a file without endlessly nested brackets", place=path) from None
     except ValueError:
         raise TooLarge("expected numbers that fit in 64 bits, not one of thousands of digits", place=path) from None
+
+
+def near_name(path: Path) -> str | None:
+    """Ask for a file of nearly this name in the folder."""
+    with suppress(OSError):
+        paths = {each.name.casefold(): each for each in path.parent.iterdir()}
+        for near in get_close_matches(path.name.casefold(), paths, n=1, cutoff=0.8):
+            return f"did you mean {paths[near]}?"
+    return None
 
 
 @contextmanager

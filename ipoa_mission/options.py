@@ -1,5 +1,6 @@
 import math
 import os
+from contextlib import suppress
 from enum import StrEnum
 from functools import partial
 from pathlib import Path
@@ -10,8 +11,8 @@ import typer
 
 from ipoa_mission.autopilot.autopilot import Autopilot, autopilot_named, autopilot_names
 from ipoa_mission.autopilot.parameters import SINGLE_MAX
-from ipoa_mission.errors import BadInput, Unwritable, WrongSuffix
-from ipoa_mission.files import MISSIONS, packed
+from ipoa_mission.errors import BadInput, Unreadable, Unwritable, WrongSuffix
+from ipoa_mission.files import MISSIONS, near_name, packed
 
 if TYPE_CHECKING:
     from ipoa_mission.link.signing import Signer
@@ -39,7 +40,14 @@ class Backend(StrEnum):
 
 def or_packed(path: Path) -> Path:
     """Return the named file, else the packed scenario of that name."""
-    return packed(f"{path}.toml") if str(path) in NAMES and not path.exists() else path
+    with suppress(OSError):  # too long a name
+        if path.exists() or path.suffix.lower() in MISSIONS:
+            return path
+    if str(path) in NAMES:
+        return packed(f"{path}.toml")
+    hint = near_name(path.with_suffix(".toml")) or "ipoa-mission new NAME.toml writes a scenario"
+    words = f"expected a scenario file (.toml), or `{'` or `'.join(NAMES)}`, but there is no such file"
+    raise Unreadable(words, hint=hint, place=path)
 
 
 def expect_scenario(path: Path) -> Path:

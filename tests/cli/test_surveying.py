@@ -160,6 +160,7 @@ def test_an_error_names_the_area_as_typed_and_a_line_needs_a_width(run: Run, tmp
     assert output.startswith("error: --survey: river.geojson: ") or output.startswith("error: river.geojson: ")
     assert "hint: --width M" in output
     assert str(tmp_path) not in run("plan --survey nowhere.geojson").err
+    (tmp_path / "missions.toml").touch()
     assert run("plan missions.toml --width 30").err.startswith("error: --width: needs --survey")
     ended = run("plan --survey river.geojson --width 30 --json")
     assert (ended.code, json.loads(ended.out)["survey"]["lines"]) == (0, 2)
