@@ -212,7 +212,7 @@ def write_files(
 ) -> tuple[Path, ...]:
     """Write missions by name, the pages, and a NAME.json of each and of the `whole` together; return the paths.
 
-    Missions that an earlier NAME.json records, and this one does not, are removed unless they were edited.
+    Missions that an earlier NAME.json records, and this one does not, are removed with their pages unless edited.
     """
     contents = Contents()
     digests = dict[str, str]()
@@ -237,12 +237,15 @@ def write_files(
 
 
 def _left_over(about: Path, contents: Contents) -> Iterator[Path]:
-    """Yield missions as an earlier `about` records them, with their parameters and records, without the `contents`."""
+    """Yield missions as an earlier `about` records them, with parameters, records and pages, without the `contents`."""
     record = _read(about)
     for path, recorded in recorded_missions(about).items():
         if path in contents or not path.is_file() or digest(_text(path)) != recorded:
             continue
         yield path
+        page = path.with_suffix(".html")
+        if page not in contents and _is_own_page(page):
+            yield page
         own = path.with_suffix(".json")
         vehicle = parameter_path(path)
         parameters = (_read(own) or record).get("parameters")
@@ -276,9 +279,13 @@ def not_as_written(folder: Path, name: str, report: bool = False) -> list[Path]:
     if about.exists() and not digests:
         differing.append(about)
     page = folder / f"{name}.html"
-    if report and page.exists() and '<meta name="generator" content="ipoa-mission">' not in _text(page):
+    if report and page.exists() and not _is_own_page(page):
         differing.append(page)
     return differing
+
+
+def _is_own_page(path: Path) -> bool:
+    return path.is_file() and '<meta name="generator" content="ipoa-mission">' in _text(path)
 
 
 def _parameters(path: Path) -> Parameters | None:

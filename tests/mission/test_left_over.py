@@ -45,6 +45,14 @@ def test_fewer_parts_leave_none_of_the_earlier_ones(tmp_path: Path) -> None:
         assert names(tmp_path, (".plan", ".waypoints", ".params")) == {"x.plan", "x.waypoints", "x.params"}
 
 
+def test_fewer_parts_leave_no_page_of_the_earlier_ones(tmp_path: Path) -> None:
+    ours, theirs = '<meta name="generator" content="ipoa-mission">', "<html>"
+    for count, pages in ((4, {"x-1": ours, "x-2": ours, "x-3": ours, "x-4": theirs}), (2, {"x-1": ours}), (1, {})):
+        parts = [(f"x-{n}", MISSION, None) for n in range(1, count + 1)]
+        write_files(parts, tmp_path, {tmp_path / f"{name}.html": text for name, text in pages.items()}, ("x", ABOUT))
+    assert names(tmp_path, (".html",)) == {"x-1.html", "x-4.html"}
+
+
 def test_what_somebody_edited_or_wrote_stays_and_is_named(tmp_path: Path) -> None:
     write_parts(tmp_path, 3)
     assert not_as_written(tmp_path, "x") == []
