@@ -100,9 +100,14 @@ class WindSection(Section):
         return Wind(self.speed, self.from_deg, self.exponent, self.gradient_height, self.spread)
 
     @classmethod
-    def of(cls, wind: Wind, forecast: ForecastWind | None = None) -> "WindSection":
+    def of(cls, wind: Wind) -> "WindSection":
         section = cls()
         section._air = wind
+        return section
+
+    def as_read(self, forecast: ForecastWind) -> "WindSection":
+        section = self.model_copy()
+        section._air = forecast.wind
         section._forecast = forecast
         return section
 

@@ -163,11 +163,12 @@ class Scenario(Section):
         return scenario.with_files_read()
 
     def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> "Scenario":
-        """Return a copy, unchecked, which shares the world unless `update` changes it."""
+        """Return a copy, unchecked, which shares the world and a forecast's wind unless `update` changes them."""
         copied = super().model_copy(update=update, deep=deep)
-        if not (WORLD | added_sections().keys()) & (update or {}).keys():
+        changed = (update or {}).keys()
+        if not (WORLD | added_sections().keys()) & changed:
             copied.__dict__ |= {name: value for name, value in self.__dict__.items() if name in CACHED}
-        return copied
+        return copied._with_wind_read() if changed & {"time", "home"} else copied
 
     def with_airspace(self, airspace: Airspace) -> "Scenario":
         copied = self.model_copy()
@@ -176,13 +177,16 @@ class Scenario(Section):
 
     def with_files_read(self) -> "Scenario":
         _ = self._surroundings
+        return self._with_wind_read()
+
+    def _with_wind_read(self) -> "Scenario":
         if self.wind.file is None:
             return self
         from ipoa_mission.maps.winds import read_wind
 
         begins = None if self.time is None else np.datetime64(int(self.time.timestamp()), "s")
         forecast = read_wind(self.wind.file, self.home.geodetic(), begins)
-        return self.model_copy(update={"wind": WindSection.of(forecast.wind, forecast)})
+        return self.model_copy(update={"wind": self.wind.as_read(forecast)})
 
     def in_wind(self, wind: Wind | None) -> "Scenario":
         return self if wind is None else self.model_copy(update={"wind": WindSection.of(wind)})

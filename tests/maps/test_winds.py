@@ -1,3 +1,4 @@
+from datetime import UTC, datetime
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
@@ -109,6 +110,20 @@ def test_a_scenario_has_the_wind_of_its_forecast_and_errors_name_the_file(tmp_pa
         read("time = 2026-06-01T12:10:00Z\n", tmp_path)
     with refuses("bad-input", "here.toml: wind"):
         parse_scenario(PLACES.replace('"ensemble.nc"', '"ensemble.nc", speed = 3.0'), tmp_path / "here.toml")
+
+
+def test_a_copy_for_another_time_or_home_has_its_own_wind(tmp_path: Path) -> None:
+    forecast([10.0, 100.0]).to_netcdf(tmp_path / "ensemble.nc", engine="h5netcdf")
+    first = read("time = 2026-06-01T11:00:00Z\n", tmp_path)
+    last = read("time = 2026-06-01T14:00:00Z\n", tmp_path)
+    assert first.wind.air() != last.wind.air()
+    assert first.model_copy(update={"time": last.time}).wind.air() == last.wind.air()
+    assert first.model_copy(update={"name": "same"}).wind is first.wind
+    with refuses("time-not-covered", "ensemble.nc"):
+        first.model_copy(update={"time": datetime(2026, 6, 3, tzinfo=UTC)})
+    with refuses("not-covered", "ensemble.nc"):
+        first.model_copy(update={"home": first.home.model_copy(update={"latitude_deg": 40.0})})
+    assert first.in_wind(Wind(3.0)).model_copy(update={"time": last.time}).wind.air() == Wind(3.0)
 
 
 def test_unread_parts_of_a_forecast_are_named_by_its_scenario(tmp_path: Path) -> None:
