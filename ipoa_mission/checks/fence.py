@@ -39,7 +39,7 @@ def _wrong(part: FencePolygon | FenceCircle, frame: LocalFrame) -> str | None:
         return f"expected a polygon of three vertices or more, not {len(part.vertices)}"
     if (reason := shapely.is_valid_reason(_area(part, frame))) == "Valid Geometry":
         return None
-    return f"expected a polygon with an inside, not with a {reason.split('[')[0].lower()}"
+    return f"expected a polygon whose edges do not cross or overlap: {reason.split('[')[0].lower()}"
 
 
 def _allowed(mission: Mission, frame: LocalFrame) -> shapely.Geometry:

@@ -94,7 +94,7 @@ def _shape(fence: FenceSection, frame: LocalFrame, name: str) -> Any:
     shape = shapely.Polygon(fence.polygon if geodetic is None else east_north_of(geodetic, frame))
     if not shape.is_valid or math.isclose(shape.area, 0.0):
         reason = shapely.is_valid_reason(shape).split("[")[0].lower()
-        raise InvalidRing(f"expected a polygon with an inside, not with a {reason}", place=name)
+        raise InvalidRing(f"expected a polygon whose edges do not cross or overlap: {reason}", place=name)
     return shape
 
 

@@ -194,6 +194,11 @@ FOUND: dict[str, tuple[Mission, list[str]]] = {
 }
 
 
+def test_a_fence_that_crosses_itself_is_named_so() -> None:
+    (finding,) = check_mission(FOUND["crossed polygon"][0])
+    assert finding.message == "fence[0]: expected a polygon whose edges do not cross or overlap: self-intersection"
+
+
 @pytest.mark.parametrize("case", FOUND)
 def test_faults_are_found_at_their_item(case: str) -> None:
     mission, findings = FOUND[case]

@@ -137,7 +137,7 @@ def test_a_fence_that_leaves_home_out_is_refused(read: Read) -> None:
     with refuses("home-outside-fence", "here.toml: fence[0]", kind=BadInput):
         read(*house, flight=FLIGHT + inside, building="yes")
     crossed = "fence = [{ polygon = [[-10, -10], [10, 10], [10, -10], [-10, 10]] }]"
-    with refuses("invalid-ring", "here.toml: fence[0]"):
+    with refuses("invalid-ring", "here.toml: fence[0]", "do not cross or overlap: self-intersection"):
         read(*house, flight=FLIGHT + crossed, building="yes")
 
 
