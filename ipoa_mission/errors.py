@@ -1,8 +1,9 @@
 """Errors that a user can correct."""
 
 import json
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from difflib import get_close_matches
 from importlib import import_module
 from typing import Any, Self
 
@@ -147,3 +148,10 @@ def imported(module: str, needed: str, extra: str, wrong: type[MissionError] = M
         return import_module(module)
     except ImportError as error:
         raise wrong(needed, hint=f"pip install 'ipoa-mission[{extra}]'", code="package-missing") from error
+
+
+def hint_of(name: str, known: Iterable[str], sureness: float = 0.6) -> str | None:
+    """Ask for the most similar name."""
+    originals = {each.casefold(): each for each in known}
+    near = get_close_matches(name.casefold(), sorted(originals), n=1, cutoff=sureness)
+    return f"did you mean {originals[near[0]]}?" if near else None

@@ -6,12 +6,11 @@ import os
 import sys
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
-from difflib import get_close_matches
 from functools import cache
 from importlib.metadata import EntryPoints, entry_points
 from pathlib import Path
 
-from ipoa_mission.errors import TooLarge, Unreadable, Unwritable, WrongFormat
+from ipoa_mission.errors import TooLarge, Unreadable, Unwritable, WrongFormat, hint_of
 
 MISSIONS = (".plan", ".waypoints")
 _records: list[list[Path]] = []  # of `recorded_writes`
@@ -148,9 +147,7 @@ def reading(path: Path, text: str = "") -> Iterator[None]:
 def near_name(path: Path) -> str | None:
     """Ask for a file of nearly this name in the folder."""
     with suppress(OSError):
-        paths = {each.name.casefold(): each for each in path.parent.iterdir()}
-        for near in get_close_matches(path.name.casefold(), paths, n=1, cutoff=0.8):
-            return f"did you mean {paths[near]}?"
+        return hint_of(path.name, (each.name for each in path.parent.iterdir()), sureness=0.8)
     return None
 
 

@@ -1,9 +1,8 @@
 """Codes of the findings of `check`; docs/findings.md has the meaning of each, and advice."""
 
 from collections.abc import Iterable, Mapping
-from difflib import get_close_matches
 
-from ipoa_mission.errors import BadInput, UnknownName
+from ipoa_mission.errors import BadInput, UnknownName, hint_of
 
 #: by code, whether a crash may follow: then it is never ignored
 RULES: Mapping[str, bool] = {
@@ -35,9 +34,7 @@ def expect_ignorable(codes: Iterable[str]) -> frozenset[str]:
     chosen = tuple(codes)
     for code in chosen:
         if code not in RULES:
-            near = get_close_matches(code, RULES, 1)
-            words = "expected the code of a finding"
-            raise UnknownName(words, hint=f"did you mean {near[0]}?" if near else None, place=code)
+            raise UnknownName("expected the code of a finding", hint=hint_of(code, RULES), place=code)
         if RULES[code]:
             words = "expected a code that may be ignored: a crash may follow from this finding"
             raise BadInput(words, place=code)

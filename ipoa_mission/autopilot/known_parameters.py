@@ -1,9 +1,8 @@
 from collections.abc import Iterable
-from difflib import get_close_matches
 
 from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.autopilot.parameters import Parameter, Parameters
-from ipoa_mission.errors import BadInput
+from ipoa_mission.errors import BadInput, hint_of
 
 #: Meanings that all autopilots define alike: their values are converted.
 CONVERTED = frozenset({
@@ -36,11 +35,6 @@ def expect_known(names: Iterable[str], autopilot: Autopilot | None = None) -> No
         if name not in existing:
             words = "expected a parameter that the models know" + (f" of {autopilot}" if autopilot else "")
             raise BadInput(words, place=name, hint=hint_of(name, existing), code="unknown-parameter")
-
-
-def hint_of(name: str, existing: Iterable[str]) -> str | None:
-    near = get_close_matches(name, sorted(existing), 1)
-    return f"did you mean {near[0]}?" if near else None
 
 
 def translated(

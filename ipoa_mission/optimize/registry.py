@@ -2,12 +2,11 @@
 
 from collections.abc import Mapping
 from dataclasses import fields
-from difflib import get_close_matches
 from typing import Any, get_type_hints
 
 from pydantic import ConfigDict, TypeAdapter, ValidationError
 
-from ipoa_mission.errors import BadInput, UnknownName
+from ipoa_mission.errors import BadInput, UnknownName, hint_of
 from ipoa_mission.files import plug_ins
 from ipoa_mission.optimize.ipoa import IPOA
 from ipoa_mission.optimize.poa import POA
@@ -30,8 +29,8 @@ def optimizer_class(name: str) -> type[Optimizer]:
         return BUILT_IN[name]
     if not same:
         *others, last = names = optimizer_names()
-        words = f"expected {', '.join(others)} or {last}, not {name!r}{_did_you_mean(name, names)}"
-        raise UnknownName(words, place="optimizer.name")
+        words = f"expected {', '.join(others)} or {last}, not {name!r}"
+        raise UnknownName(words, hint=hint_of(name, names), place="optimizer.name")
     (registered,) = same.values()
     try:
         loaded: Any = registered.load()
@@ -51,8 +50,8 @@ def build_optimizer(name: str, settings: Mapping[str, object]) -> Optimizer:
     names = [field.name for field in fields(kind)]  # type: ignore[arg-type]
     for key in settings:
         if key not in names:
-            words = f"{name} has no such setting; it has {', '.join(names)}{_did_you_mean(key, names)}"
-            raise UnknownName(words, place=f"optimizer.{key}")
+            words = f"{name} has no such setting; it has {', '.join(names)}"
+            raise UnknownName(words, hint=hint_of(key, names), place=f"optimizer.{key}")
     return kind(**{key: _checked(f"optimizer.{key}", types[key], value) for key, value in settings.items()})
 
 
@@ -62,8 +61,3 @@ def _checked(place: str, kind: Any, value: object) -> Any:
     except ValidationError as error:
         words = error.errors()[0]["msg"].replace("Input should be", "expected")
         raise BadInput(f"{words}, not {value!r}", place=place) from error
-
-
-def _did_you_mean(word: str, candidates: list[str]) -> str:
-    close = get_close_matches(word.lower(), candidates, n=1)
-    return f" (did you mean {close[0]!r}?)" if close else ""

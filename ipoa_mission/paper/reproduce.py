@@ -6,11 +6,10 @@ from concurrent.futures import Executor, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass
-from difflib import get_close_matches
 from importlib.resources import files
 from pathlib import Path
 
-from ipoa_mission.errors import MissionError, UnknownName
+from ipoa_mission.errors import MissionError, UnknownName, hint_of
 from ipoa_mission.files import write_atomically
 from ipoa_mission.paper import figures, tables
 from ipoa_mission.paper.markdown_table import Table, filled
@@ -76,9 +75,8 @@ def reproduce(
     None as in the paper. `pool`: of `open_processes`; it is not opened if nothing needs a run.
     """
     if what != "all" and what not in ITEMS:
-        close = get_close_matches(what, [*ITEMS, "all"], n=1)
-        meant = f" (did you mean {close[0]!r}?)" if close else ""
-        raise UnknownName(f"expected {', '.join(ITEMS)} or all, not {what!r}{meant}", place="what")
+        words = f"expected {', '.join(ITEMS)} or all, not {what!r}"
+        raise UnknownName(words, hint=hint_of(what, [*ITEMS, "all"]), place="what")
     names = list(ITEMS) if what == "all" else [what]
     needed = {series.name: series for name in names for series in ITEMS[name].needs}
     rows: dict[str, Sequence[TrialRow]] = {}

@@ -6,11 +6,11 @@ from pydantic import Field, PrivateAttr, ValidationInfo, field_validator, model_
 
 from ipoa_mission.autopilot.autopilot import Autopilot, autopilot_named, default_autopilot, registered
 from ipoa_mission.autopilot.energy import KAPPA, Battery, PowerModel
-from ipoa_mission.autopilot.known_parameters import expect_own, hint_of, translated
+from ipoa_mission.autopilot.known_parameters import expect_own, translated
 from ipoa_mission.autopilot.learned import LearnedVehicle
 from ipoa_mission.autopilot.parameters import SINGLE_MAX, Parameters
 from ipoa_mission.autopilot.version import Version
-from ipoa_mission.errors import BadInput
+from ipoa_mission.errors import BadInput, hint_of
 from ipoa_mission.scenario.section import NotNegative, Positive, Section, one_of
 
 ParameterName = Annotated[str, pydantic.StringConstraints(pattern=r"^[A-Za-z][A-Za-z0-9_]{0,15}$", to_upper=True)]

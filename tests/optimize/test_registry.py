@@ -35,8 +35,8 @@ def test_settings_reach_the_optimizer() -> None:
 @pytest.mark.parametrize(
     ("name", "settings", "message"),
     [
-        ("ipao", {}, ("unknown-name", "optimizer.name", "'ipao'", "'ipoa'")),
-        ("ipoa", {"populaton": 3}, ("unknown-name", "optimizer.populaton", "'population'")),
+        ("ipao", {}, ("unknown-name", "optimizer.name", "'ipao'", "ipoa")),
+        ("ipoa", {"populaton": 3}, ("unknown-name", "optimizer.populaton", "population")),
         ("ipoa", {"population": 3}, ("bad-input", "optimizer.population")),
         ("poa", {"iterations": 2.5}, ("bad-input", "optimizer.iterations", "2.5")),
         ("poa", {"iterations": True}, ("bad-input", "optimizer.iterations")),
@@ -56,6 +56,12 @@ def test_wrong_settings_are_named_with_the_expected_ones(
 ) -> None:
     with refuses(*message):
         build_optimizer(name, settings)
+
+
+def test_the_most_similar_setting_is_the_hint() -> None:
+    with refuses("unknown-name", "optimizer.populaton") as error:
+        build_optimizer("ipoa", {"populaton": 3})
+    assert error.value.hint == "did you mean population?"
 
 
 def test_an_optimizer_of_another_package_is_found_by_its_entry_point(monkeypatch: pytest.MonkeyPatch) -> None:
