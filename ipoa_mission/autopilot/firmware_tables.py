@@ -36,7 +36,6 @@ class Firmware:
     keeps_autocontinue: bool
     fence: Mapping[int, str]
     rally: Mapping[int, str]
-    fence_is_union: bool  # in one inclusion area; False: in all
     max_items: int  # with home
     max_fence_items: int
     max_rally_points: int
@@ -47,6 +46,7 @@ class Firmware:
     photo_looks_s: float = 0.02  # polling of the photo distance [s]
     frame_2_is_amsl: bool = False  # with a position
     jumps: JumpProfile = field(default_factory=JumpProfile)
+    fence_union_by: tuple[str, int] = ("", 0)  # with this parameter's bit one inclusion is enough, else all count
     version: Version = NO_VERSION  # of the table: major, minor
     commit: str = ""  # of the source, with its `date`
     date: str = ""

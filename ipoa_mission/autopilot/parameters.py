@@ -103,6 +103,10 @@ class ParameterTable:
         }
         return rest | dict(by)
 
+    def has_bit(self, parameters: Parameters, switch: tuple[str, int]) -> bool:
+        name, bit = switch
+        return bool(whole(self.by_old_names(parameters), name) >> bit & 1)
+
     @cached_property
     def positive(self) -> tuple[str, ...]:
         return tuple(row.name for row in self.affecting if row.positive)
@@ -132,11 +136,9 @@ class ParameterTable:
 
     def spellings(self, name: str) -> list[tuple[str, float]]:
         """Return other names, each with its units per unit of `name`."""
-        here = [(name, 1.0)]
         if name in self.renamed:
-            old, factor = self.renamed[name]
-            return [*here, (old, factor)]
-        return [*here, *((new, 1.0 / factor) for new, (old, factor) in self.renamed.items() if old == name)]
+            return [(name, 1.0), self.renamed[name]]
+        return [(name, 1.0), *((new, 1.0 / factor) for new, (old, factor) in self.renamed.items() if old == name)]
 
 
 def parameters_of_fields(record: type) -> Mapping[str, str]:

@@ -19,17 +19,16 @@ def check_fence(forecast: Forecast) -> Iterator[Finding]:
     yield from (Finding("fence-shape", Severity.ERROR, None, f"fence[{n}]: {words}") for n, words in wrong.items())
     if wrong or not mission.fence:
         return
-    allowed = _allowed(mission, frame)
-    if not allowed.covers(shapely.Point(frame.local(mission.home)[:2])):
-        yield Finding("outside-fence", Severity.ERROR, 0, "home: expected inside the fence, but it lies outside")
-    for n, place in enumerate(mission.rally):
+    allowed, where = _allowed(mission, frame)
+    places = {"home": mission.home} | {f"rally[{n}]": place for n, place in enumerate(mission.rally)}
+    for name, place in places.items():
         if not allowed.covers(shapely.Point(frame.local(place)[:2])):
-            words = f"rally[{n}]: expected inside the fence, but it lies outside"
-            yield Finding("outside-fence", Severity.ERROR, None, words)
+            words = f"{name}: expected {where}, but it lies outside"
+            yield Finding("outside-fence", Severity.ERROR, 0 if name == "home" else None, words)
     for at in numbered_items(mission):
         if at.item.command == Command.DO_FENCE_ENABLE and at.item.params[0] == 0.0:
             yield at.warning("fence-off", "switches the fence off: the vehicle does not keep it from here on")
-    yield from _legs(forecast, allowed)
+    yield from _legs(forecast, allowed, where)
 
 
 def _wrong(part: FencePolygon | FenceCircle, frame: LocalFrame) -> str | None:
@@ -42,12 +41,14 @@ def _wrong(part: FencePolygon | FenceCircle, frame: LocalFrame) -> str | None:
     return f"expected a polygon whose edges do not cross or overlap: {reason.split('[')[0].lower()}"
 
 
-def _allowed(mission: Mission, frame: LocalFrame) -> shapely.Geometry:
+def _allowed(mission: Mission, frame: LocalFrame) -> tuple[shapely.Geometry, str]:
     inside = [_area(part, frame) for part in mission.fence if part.inclusion]
     outside = [_area(part, frame) for part in mission.fence if not part.inclusion]
-    join = union_of if mission.autopilot.firmware().fence_is_union else shapely.intersection_all
+    one_is_enough = mission.autopilot.parameter_table.has_bit(mission.parameters, mission.firmware.fence_union_by)
+    join = union_of if one_is_enough else shapely.intersection_all
     allowed = join(inside) if inside else shapely.box(-1e7, -1e7, 1e7, 1e7)
-    return shapely.difference(allowed, union_of(outside))
+    where = "inside the fence" if one_is_enough or len(inside) < 2 else "inside all inclusions of the fence"
+    return shapely.difference(allowed, union_of(outside)), where
 
 
 def _area(part: FencePolygon | FenceCircle, frame: LocalFrame) -> shapely.Geometry:
@@ -58,7 +59,7 @@ def _area(part: FencePolygon | FenceCircle, frame: LocalFrame) -> shapely.Geomet
     return shapely.Polygon(frame.to_local(latitude, longitude, np.full(len(latitude), frame.home.altitude))[:, :2])
 
 
-def _legs(forecast: Forecast, allowed: shapely.Geometry) -> Iterator[Finding]:
+def _legs(forecast: Forecast, allowed: shapely.Geometry, where: str) -> Iterator[Finding]:
     wide = allowed.buffer(0.05)  # [m]
     reported: set[int] = set()
     for leg in forecast.legs:
@@ -66,9 +67,9 @@ def _legs(forecast: Forecast, allowed: shapely.Geometry) -> Iterator[Finding]:
         if leg.seq in reported or (end and wide.covers(shapely.LineString(leg.points[:, :2]))):
             continue
         if not end and leg.stage is not FlightStage.RETURN:
-            message = "expected inside the fence, but it lies outside"
+            message = f"expected {where}, but it lies outside"
         elif start:
-            message = f"expected legs inside the fence, but {leg.name} crosses it"
+            message = f"expected legs {where}, but {leg.name} crosses it"
         else:
             continue
         reported.add(leg.seq)

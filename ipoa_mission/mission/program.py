@@ -283,8 +283,6 @@ class Program:
 
 def program_of(mission: Mission, items: tuple[Item, ...]) -> Program:
     rules = mission.firmware.jumps
-    name, bit = rules.kept_by
-    options = mission.autopilot.parameter_table.by_old_names(mission.parameters).get(name, 0.0)
-    keeps_counts = bool(int(options) >> bit & 1)
-    rules = replace(rules, resets=rules.resets and not keeps_counts)
+    if mission.autopilot.parameter_table.has_bit(mission.parameters, rules.kept_by):
+        rules = replace(rules, resets=False)
     return Program(items, mission.frame, mission.autopilot, jumping=rules, version=mission.firmware_version)

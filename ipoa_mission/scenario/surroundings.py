@@ -59,7 +59,7 @@ class Site(Protocol):
 
 
 def allowed_area(fences: Sequence[FenceSection], frame: LocalFrame) -> Any | None:
-    """Return the intersection of inclusions, which also satisfies PX4's union."""
+    """Return the intersection of inclusions."""
     shapes = [_shape(fence, frame, f"fence[{i}]") for i, fence in enumerate(fences) if fence.inclusion]
     if not shapes:
         return None

@@ -206,12 +206,23 @@ def test_faults_are_found_at_their_item(case: str) -> None:
 
 
 @pytest.mark.parametrize(
-    ("autopilot", "inside_one_is_enough"), [(PX4, True), (ARDUPILOT, False)], ids=["union", "intersection"]
+    ("autopilot", "parameters", "wide", "is_inside"),
+    [
+        (PX4, {}, 80.0, False),  # PX4 #27099: inside all, and an inclusion without home is dropped
+        (PX4, {}, 200.0, True),
+        (ARDUPILOT, {}, 80.0, False),
+        (ARDUPILOT, {"FENCE_OPTIONS": 1.0}, 80.0, False),
+        (ARDUPILOT, {"FENCE_OPTIONS": 3.0}, 80.0, True),
+    ],
 )
-def test_two_areas_to_stay_in_mean_what_the_firmware_means(autopilot: Autopilot, inside_one_is_enough: bool) -> None:
-    areas = (FenceCircle((39.101, 121.82), 80.0), FenceCircle((39.102, 121.82), 80.0))
-    mission = replace(flight(UP, AWAY, DOWN, autopilot=autopilot), fence=areas)
-    assert (not check_mission(mission)) == inside_one_is_enough
+def test_two_areas_to_stay_in_mean_what_the_firmware_means(
+    autopilot: Autopilot, parameters: dict[str, float], wide: float, is_inside: bool
+) -> None:
+    areas = (FenceCircle((39.101, 121.82), wide), FenceCircle((39.102, 121.82), wide))
+    mission = replace(flight(UP, AWAY, DOWN, autopilot=autopilot), fence=areas, parameters=parameters)
+    findings = check_mission(mission)
+    assert (not findings) == is_inside
+    assert all("inside all inclusions of the fence" in finding.message for finding in findings)
 
 
 LIMITS = [

@@ -45,7 +45,6 @@ FIRMWARE = Firmware(
     keeps_autocontinue=True,
     fence={},
     rally={},
-    fence_is_union=True,
     max_items=100,
     max_fence_items=0,
     max_rally_points=0,

@@ -133,7 +133,7 @@ class ArduCopter(Autopilot):
                 }
             ),
             rally=rows({"----ddm": "NAV_RALLY_POINT"}),
-            fence_is_union=False,  # unless by bit 1 of FENCE_OPTIONS
+            fence_union_by=("FENCE_OPTIONS", 1),
             max_items=650,
             max_fence_items=70,
             max_rally_points=46,

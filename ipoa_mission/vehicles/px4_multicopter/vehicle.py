@@ -161,7 +161,6 @@ class Px4Multicopter(Autopilot):
                 }
             ),
             rally=rows({"----dd.": "NAV_RALLY_POINT"}),
-            fence_is_union=True,
             max_items=10_000,
             max_fence_items=64,
             max_rally_points=32,
