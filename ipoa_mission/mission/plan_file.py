@@ -235,7 +235,7 @@ def _listed(node: Node) -> list[ListedItem]:
     if kind.value != "ComplexItem":
         raise kind.wrong('"SimpleItem" or "ComplexItem"')
     items = (whole.get(TRANSECTS) or whole).get(ITEMS)
-    if items is None:
+    if items is None or items.value == []:
         raise BadInput(
             f'expected the waypoints of the complex item "{whole["complexItemType"].text()}", but it holds none',
             place=whole.where,

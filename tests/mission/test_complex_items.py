@@ -3,6 +3,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import pytest
+
 from ipoa_mission.autopilot.commands import Command
 from ipoa_mission.errors import BadInput
 from ipoa_mission.mission.items import Item, Mission, waypoint
@@ -69,9 +71,17 @@ def test_changed_items_are_no_survey_any_more() -> None:
 SCAN = {"type": "ComplexItem", "complexItemType": "StructureScan", "version": 3, "StructureHeight": 70}
 
 
-def test_a_scan_without_waypoints_is_refused_by_name() -> None:
+@pytest.mark.parametrize(
+    "scan",
+    [
+        SCAN,
+        SCAN | {"Items": []},
+        SCAN | {"TransectStyleComplexItem": {"Items": []}},  # QGroundControl #10557: a survey over unknown terrain
+    ],
+)
+def test_a_scan_without_waypoints_is_refused_by_name(scan: dict[str, Any]) -> None:
     with refuses("bad-input", "scan.plan: mission.items[1]", '"StructureScan", but it holds none', kind=BadInput):
-        read(document(AHEAD | {"type": "SimpleItem"}, SCAN))
+        read(document(AHEAD | {"type": "SimpleItem"}, scan))
 
 
 def test_unknown_complex_items_are_read_and_written_with_their_waypoints() -> None:
