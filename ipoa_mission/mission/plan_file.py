@@ -15,6 +15,7 @@ from ipoa_mission.errors import BadInput
 from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.mission.complex_items import ITEMS, TRANSECTS, as_document, complex_items_in, entries
+from ipoa_mission.mission.item_words import name_items
 from ipoa_mission.mission.items import FenceCircle, FencePolygon, Item, Mission, MissionFile
 from ipoa_mission.mission.json_node import Node, finite, parse_document, tidy
 from ipoa_mission.mission.landing_ground import landing_ground_entry
@@ -63,7 +64,7 @@ def parse_plan(path: Path, text: str, autopilot: Autopilot | None = None) -> Mis
     listed = [entry for child in mission["items"].array() for entry in _listed(child)]
     items = resolve_frames([*_items(listed)], autopilot)
     read = Mission(
-        home=_home(mission["plannedHomePosition"]),
+        home=_home(mission["plannedHomePosition"], items),
         items=items,
         autopilot=autopilot,
         cruise_speed=None if speed is None else _speed(speed),
@@ -124,9 +125,7 @@ def _plan(mission: Mission) -> dict[str, Any]:
 
 def _altitude_mode(items: Sequence[Item]) -> AltitudeMode:
     modes = {ALTITUDE_MODES[Frame(item.frame)] for item in items if item.frame in ALTITUDE_MODES}
-    if len(modes) > 1:
-        return AltitudeMode.MIXED
-    return next(iter(modes), AltitudeMode.RELATIVE)
+    return AltitudeMode.MIXED if len(modes) > 1 else next(iter(modes), AltitudeMode.RELATIVE)
 
 
 def _entries(items: Sequence[Item], mission: Mission) -> Iterator[dict[str, Any]]:
@@ -188,12 +187,16 @@ def _speed(node: Node) -> float | None:
     return None
 
 
-def _home(node: Node) -> Geodetic:
+def _home(node: Node, items: Sequence[Item]) -> Geodetic:
     latitude, longitude, altitude = node.array(3, "numbers (latitude, longitude, altitude AMSL)")
-    if altitude.value is None:
+    if altitude.value is not None:
+        return Geodetic(latitude.degrees(90), longitude.degrees(), altitude.number("an altitude AMSL in meters"))
+    amsl = [n for n, item in enumerate(items, 1) if item.frame == Frame.GLOBAL and item.command in FLOWN_TO]
+    if amsl:
+        altitude.note(f"expected home's altitude, which altitudes AMSL need: {name_items(amsl)}", Severity.ERROR)
+    else:
         altitude.note("home has no altitude: taken as 0 m AMSL, which heights above home do not depend on")
-        return Geodetic(latitude.degrees(90), longitude.degrees(), 0.0)
-    return Geodetic(latitude.degrees(90), longitude.degrees(), altitude.number("an altitude AMSL in meters"))
+    return Geodetic(latitude.degrees(90), longitude.degrees(), 0.0)
 
 
 @dataclass(frozen=True)
@@ -285,9 +288,8 @@ def _check_altitude(node: Node, frame: int, param7: float) -> None:
                 words = "QGroundControl flies above its own terrain, other software at params[6] AMSL"
                 mode.note(f"without an AMSLAltAboveTerrain, {words}")
     if altitude is not None and not abs(altitude.number("an altitude in meters") - param7) <= 0.01:
-        sent = json.dumps(tidy(param7))
-        message = f"QGroundControl flies {altitude.value:g} m, other software params[6], which is {sent}"
-        altitude.note(message, Severity.ERROR)
+        others = f"other software params[6], which is {json.dumps(tidy(param7))}"
+        altitude.note(f"QGroundControl flies {altitude.value:g} m, {others}", Severity.ERROR)
 
 
 def _fence(node: Node | None) -> tuple[FencePolygon | FenceCircle, ...]:
@@ -297,10 +299,8 @@ def _fence(node: Node | None) -> tuple[FencePolygon | FenceCircle, ...]:
     circles = node.usual("circles", "taken as a fence without circles")
     if not (polygons or circles):
         return ()
-    if version := node.get("version"):
+    if version := node.usual("version", "taken for a fence of version 2"):
         version.whole("1 or 2", 1, 2)
-    else:
-        node.note("the fence names no version: taken for version 2")
     if node.get("breachReturn"):
         node["breachReturn"].note("the return point is dropped")
     fence = list[FencePolygon | FenceCircle]()

@@ -90,6 +90,23 @@ def test_a_jump_to_two_items_of_one_number_is_refused(tmp_path: Path) -> None:
         read_mission(path)
 
 
+@pytest.mark.parametrize(
+    ("frame", "severity", "words"),
+    [
+        (0, "error", "expected home's altitude, which altitudes AMSL need: item 2"),
+        (5, "error", "expected home's altitude, which altitudes AMSL need: item 2"),
+        (3, "warning", "home has no altitude: taken as 0 m AMSL, which heights above home do not depend on"),
+    ],
+)
+def test_heights_above_home_are_unknown_without_its_altitude(
+    tmp_path: Path, frame: int, severity: str, words: str
+) -> None:
+    items = [ITEM | {"doJumpId": 1}, ITEM | {"doJumpId": 2, "frame": frame}]
+    path = written(tmp_path, mission__plannedHomePosition=[47, 8, None], mission__items=items)
+    (finding,) = read_mission_file(path).findings
+    assert (str(finding.severity), finding.message) == (severity, f"mission.plannedHomePosition[2]: {words}")
+
+
 def test_a_home_of_another_frame_is_named(tmp_path: Path) -> None:
     path = tmp_path / "a.waypoints"
     path.write_text("QGC WPL 110\n0\t1\t3\t16\t0\t0\t0\t0\t47\t8\t400\t1\n1\t0\t3\t16\t0\t0\t0\t0\t47\t8\t30\t1\n")
