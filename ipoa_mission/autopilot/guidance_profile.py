@@ -36,6 +36,7 @@ class GuidanceProfile(NamedTuple):
     flies_splines: bool = False  # it flies NAV_SPLINE_WAYPOINT as a curve
     climbs_where_it_stands: bool = False  # a take-off is vertical
     needs_takeoff: bool = False  # it refuses a mission on the ground without a take-off
+    bars_takeoff: Set[int] = frozenset()  # actions that it refuses before a take-off, like a move
     takeoff_done_within: str = ""  # below its height by this parameter [m]
     own_takeoff: float = 0.0  # it takes off to this height at least [m]
     waits_armed: str = ""  # it disarms on the ground after this parameter's time [s]; empty: never
@@ -50,6 +51,10 @@ class GuidanceProfile(NamedTuple):
     holds_at_order: bool = False  # hold comes back to the order's height
     home_is_where_armed: bool = False  # it ignores the file's home
     brakes_after: float = 0.0  # it begins to brake at most this long after an abort [s]; docs/safety.md has flights
+
+    def may_precede_takeoff(self, command: int) -> bool:
+        is_action = command >= Command.CONDITION_DELAY or command in (Command.NAV_DELAY, Command.NAV_ROI)
+        return is_action and command not in self.bars_takeoff
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 from ipoa_mission.autopilot.autopilot import NO_AIRCRAFT, Autopilot
-from ipoa_mission.autopilot.commands import FLOWN_TO, HOLDING, LANDINGS, MAY_PRECEDE_TAKEOFF, Command, Frame
+from ipoa_mission.autopilot.commands import FLOWN_TO, HOLDING, LANDINGS, Command, Frame
 from ipoa_mission.autopilot.firmware_tables import PARAM_NAMES, Firmware
 from ipoa_mission.autopilot.guidance_profile import JumpProfile
 from ipoa_mission.autopilot.parameters import SINGLE_MAX
@@ -43,7 +43,7 @@ def check_firmware(mission: Mission) -> Iterator[Finding]:
     yield from _refused(mission, firmware, wire)
     if mission.vehicle_type not in NO_AIRCRAFT:
         yield from _takeoff(mission)
-    flown = _flown(mission)
+    flown = [at for at in numbered_items(mission) if at.item.command < Command.CONDITION_DELAY]
     if flown and flown[-1].item.command not in LANDINGS | {Command.NAV_LOITER_UNLIM}:
         yield flown[-1].warning("ends-in-the-air", "the mission ends in the air, and the vehicle stays there")
     behind = behind_landing(mission)
@@ -160,11 +160,11 @@ def _params(at: Numbered, firmware: Firmware, mission: Mission) -> Iterator[Find
 
 
 def _takeoff(mission: Mission) -> Iterator[Finding]:
-    moving = [at for at in _flown(mission) if at.item.command not in MAY_PRECEDE_TAKEOFF]
+    guidance = mission.autopilot.guidance
+    moving = [at for at in numbered_items(mission) if not guidance.may_precede_takeoff(at.item.command)]
     if not moving:
         return
     first = moving[0]
-    guidance = mission.autopilot.guidance
     parameters = mission.complete_parameters
     if not first.item.is_takeoff:
         lands = first.item.command == Command.NAV_LAND
@@ -190,10 +190,6 @@ def _takeoff(mission: Mission) -> Iterator[Finding]:
         elif within and height <= parameters[within] + 1.0:  # [m], error of home's height
             below = f"{parameters[within]:g} m ({within}) below"
             yield at.warning("takeoff-low", f"{words} may leave for the next item {below}, near the ground")
-
-
-def _flown(mission: Mission) -> list[Numbered]:
-    return [at for at in numbered_items(mission) if at.item.command < Command.CONDITION_DELAY]
 
 
 def _terrain(mission: Mission) -> Iterator[Finding]:

@@ -43,8 +43,7 @@ def next_steps(link: str | None, system: int | None, record: FlightRecord) -> st
         return ""
     vehicle = f"--link {link}" + (f" --system {system}" if system else "")
     resume = f"`ipoa-mission resume {vehicle}` continues its mission"
-    rtl = f"`ipoa-mission rtl {vehicle}` returns it home"
-    return f"{resume}, {rtl}; a pilot can take it over"
+    return f"{resume}, `ipoa-mission rtl {vehicle}` returns it home; a pilot can take it over"
 
 
 def print_flown_json(flown: FlownJob, written: Sequence[Path], hint: str = "") -> None:

@@ -332,8 +332,7 @@ def _leg_routes(
     if not np.isfinite(cost_from[target]):
         return []
     if most == 1:
-        passed = _trace(before, target)[::-1]
-        return [np.vstack([start, lattice.places[passed], goal])]
+        return [np.vstack([start, lattice.places[_trace(before, target)[::-1]], goal])]
     steps = lattice.steps(backwards=True)
     cost_to, after = lattice_costs(nodes, steps, checks, (target, source, ratio), problem.grid, problem.rules)
     routes = list[Points]()

@@ -161,8 +161,7 @@ def to_geojson(forecast: Forecast, name: str) -> str:
 
 
 def _feature(kind: str, coordinates: Sequence[Any], properties: dict[str, Any]) -> dict[str, Any]:
-    geometry = {"type": kind, "coordinates": coordinates}
-    return {"type": "Feature", "properties": properties, "geometry": geometry}
+    return {"type": "Feature", "properties": properties, "geometry": {"type": kind, "coordinates": coordinates}}
 
 
 def to_kml(forecast: Forecast, name: str) -> str:

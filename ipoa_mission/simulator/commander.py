@@ -182,9 +182,9 @@ class Commander(MockVehicle):
 
     def _has_takeoff_first(self) -> bool:
         first = 0 if self.flight.mission is MissionState.COMPLETE else self.flight.current
-        ahead = (item.command for item in self.items[first:] if item.command < commands.LAST_NAV)
-        first_flown = next((command for command in ahead if command not in commands.MAY_PRECEDE_TAKEOFF), None)
-        return first_flown in commands.TAKEOFFS
+        may_precede = self.profile.autopilot.guidance.may_precede_takeoff
+        moving = (item.command for item in self.items[first:] if not may_precede(item.command))
+        return next(moving, None) in commands.TAKEOFFS
 
     def set_mode(self, custom_mode: int) -> CommandResult:
         if custom_mode not in self.profile.autopilot.modes.names:

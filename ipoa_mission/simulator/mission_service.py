@@ -8,7 +8,7 @@ from functools import lru_cache
 from typing import Any
 
 from ipoa_mission.autopilot.autopilot import Autopilot
-from ipoa_mission.autopilot.commands import PLAIN_FRAME, Command, Frame
+from ipoa_mission.autopilot.commands import PLAIN_FRAME, Command
 from ipoa_mission.autopilot.firmware_tables import Firmware
 from ipoa_mission.autopilot.parameters import Parameters
 from ipoa_mission.errors import MissionError
@@ -335,7 +335,7 @@ def infeasibility(
     autopilot: Autopilot, firmware: Firmware, items: Sequence[Item], home: Geodetic, parameters: Parameters
 ) -> m.Event | None:
     """Return PX4's verdict, which it sends as an event alone; None if it can be flown."""
-    has_position = False
+    moving = [item for item in items if not autopilot.guidance.may_precede_takeoff(item.command)]
     for seq, item in enumerate(items):
         if item.command in firmware.never_flown:
             return event("navigator_mis_unsup_cmd", seq + 1, item.command)
@@ -344,8 +344,7 @@ def infeasibility(
         if item.command == Command.NAV_TAKEOFF:
             if item.height(home) <= 0.0:
                 return event("navigator_mis_takeoff_too_low")
-            if has_position:
+            if item is not moving[0]:
                 return event("navigator_mis_takeoff_not_first")
-        has_position = has_position or item.frame != Frame.MISSION
     wrong = autopilot.refusals.ends({item.command for item in items}, parameters)
     return None if wrong is None else event(f"navigator_mis_{wrong.result}")

@@ -11,10 +11,11 @@ import pytest
 from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.autopilot.commands import Command
 from ipoa_mission.autopilot.version import Version
+from ipoa_mission.checks.check import check_mission
 from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.link.messages import MissionType, Result
 from ipoa_mission.link.vehicle_words import event, words_in
-from ipoa_mission.mission.items import Item
+from ipoa_mission.mission.items import Item, Mission
 from ipoa_mission.simulator.mission_service import infeasibility, judge
 
 PX4, ARDUPILOT = Autopilot.PX4, Autopilot.ARDUPILOT
@@ -114,3 +115,29 @@ def test_px4_refuses_a_take_off_that_does_not_climb(height: float) -> None:
     for version in (RELEASED, BETA):
         verdict = infeasibility(PX4, PX4.firmware(version), [item], Geodetic(*PLACE[:2]), {})
         assert verdict == (event("navigator_mis_takeoff_too_low") if height <= 0.0 else None)
+
+
+@pytest.mark.parametrize(
+    ("command", "is_refused"),
+    [
+        (Command.DO_GRIPPER, True),
+        (Command.DO_SET_ACTUATOR, True),
+        (Command.DO_WINCH, True),
+        (Command.COMPONENT_ARM_DISARM, True),
+        (Command.DO_AUTOTUNE_ENABLE, True),
+        (Command.NAV_WAYPOINT, True),
+        (Command.NAV_RETURN_TO_LAUNCH, True),
+        (Command.NAV_DELAY, False),
+        (Command.NAV_ROI, False),
+        (Command.DO_SET_ROI_LOCATION, False),
+        (Command.DO_SET_CAM_TRIGG_DIST, False),
+        (Command.DO_CHANGE_SPEED, False),
+    ],
+)
+def test_px4_refuses_a_take_off_behind_what_it_takes_for_a_place(command: Command, is_refused: bool) -> None:
+    """As `checkTakeoff` of FeasibilityChecker in PX4 1.17 and 1.18."""
+    items = [item_of(command, frame=3), item_of(TAKEOFF, frame=3)]
+    verdict = infeasibility(PX4, PX4.firmware(), items, Geodetic(*PLACE[:2]), {})
+    assert (verdict == event("navigator_mis_takeoff_not_first")) == is_refused
+    findings = check_mission(Mission(Geodetic(*PLACE), tuple(items), PX4))
+    assert any(finding.code == "takeoff-not-first" for finding in findings) == is_refused

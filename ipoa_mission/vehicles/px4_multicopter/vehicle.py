@@ -173,6 +173,10 @@ class Px4Multicopter(Autopilot):
     )
     guidance = profile.GuidanceProfile(
         passes_before=FLOWN_TO - {Command.NAV_LOITER_TURNS, Command.NAV_PAYLOAD_PLACE},
+        bars_takeoff=frozenset({
+            Command.DO_SET_ACTUATOR, Command.DO_GRIPPER, Command.DO_AUTOTUNE_ENABLE, Command.COMPONENT_ARM_DISARM,
+            Command.CONDITION_GATE, Command.DO_WINCH,
+        }),
         takeoff_done_within="NAV_MC_ALT_RAD",
         turns_at_acceptance_radius=True,
         small_acceptance_radius=2.5,
@@ -181,7 +185,7 @@ class Px4Multicopter(Autopilot):
         climbs_coming_back=True,
         holds_at_order=True,
         brakes_after=BRAKES_LATE,
-    )
+    )  # fmt: skip
     command_effects = profile.CommandEffects(
         flown=profile.SIMPLE - {Command.NAV_LAND, Command.DO_CHANGE_SPEED},
         replays_speed=True,  # MissionBase::on_activation
