@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 
 NAMES = ("campus",)
 ANYWAY = "Continue although a check fails: mission, home, firmware, class of vehicle, another vehicle with its id."
+PASSPHRASE = "IPOA_MISSION_PASSPHRASE"
 
 
 def flag(name: str, words: str, metavar: str | None = None, **settings: Any) -> Any:
@@ -183,9 +184,6 @@ def _known(name: str) -> str:
         error.place = f"--param {error.place}"
         raise error.at(hint=error.hint or "--param-file takes any parameter") from None
     return name
-
-
-PASSPHRASE = "IPOA_MISSION_PASSPHRASE"
 
 
 def signer_of(key: Path | None, role: str = "station") -> "Signer | None":

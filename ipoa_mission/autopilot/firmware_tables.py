@@ -24,6 +24,8 @@ from ipoa_mission.autopilot.version import Version
 from ipoa_mission.errors import BadInput
 
 NO_VERSION = Version(0, 0)
+POLYGON = frozenset({Command.NAV_FENCE_POLYGON_VERTEX_INCLUSION, Command.NAV_FENCE_POLYGON_VERTEX_EXCLUSION})
+PARAM_NAMES = ("param1", "param2", "param3", "param4", "latitude", "longitude", "altitude")
 
 
 @dataclass(frozen=True)
@@ -148,10 +150,6 @@ class FirmwareTables:
             words = f"expected one of {self._defaults.autopilot}'s {names}, not {version}"
             raise BadInput(words, code="unknown-version", place="firmware version")
         return version
-
-
-POLYGON = frozenset({Command.NAV_FENCE_POLYGON_VERTEX_INCLUSION, Command.NAV_FENCE_POLYGON_VERTEX_EXCLUSION})
-PARAM_NAMES = ("param1", "param2", "param3", "param4", "latitude", "longitude", "altitude")
 
 
 class Refused(NamedTuple):

@@ -15,8 +15,9 @@ from ipoa_mission.autopilot.version import Version
 if TYPE_CHECKING:
     from ipoa_mission.geometry import Place
 
-
 HOME: "Place" = (0.0, 0.0, 0.0)
+SLOWEST = 0.05  # [m/s]
+HEIGHT_UNCERTAINTY = 2.0  # of heights and terrain maps; least slow stretch [m]
 
 
 class ReturnBy(StrEnum):
@@ -54,10 +55,6 @@ class ReturnOrder(NamedTuple):
 class OverTerrain(NamedTuple):
     margin: float  # of the height [m]
     always_over_terrain: bool  # it never falls back to heights above home
-
-
-SLOWEST = 0.05  # [m/s]
-HEIGHT_UNCERTAINTY = 2.0  # of heights and terrain maps; least slow stretch [m]
 
 
 class SinkingBrake(NamedTuple):

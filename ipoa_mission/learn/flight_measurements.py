@@ -26,6 +26,9 @@ LEAST_MEASURED_HEIGHT = 2.0  # beyond the ground effect [m]
 MIN_TIME_S = 20.0  # aloft
 SAMPLE_STEP_S = 0.2
 SMOOTHED_SAMPLES = 5
+#: Shares of the hover power, and their deviations.
+POWER_PRIOR = np.array([1.0, 0.0, 0.0, 0.1, 0.0])
+POWER_PRIOR_DEVIATIONS = np.array([10.0, 0.5 / 10.0**2, 0.5 / 10.0**3, 0.1, 0.05])  # at 10 m/s
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,11 +52,6 @@ def logged_track(flight: LoggedFlight) -> LoggedTrack:
         raise LogUseless("it has no positions" if not len(rows) else "its clock is wrong")
     rows = in_order(rows)
     return LoggedTrack(rows[:, 0], rows[:, 1], rows[:, 2:5], float(rows[0, 5]))
-
-
-#: Shares of the hover power, and their deviations.
-POWER_PRIOR = np.array([1.0, 0.0, 0.0, 0.1, 0.0])
-POWER_PRIOR_DEVIATIONS = np.array([10.0, 0.5 / 10.0**2, 0.5 / 10.0**3, 0.1, 0.05])  # at 10 m/s
 
 
 @dataclass(frozen=True, eq=False)

@@ -19,6 +19,7 @@ DOUBTFUL_REFUSALS = frozenset({m.Result.ERROR, m.Result.INVALID_SEQUENCE})
 REFUSAL_TIMEOUT_S = 3.0
 #: For words that explain a refusal [s].
 REASON_TIMEOUT_S = 0.3
+READ_ATTEMPTS = 5
 
 
 class MissionRefused(MissionError, code="mission-refused"):
@@ -209,9 +210,6 @@ def _answered(question: m.RequestList | m.ClearAll) -> Dialogue[int]:
 
 def listen_for_words(texts: VehicleTexts) -> Dialogue[None]:
     yield from hear(Pause(REASON_TIMEOUT_S), texts.note)
-
-
-READ_ATTEMPTS = 5
 
 
 class KeepsChanging(MissionError, code="keeps-changing"):

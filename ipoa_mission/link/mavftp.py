@@ -16,6 +16,15 @@ from ipoa_mission.progress import Progress, count, silent
 
 HEADER = struct.Struct("<HBBBBBBI")
 LONGEST_DATA = 251 - HEADER.size
+MISSION_FILE = "@MISSION/mission.dat"
+LIST_FILES: Mapping[int, str] = {
+    MissionType.MISSION: MISSION_FILE,
+    MissionType.FENCE: "@MISSION/fence.dat",
+    MissionType.RALLY: "@MISSION/rally.dat",
+}
+#: ArduPilot's mission.dat: magic, list, options, first item, count; then MISSION_ITEM_INT payloads.
+LIST_HEADER = struct.Struct("<HHHHH")
+LIST_MAGIC = 0x763D
 
 
 class Opcode(IntEnum):
@@ -76,17 +85,6 @@ def unpack(message: FileTransfer) -> FileMessage:
 def nak(question: FileMessage, error: FileError) -> FileMessage:
     sequence = (question.sequence + 1) & 0xFFFF
     return FileMessage(sequence, Opcode.NAK, question.session, question.opcode, 0, bytes((error,)))
-
-
-MISSION_FILE = "@MISSION/mission.dat"
-LIST_FILES: Mapping[int, str] = {
-    MissionType.MISSION: MISSION_FILE,
-    MissionType.FENCE: "@MISSION/fence.dat",
-    MissionType.RALLY: "@MISSION/rally.dat",
-}
-#: ArduPilot's mission.dat: magic, list, options, first item, count; then MISSION_ITEM_INT payloads.
-LIST_HEADER = struct.Struct("<HHHHH")
-LIST_MAGIC = 0x763D
 
 
 def pack_mission(items: Sequence[Item], kind: int = MissionType.MISSION) -> bytes:

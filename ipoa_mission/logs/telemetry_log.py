@@ -140,11 +140,6 @@ def growing(stamps: Sequence[float]) -> Vector:
     return np.asarray(np.maximum.accumulate(since - since[0]) + 1e-9 * np.arange(len(since)))
 
 
-ARMING_TEXTS = ("Arming motors", "Armed by", "ARMED by")
-DISARMING_TEXTS = ("Disarming motors", "Disarmed by", "DISARMED by")
-NO_CLOCK = "the log has no clock of the vehicle: its times are those of the ground station"
-
-
 def read_telemetry_log(path: Path, system: int | None = None) -> Log:
     """Return positions and events of system `system`, by default of the first multicopter."""
     missing = LostFrames()
@@ -243,8 +238,10 @@ class _Reader:
             case m.CommandAck(Command.COMPONENT_ARM_DISARM, m.CommandResult.ACCEPTED):
                 self._note_arming(number, not self._is_armed if self.ordered is None else self.ordered)
             case m.Text(_, text):
-                if text.startswith((*ARMING_TEXTS, *DISARMING_TEXTS)) and not self.changes:  # else an echo
-                    self._note_arming(number, text.startswith(ARMING_TEXTS))
+                arms = text.startswith(("Arming motors", "Armed by", "ARMED by"))
+                disarms = text.startswith(("Disarming motors", "Disarmed by", "DISARMED by"))
+                if (arms or disarms) and not self.changes:  # else an echo
+                    self._note_arming(number, arms)
                 if self.autopilot.protocol_profile.tells_items and (begun := item_begun(text)):
                     self.messages.append((number, begun))
             case m.AutopilotVersion(_, version):
@@ -297,7 +294,8 @@ class _Reader:
         rows = [(time, p.latitude_deg, p.longitude_deg, p.altitude, p.height, *p.velocity) for time, p in places]
         events = tuple((time, message) for time, message in dated if not isinstance(message, m.Position))
         measured = _measured([(times[n], message) for n, message in self.measured])
-        remarks = () if len(clock) else (NO_CLOCK,)
+        no_clock = "the log has no clock of the vehicle: its times are those of the ground station"
+        remarks = () if len(clock) else (no_clock,)
         return Log(self.autopilot, in_order(np.array(rows).reshape(-1, 8)), events, self.version, remarks, measured)
 
 

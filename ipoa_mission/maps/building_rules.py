@@ -150,10 +150,6 @@ def reach_of(
     return usual, f"{size.kind}(s) without a width, given {dimension} of {usual:.2g} m"
 
 
-# Up to [V], height and half width [m].
-POWER_LINES = ((1e3, 10.0, 2.0), (60e3, 15.0, 3.0), (150e3, 40.0, 8.0), (300e3, 50.0, 12.0), (math.inf, 60.0, 16.0))
-
-
 @dataclass(frozen=True)
 class Wire:
     """Height and half width [m], and the key that changes the height."""
@@ -183,7 +179,9 @@ def wire_of(tags: Mapping[str, str], rules: BuildingRules) -> Wire | None:
         most = 1e3
     else:
         return None
-    height, reach = next((height, reach) for volts, height, reach in POWER_LINES if most <= volts)
+    # up to [V], height and half width [m]
+    sizes = ((1e3, 10.0, 2.0), (60e3, 15.0, 3.0), (150e3, 40.0, 8.0), (300e3, 50.0, 12.0), (math.inf, 60.0, 16.0))
+    height, reach = next((height, reach) for volts, height, reach in sizes if most <= volts)
     return Wire(words, height if rules.line_height is None else rules.line_height, reach, "line_height")
 
 

@@ -50,9 +50,6 @@ class Sample:
     speed: float
 
 
-HOME_SET_S = 2.0  # after arming
-
-
 @dataclass(frozen=True)
 class FlightRecord:
     """A flight as it was flown; times since arming.
@@ -93,7 +90,7 @@ class FlightRecord:
         """Return home's altitude as set at arming [m AMSL]. PX4 1.17 also changes it in flight."""
         from statistics import median
 
-        until_s = self.path[0].time_s + HOME_SET_S
+        until_s = self.path[0].time_s + 2.0  # it is set after arming
         return median(sample.altitude - sample.height for sample in self.path if sample.time_s <= until_s)
 
     @property

@@ -38,6 +38,16 @@ ALTITUDE_MODES = {
     Frame.GLOBAL: AltitudeMode.AMSL,
     Frame.GLOBAL_TERRAIN_ALT: AltitudeMode.TERRAIN,
 }
+GROUND_KEYS = ("latitude", "longitude", "aboveHome")
+#: Keys that are not asked for, or not always; `[]`: each member.
+WITHOUT_EFFECT = {
+    "": {"groundStation", "UUID"},
+    "mission": {"cruiseSpeed", "firmwareType", "globalPlanAltitudeMode"},
+    "mission.items[]": {"type", "MISSION_ITEM_ID", "AMSLAltAboveTerrain"},
+    "geoFence": {"version", "breachReturn"},
+    **{key: {"version"} for key in ("geoFence.polygons[]", "geoFence.circles[]", "rallyPoints")},
+}
+NO_RALLY = "taken as a mission without rally points"
 
 
 def plan_text(mission: Mission) -> str:
@@ -328,18 +338,6 @@ def _rally(node: Node | None) -> tuple[Geodetic, ...]:
     points = _parts(node.usual("points", NO_RALLY) if node else None)
     nodes = [point.array(3, "numbers (latitude, longitude, altitude)") for point in points]
     return tuple(Geodetic(lat.degrees(), lon.degrees(), alt.number("an altitude in meters")) for lat, lon, alt in nodes)
-
-
-GROUND_KEYS = ("latitude", "longitude", "aboveHome")
-#: Keys that are not asked for, or not always; `[]`: each member.
-WITHOUT_EFFECT = {
-    "": {"groundStation", "UUID"},
-    "mission": {"cruiseSpeed", "firmwareType", "globalPlanAltitudeMode"},
-    "mission.items[]": {"type", "MISSION_ITEM_ID", "AMSLAltAboveTerrain"},
-    "geoFence": {"version", "breachReturn"},
-    **{key: {"version"} for key in ("geoFence.polygons[]", "geoFence.circles[]", "rallyPoints")},
-}
-NO_RALLY = "taken as a mission without rally points"
 
 
 def findings_of_keys(plan: Node) -> Iterator[Finding]:

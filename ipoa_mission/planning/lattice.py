@@ -21,6 +21,7 @@ STRIDES = np.array([step for step in np.ndindex(3, 3, 3) if step != (1, 1, 1)]) 
 ROUNDING = 1e-9  # of costs, relative
 #: Steps to all nodes in the cube of five around a node, nearest first.
 CUBE: NDArray[np.int64] = np.array(sorted(np.ndindex(5, 5, 5), key=lambda at: sum((k - 2) ** 2 for k in at))[1:]) - 2
+End = tuple[Vector, int | None]  # a place and its node
 
 
 class LatticeStrategy(NamedTuple):
@@ -310,9 +311,6 @@ def _end_node(lattice: Lattice, problem: PreparedProblem, place: Vector) -> int 
     legs = place + shares * (lattice.places[few] - place)
     slack = problem.slack_and_threat(legs.reshape(-1, 3))[0].reshape(DETAILS.end_samples, -1).min(axis=0)
     return int(few[np.argmax(slack >= min(slack.max(), 0.0))]) if len(few) else None
-
-
-End = tuple[Vector, int | None]  # a place and its node
 
 
 def _leg_routes(

@@ -20,6 +20,8 @@ QUARTER_SEGMENTS = 16
 CIRCLE_ERROR = 1 - np.cos(np.pi / 4 / QUARTER_SEGMENTS)
 SHARE_TOLERANCE = 1e-5  # of the required distance
 DISTANCE_TOLERANCE = 1e-2  # [m]
+ROUNDING = 1e-6  # [m]
+LEAST_FLIGHT = 0.1  # [m]
 
 
 class Closure(NamedTuple):
@@ -137,10 +139,6 @@ def _heights(problem: PreparedProblem, body: Obstacle) -> tuple[float, float]:
     unsure = 0.0 if isinstance(airspace.terrain, Grid) else airspace.terrain.steepness * step
     lowest = max(airspace.bounds.lower[2], float(near.min()) - unsure)
     return lowest, min(airspace.bounds.upper[2], float(near.max()) + unsure + limits.ceiling_above_ground)
-
-
-ROUNDING = 1e-6  # [m]
-LEAST_FLIGHT = 0.1  # [m]
 
 
 class NoPath(MissionError, code="no-path"):

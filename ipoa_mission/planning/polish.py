@@ -102,7 +102,9 @@ def polish_until_proved(
     With limited climbs it restarts for more room: else the curve would turn in circles.
     """
     rough = candidate
-    more = dict.fromkeys(("aside", "above", "flatter"), 0.0)
+    more = {"aside": 0.0, "above": 0.0, "flatter": 0.0}
+    remedies = {"obstacles": "aside", "bounds": "aside", "ground": "above", "ceiling": "above"}
+    remedies |= {"climb": "flatter", "descent": "flatter"}
     for _ in range(attempts):
         wider = [
             one._replace(**{name: getattr(one, name) + by for name, by in more.items()}) for one in schedule.stages
@@ -116,7 +118,7 @@ def polish_until_proved(
             short = max(-1.2 * check.slack, 0.0)
             if check.unit == "deg":
                 short = float(np.tan(np.radians(check.required)) - np.tan(np.radians(check.required - short)))
-            more[_REMEDY[check.limit]] += short
+            more[remedies[check.limit]] += short
     if not proof.is_proved:
         unpolished = prove_curve(rough.curve, problem.task)
         if unpolished.is_proved:
@@ -128,16 +130,6 @@ def _hopeless(check: Check, problem: PreparedProblem) -> float:
     """Return the slack that more room does not mend [m or degrees]."""
     ground = check.limit == "ground" and problem.climbs_limited
     return HOPELESS_SLACK[check.unit] * (1 + problem.task.airspace.terrain.steepness if ground else 1)
-
-
-_REMEDY = {
-    "obstacles": "aside",
-    "bounds": "aside",
-    "ground": "above",
-    "ceiling": "above",
-    "climb": "flatter",
-    "descent": "flatter",
-}
 
 
 def _prepare(candidate: Candidate, problem: PreparedProblem, part: slice, nodes: int) -> tuple[slice, PolishInputs]:

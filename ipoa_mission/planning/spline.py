@@ -10,6 +10,7 @@ from ipoa_mission.geometry import Matrix, Points, Vector
 
 DEGREE = 3
 ARC_TABLE = 64  # entries per span
+LocalBasis = tuple[NDArray[np.intp], Matrix]  # as `local_basis` returns
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -71,9 +72,6 @@ class Spline:
         control = np.asarray(np.linalg.lstsq(basis(n, u), self.points(u), rcond=None)[0])
         control[[0, -1]] = self.control[[0, -1]]
         return Spline(control)
-
-
-LocalBasis = tuple[NDArray[np.intp], Matrix]  # as `local_basis` returns
 
 
 @lru_cache(maxsize=32)

@@ -146,14 +146,9 @@ def _broken(attempt: Attempt, stations: Vector, places: list[tuple[float, float,
     return np.unique(np.concatenate(broken).clip(stations[0], stations[-1]))
 
 
-PLACE_SPACING = 3.0  # [m]
-MAX_PLACES = 200
-MAX_ROUNDS, SHARES, ENOUGH = 500, 0.5 ** np.arange(30), 1e-13  # of Newton's method
-
-
 def relaxed(curve: Spline, room: float, via: Points) -> Points:
     """Return places (n, 3) of the line with least bending within `room` [m] of the curve, through via points (m, 3)."""
-    count = int(np.clip(math.ceil(curve.length / PLACE_SPACING), 8, MAX_PLACES))
+    count = int(np.clip(math.ceil(curve.length / 3.0), 8, 200))  # one each 3 m
     samples, stops = resample.through(curve.sample(count + 1), via)
     free = np.setdiff1d(np.arange(1, len(samples) - 1), stops)
     if room <= 0 or len(free) == 0:
@@ -175,7 +170,7 @@ def _least_squares(system: Matrix, wanted: Vector, room: float) -> Vector:
     toward = system.T @ wanted
     x = np.zeros(len(toward))
     cost = 0.0
-    for _ in range(MAX_ROUNDS):
+    for _ in range(500):
         slope = hessian @ x - toward
         free = np.nonzero(((x > -room) | (slope <= 0)) & ((x < room) | (slope >= 0)))[0]
         band = np.zeros((3, len(free)))
@@ -183,12 +178,12 @@ def _least_squares(system: Matrix, wanted: Vector, room: float) -> Vector:
             band[k, : len(free) - k] = hessian[free[k:], free[: len(free) - k]]
         step = np.zeros_like(x)
         step[free] = solve_banded(band, slope[free])[0]
-        for share in SHARES:
+        for share in 0.5 ** np.arange(30):
             trial = np.clip(x - share * step, -room, room)
             less = float(trial @ (hessian @ trial / 2 - toward))
             if less < cost:
                 break
-        if less >= cost - ENOUGH * abs(cost):
+        if less >= cost - 1e-13 * abs(cost):
             break
         x = trial
         cost = less

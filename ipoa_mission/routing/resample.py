@@ -20,6 +20,12 @@ from ipoa_mission.world.airspace import Airspace
 PUSHES = 30
 OVERSHOOT = 0.01  # of a moved leg [m]
 SLOPE_STEP = 1e-3  # [m]
+SAMPLES = 240  # of corridor waypoints
+GREATEST_SPACING = 3.0  # before candidate places follow the bends [m]
+CHORD_SHARE = 0.1  # of the tolerance
+COMPARING_STEP = 0.5  # [m]
+ON_THE_CURVE = (0.0,)
+NO_PLACES = np.zeros((0, 3))
 
 
 class NoRoute(MissionError, code="no-route"):
@@ -100,14 +106,6 @@ def _outwards(place: Vector, limit: str, airspace: Airspace) -> Vector:
     values = distance(place + SLOPE_STEP * np.vstack([np.eye(3), -np.eye(3)]))
     slope = np.asarray(values[:3] - values[3:])
     return slope / max(float(np.linalg.norm(slope)), 1e-12)
-
-
-SAMPLES = 240  # of corridor waypoints
-GREATEST_SPACING = 3.0  # before candidate places follow the bends [m]
-CHORD_SHARE = 0.1  # of the tolerance
-COMPARING_STEP = 0.5  # [m]
-ON_THE_CURVE = (0.0,)
-NO_PLACES = np.zeros((0, 3))
 
 
 def every(curve: Spline, spacing: float, via: Points = NO_PLACES) -> Points:

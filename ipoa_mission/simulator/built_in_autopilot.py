@@ -28,6 +28,8 @@ OLD_REQUESTS: Mapping[int, str] = {
     VehicleCommand.REQUEST_PROTOCOL_VERSION: "PROTOCOL_VERSION",
     VehicleCommand.REQUEST_AUTOPILOT_CAPABILITIES: "AUTOPILOT_VERSION",
 }
+#: ArduPilot's PARAM_VALUE.param_index of a named request.
+BY_NAME = 65535
 
 
 class BuiltInAutopilot:
@@ -131,10 +133,6 @@ class BuiltInAutopilot:
         for message in (*acks, *answers) if profile.acks_first else (*answers, *acks):
             vehicle.send(message, source)
         vehicle.outbox += caused
-
-
-#: ArduPilot's PARAM_VALUE.param_index of a named request.
-BY_NAME = 65535
 
 
 class ParameterServer:

@@ -13,6 +13,7 @@ from ipoa_mission.survey.survey_section import USUAL_HEIGHT, USUAL_SPACING
 
 DIGITS = 2  # decimals of meters
 DEGREES = 7  # decimals of degrees
+LEAST_CORNERS = {"polygon": 3, "line": 2}
 #: [east, north] or [latitude, longitude]
 Move: TypeAlias = Callable[[float, float], tuple[float, float]]
 
@@ -39,9 +40,6 @@ def moves_of(old: LocalFrame, new: LocalFrame, step: Any) -> tuple[Move, Move]:
         return round(place.latitude_deg, DEGREES), round(place.longitude_deg, DEGREES)
 
     return local, geodetic
-
-
-LEAST_CORNERS = {"polygon": 3, "line": 2}
 
 
 def is_of_area(path: Path) -> bool:

@@ -33,6 +33,15 @@ POLICY = (
     "connect-src 'self'; worker-src 'self' blob:; manifest-src 'self'; base-uri 'none'; form-action 'none'; "
     "frame-ancestors 'none'; require-trusted-types-for 'script'; trusted-types default"
 )
+HEADERS = {
+    "X-Content-Type-Options": "nosniff",
+    "Referrer-Policy": "no-referrer",
+    "Cross-Origin-Opener-Policy": "same-origin",
+    "Cross-Origin-Resource-Policy": "same-origin",
+    "Cache-Control": "no-store",
+    "Permissions-Policy": "geolocation=(), camera=(), microphone=()",
+}
+TYPES = {".html": "text/html", ".js": "text/javascript", ".css": "text/css", ".svg": "image/svg+xml"}
 
 
 def policy_for(tiles: Tiles | None) -> str:
@@ -60,16 +69,6 @@ def tiles_at(address: str, attribution: str | None = None) -> Tiles:
     is_vector = parts.path.rpartition(".")[2].lower() in ("pbf", "mvt")
     deepest = 14 if is_vector else 22  # zoom; the page enlarges vector tiles beyond
     return Tiles(address=address, attribution=attribution or parts.netloc, max_zoom=deepest, vector=is_vector)
-
-
-HEADERS = {
-    "X-Content-Type-Options": "nosniff",
-    "Referrer-Policy": "no-referrer",
-    "Cross-Origin-Opener-Policy": "same-origin",
-    "Cross-Origin-Resource-Policy": "same-origin",
-    "Cache-Control": "no-store",
-    "Permissions-Policy": "geolocation=(), camera=(), microphone=()",
-}
 
 
 @dataclass(frozen=True)
@@ -111,9 +110,6 @@ class Guard:
             await send(message)
 
         return send_with_headers
-
-
-TYPES = {".html": "text/html", ".js": "text/javascript", ".css": "text/css", ".svg": "image/svg+xml"}
 
 
 @dataclass(frozen=True)

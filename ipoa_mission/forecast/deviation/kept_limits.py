@@ -59,9 +59,6 @@ def runs(points: Points, chosen: NDArray[np.bool_]) -> Iterator[Points]:
         yield points[first : last + 1]
 
 
-PLACE_RADIUS = 15.0  # of the path around a place near to a limit [m]
-
-
 @dataclass(frozen=True, eq=False)
 class ClearanceTask:
     """`chance`: to fall short of a limit; None: without a bound."""
@@ -174,7 +171,8 @@ def _bounds_kept(path: Points, task: PathTask, bound: DeviationBound) -> Check |
     bounds = task.airspace.bounds
     fixed = np.vstack([np.zeros(3), task.places])
     fixed = fixed[_inside(fixed, task, bound).min(axis=1) < 0]
-    away = np.linalg.norm(path[:, None, :2] - fixed[None, :, :2], axis=2).min(axis=1, initial=np.inf) > PLACE_RADIUS
+    near_place = 15.0  # of the path around a place near to a limit [m]
+    away = np.linalg.norm(path[:, None, :2] - fixed[None, :, :2], axis=2).min(axis=1, initial=np.inf) > near_place
     if not away.any():
         return None
     margins = _inside(path[away], task, bound)
@@ -186,7 +184,7 @@ def _bounds_kept(path: Points, task: PathTask, bound: DeviationBound) -> Check |
     if bounds.footprint is not None:
         edge = shapely.boundary(bounds.footprint.shape)
         line = shapely.LineString(path[:, :2])
-        line = line.difference(shapely.union_all(shapely.buffer(shapely.points(fixed[:, :2]), PLACE_RADIUS)))
+        line = line.difference(shapely.union_all(shapely.buffer(shapely.points(fixed[:, :2]), near_place)))
         if not line.is_empty and (margin := float(shapely.distance(line, edge)) - bound.lateral) < least:
             near = np.array(shapely.shortest_line(line, edge).coords[0])
             least = margin

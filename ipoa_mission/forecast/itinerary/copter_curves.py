@@ -16,6 +16,13 @@ from ipoa_mission.mission.items import Item
 
 NEAR_CIRCLE = 3.0  # [m]
 CENTER_RADIUS = 0.5  # [m] within which a vehicle leaves the center backwards
+# ArduPilot stores these with a place, and reads the data of the others as one.
+WITH_PLACE = frozenset({
+    Command.NAV_WAYPOINT, Command.NAV_LOITER_UNLIM, Command.NAV_LOITER_TURNS, Command.NAV_LOITER_TIME, Command.NAV_LAND,
+    Command.NAV_TAKEOFF, Command.NAV_CONTINUE_AND_CHANGE_ALT, Command.NAV_LOITER_TO_ALT, Command.NAV_ARC_WAYPOINT,
+    Command.NAV_SPLINE_WAYPOINT, Command.NAV_VTOL_TAKEOFF, Command.NAV_VTOL_LAND, Command.NAV_GUIDED_ENABLE,
+    Command.NAV_PAYLOAD_PLACE,
+})  # fmt: skip
 
 
 def turn_of(item: Item) -> float:
@@ -115,15 +122,6 @@ def circle_chords(begin: Place, center: Place, flown: FlownCircle, turn: float, 
     top_view = np.array(center[:2]) + np.vstack([flown.radius * around, flown.radius * around[-1] + onward])
     points = np.column_stack([top_view, np.full(len(top_view), begin[2])])
     return np.vstack([[begin], points]) if math.dist(begin, points[0]) > tolerance else points
-
-
-# ArduPilot stores these with a place, and reads the data of the others as one.
-WITH_PLACE = frozenset({
-    Command.NAV_WAYPOINT, Command.NAV_LOITER_UNLIM, Command.NAV_LOITER_TURNS, Command.NAV_LOITER_TIME, Command.NAV_LAND,
-    Command.NAV_TAKEOFF, Command.NAV_CONTINUE_AND_CHANGE_ALT, Command.NAV_LOITER_TO_ALT, Command.NAV_ARC_WAYPOINT,
-    Command.NAV_SPLINE_WAYPOINT, Command.NAV_VTOL_TAKEOFF, Command.NAV_VTOL_LAND, Command.NAV_GUIDED_ENABLE,
-    Command.NAV_PAYLOAD_PLACE,
-})  # fmt: skip
 
 
 def reads_as_here(item: Item) -> bool:

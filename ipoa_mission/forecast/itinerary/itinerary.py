@@ -24,6 +24,8 @@ UNTIMED = frozenset({Command.NAV_SCRIPT_TIME, Command.NAV_ATTITUDE_TIME, Command
 LONGEST_HOLD = 86_400.0  # [s], of all holds of a flight; a guard: the models compute each step of a hold
 # They delay the commands after them; the models run these at once.
 CONDITIONS = frozenset({Command.CONDITION_DELAY, Command.CONDITION_DISTANCE})
+MAX_TURN_DEG = 150.0  # limit of the forecast's accuracy: docs/lab/flight-time.md
+NO_PLACE = (math.nan, math.nan, math.nan)
 
 
 @dataclass(frozen=True)
@@ -143,10 +145,6 @@ def _unrolled(mission: Mission) -> list[int]:
     if program.stuck_at is not None:
         raise EndlessFlight(f"{mission.autopilot.model} finds no next item", place=f"item {program.stuck_at + 1}")
     return order
-
-
-MAX_TURN_DEG = 150.0  # limit of the forecast's accuracy: docs/lab/flight-time.md
-NO_PLACE = (math.nan, math.nan, math.nan)
 
 
 class Unknown(NamedTuple):

@@ -148,9 +148,6 @@ class Sphere(Part):
         return GridRow(SPHERE, (east, north, up, self.radius, 0.0), self.radius)
 
 
-TOUCHING = 1e-9  # relative
-
-
 @dataclass(frozen=True)
 class Cylinder(Part):
     """A vertical, closed cylinder: a tower, a mast, a tree.
@@ -212,7 +209,7 @@ class Cylinder(Part):
         q = np.array([away @ away, 2 * away @ step, step @ step])
         candidates = [feet := foot(a[:2], b[:2], axis)]
         nearest = min(1.0, max(0.0, float(feet[0]))) if len(feet) else 0.0
-        crosses = bool(q @ [1.0, nearest, nearest**2] <= (1 + TOUCHING) * self.radius**2)
+        crosses = bool(q @ [1.0, nearest, nearest**2] <= (1 + 1e-9) * self.radius**2)  # or touches
         if crosses:
             candidates.append(quadratic_roots(*(q - [self.radius**2, 0, 0])[:, None]))
         for height, climb in ((a[2] - self.top, b[2] - a[2]), (self.base - a[2], a[2] - b[2])):
