@@ -331,16 +331,6 @@ def _polish_and_prove(candidate: Candidate, searcher: Searcher, enough: float = 
     return even if even.proof.is_proved and is_cheaper else first
 
 
-class SketchEffort(NamedTuple):
-    finenesses: tuple[float, ...] = (0.4, 0.7)  # as shares of the planner's first one
-    max_routes: int = 4  # with the straight one five
-    max_proved: int = 2  # before one is chosen
-    control_points: int = 24
-
-
-SKETCH = SketchEffort()
-
-
 class Sketch(NamedTuple):
     """A path without search, for interactive editing."""
 
@@ -363,7 +353,7 @@ def sketch_path(task: PathTask) -> Sketch:
     with threads().limit(limits=1, user_api="blas"):
         candidates = [polish(guess.candidate(problem), problem) for guess in _sketched(problem)]
         best = sorted(candidates, key=problem.cost)
-        tried = ((candidate, prove_curve(candidate.curve, task)) for candidate in best[: SKETCH.max_proved])
+        tried = ((candidate, prove_curve(candidate.curve, task)) for candidate in best[:2])
         proved = next((pair for pair in tried if pair[1].is_proved), None)
         chosen = best[0] if proved is None else proved[0]
         drawn, proof = proved or polish_until_proved(chosen, problem)
@@ -372,8 +362,9 @@ def sketch_path(task: PathTask) -> Sketch:
 
 def _sketched(problem: PreparedProblem) -> list[Guess]:
     straight = problem.task.places
-    inner = max(SKETCH.control_points, 5 * (len(straight) - 1))
-    for fineness in SKETCH.finenesses:
-        if routes := find_routes(lay_lattice(problem, fineness), problem, SKETCH.max_routes):
-            return [Guess(straight, None, inner), *(Guess(route, None, inner) for route in routes)]
-    return [Guess(straight, None, inner)]
+    inner = max(24, 5 * (len(straight) - 1))
+    for fineness in (0.4, 0.7):  # as shares of the planner's first one
+        routes = find_routes(lay_lattice(problem, fineness), problem, most=4)
+        if routes:
+            break
+    return [Guess(route, None, inner) for route in (straight, *routes)]
