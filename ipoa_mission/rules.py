@@ -36,6 +36,5 @@ def expect_ignorable(codes: Iterable[str]) -> frozenset[str]:
         if code not in RULES:
             raise UnknownName("expected the code of a finding", hint=hint_of(code, RULES), place=code)
         if RULES[code]:
-            words = "expected a code that may be ignored: a crash may follow from this finding"
-            raise BadInput(words, place=code)
+            raise BadInput("expected a code that may be ignored: a crash may follow from this finding", place=code)
     return frozenset(chosen)

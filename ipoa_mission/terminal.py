@@ -184,8 +184,7 @@ def expect_free(paths: Iterable[Path], force: bool, ask: bool = True) -> None:
         if path.exists() and not force:
             may_ask = ask and sys.stdin.isatty() and sys.stderr.isatty()
             if not (may_ask and confirm(f"{path} exists: overwrite it?")):
-                words = "the file exists"
-                raise BadInput(words, hint="--force overwrites it", code="already-there", place=path)
+                raise BadInput("the file exists", hint="--force overwrites it", code="already-there", place=path)
 
 
 def expect_log(path: Path | None) -> None:

@@ -116,11 +116,7 @@ def begun_forecast(forecast: Forecast, first: int, there: Geodetic | None = None
 
 
 def check_start(mission: Mission, scenario: "Scenario | None", first: int, there: Geodetic) -> tuple[str, ...]:
-    """Return remarks on a vehicle `there` that begins with item `first`.
-
-    Raises:
-        NotAtStart: the way from there is not clear, or unknown and far from home.
-    """
+    """Return remarks on a vehicle `there` that begins with item `first`; raise NotAtStart if its way is unclear."""
     distance = apart(there, mission.home)
     if distance <= HOME_RADIUS and first == 0:
         return ()

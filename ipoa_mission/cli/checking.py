@@ -39,8 +39,7 @@ def check(
         hint = "the clearance of a contingency depends on the obstacles"
         raise OptionConflict("needs --scenario", hint=hint, place="--contingencies")
     if options.flown_by.air is not None and options.scenario is None:
-        hint = "wind moves a flight nearer to obstacles"
-        raise OptionConflict("needs --scenario", hint=hint, place="--wind")
+        raise OptionConflict("needs --scenario", hint="wind moves a flight nearer to obstacles", place="--wind")
     is_one = len(files) == 1 and not files[0].is_dir()
     paths = missions_in(files)
     world = read_world(options.scenario, options.flown_by.air, options.ignore)

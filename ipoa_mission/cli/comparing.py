@@ -106,8 +106,7 @@ def compare(
 
 def _numbers(options: LogOptions, log: Path, count: int) -> Sequence[int]:
     if options.number is not None and options.number > count:
-        message = f"expected a number up to {count}, the flights in {log}"
-        raise BadInput(message, place=f"--flight {options.number}")
+        raise BadInput(f"expected a number up to {count}, the flights in {log}", place=f"--flight {options.number}")
     return range(1, count + 1) if options.number is None else [options.number]
 
 

@@ -78,8 +78,7 @@ class _Parts:
         items = self.mission.items
         begins = [n for n, item in enumerate(items) if item.is_takeoff]
         if len(begins) != 1 or any(item.command in NOT_SPLITTABLE for item in items):
-            words = "expected one take-off and no jumps or arcs in a mission to split"
-            raise MissionError(words, code="not-split")
+            raise MissionError("expected one take-off and no jumps or arcs in a mission to split", code="not-split")
         self.start = begins[0] + 1
         # a flight may turn home or resume there
         waypoints = [n for n, item in enumerate(items) if item.command in WAYPOINTS and item.has_position]

@@ -299,8 +299,7 @@ class Conformance:
         self._home = home
         words = f"the vehicle's home moved by {moved:+.1f} m in height, and its heights count from there"
         item = (self._item or 0) + 1
-        kind = DeviationKind.HOME
-        return Deviation(kind, item, heard.time_s, abs(moved), self.home_moves, words) if moved else None
+        return Deviation(DeviationKind.HOME, item, heard.time_s, abs(moved), self.home_moves, words) if moved else None
 
     def _compare(self, heard: m.Position, in_mission: bool) -> None:
         assert self._monitor is not None

@@ -70,8 +70,7 @@ class Upload:
 
     def __post_init__(self) -> None:
         if len(self.items) > 0xFFFF:
-            words = f"expected {0xFFFF} items at most, as many as MAVLink can count, not {len(self.items)}"
-            raise BadInput(words)
+            raise BadInput(f"expected {0xFFFF} items at most, as many as MAVLink can count, not {len(self.items)}")
         for seq, item in enumerate(self.items):
             try:
                 self.carried.append(item_of(item_payload(seq, item, self.kind)))

@@ -31,8 +31,7 @@ class Measured:
         return cls(tuple(rows for rows in read if (rows[:, 1] > 0).any()), angles[sound])
 
     def between(self, begin: float, end: float) -> "Measured":
-        batteries = tuple(_cut(battery, begin, end) for battery in self.batteries)
-        return Measured(batteries, _cut(self.attitude, begin, end))
+        return Measured(tuple(_cut(battery, begin, end) for battery in self.batteries), _cut(self.attitude, begin, end))
 
     def power(self) -> Matrix:
         """Return all batteries' power (n, 2) [s, W], at the first one's times; refuse unmeasured current."""
@@ -124,8 +123,7 @@ def _clock(fixes: Matrix, times: Vector) -> Iterator[Message]:
 
 
 def presence(autopilot: Autopilot, armed: bool, custom_mode: int) -> Heartbeat:
-    flags = CUSTOM_MODE_FLAG | (ARMED_FLAG if armed else 0)
-    return Heartbeat(QUADROTOR, autopilot.mav_autopilot, flags, custom_mode)
+    return Heartbeat(QUADROTOR, autopilot.mav_autopilot, CUSTOM_MODE_FLAG | (ARMED_FLAG if armed else 0), custom_mode)
 
 
 def item_begun(text: str) -> Current | None:

@@ -117,8 +117,7 @@ def vehicle_times(stamps: Vector, clock_at: Vector, clock: Vector) -> Vector:
     last = clock_at[-1]
     begins = clock[0] + (stamps - first) * _pace(clock_at, clock, slice(None))
     ends = clock[-1] + (stamps - last) * _pace(clock_at, clock, slice(None, None, -1))
-    between = np.interp(stamps, clock_at, clock)
-    return np.where(stamps < first, begins, np.where(stamps > last, ends, between))
+    return np.where(stamps < first, begins, np.where(stamps > last, ends, np.interp(stamps, clock_at, clock)))
 
 
 def _pace(clock_at: Vector, clock: Vector, order: slice) -> float:

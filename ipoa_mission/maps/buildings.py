@@ -151,8 +151,7 @@ class _Finder:
         if elsewhere:
             remarks.append(f"{elsewhere} thing{'s' if elsewhere > 1 else ''} far from the flight, not examined")
         passed_over = tuple(self._notes.passed_over)
-        unread = tuple(self._notes.unread)
-        return Buildings(obstacles, passed_over, tuple(remarks), len(features), elsewhere, unread)
+        return Buildings(obstacles, passed_over, tuple(remarks), len(features), elsewhere, tuple(self._notes.unread))
 
     def _note_low_drawing(self, feature: Feature, parts: Sequence[MapObstacle]) -> None:
         _, altitude = feature.drawn

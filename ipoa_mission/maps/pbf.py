@@ -93,8 +93,7 @@ def _located(osmium: Any, file: Any, path: Path) -> Iterator[_Located]:
         is_node = element.is_node()
         if element.id < 0:  # libosmium keeps no position
             words = f"expected things that OpenStreetMap has numbered, not {'node' if is_node else 'way'} {element.id}"
-            hint = "save it as OpenStreetMap's XML (.osm), which may have them"
-            raise BadInput(words, hint=hint, place=path)
+            raise BadInput(words, hint="save it as OpenStreetMap's XML (.osm), which may have them", place=path)
         has_tags = len(element.tags) > 0
         try:
             text = factory.create_point(element) if is_node else factory.create_linestring(element, all_nodes)

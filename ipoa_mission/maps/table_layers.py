@@ -42,8 +42,7 @@ def read_table(path: Path, around: MapWindow) -> tuple[Feature, ...]:
     try:
         features = tuple(chain.from_iterable(_layers(path, around)))
     except (RuntimeError, ValueError, OSError, UnboundLocalError, arrow.ArrowException) as error:  # of each library
-        words = f"expected a whole {suffix} file: {str(error).partition(chr(10))[0]}"
-        raise DamagedFile(words, place=path) from error
+        raise DamagedFile(f"expected a whole {suffix} file: {str(error).partition(chr(10))[0]}", place=path) from error
     if not features and not around.elsewhere:
         raise NothingThere("expected rows with shapes, but there are none that can be read", place=path)
     return features

@@ -86,8 +86,7 @@ def _flown_levels(heights: list[float], notes: ForecastWinds) -> list[float]:
     above = [height for height in heights if height >= 0]
     if not above:
         home = f"home, which is at {notes.place.altitude:g} m"
-        words = f"expected winds above {home}; the highest are {-heights[-1]:g} m below it"
-        raise NotCovered(words, place=notes.path)
+        raise NotCovered(f"expected winds above {home}; the highest are {-heights[-1]:g} m below it", place=notes.path)
     notes.note("wind below the ground at home", "height", f"{heights[0]:g}", count=len(heights) - len(above))
     flown = above[: sum(height < HIGHEST for height in above) + 1]
     if len(flown) < len(above):
@@ -114,8 +113,7 @@ def _winds_at_time(
     notes.note(subject, f"{height:g} m up", "missing", count=len(winds) - len(known))
     strongest = np.abs(known).max()
     if strongest > 150.0:  # [m/s], at a height without jet streams
-        words = f"expected winds, not {strongest:g} m/s, {height:g} m up"
-        raise BadInput(words, code="winds-absurd", place=notes.path)
+        raise BadInput(f"expected winds, not {strongest:g} m/s, {height:g} m up", code="winds-absurd", place=notes.path)
     return np.asarray(known)
 
 

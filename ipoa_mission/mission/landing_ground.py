@@ -26,8 +26,7 @@ def landing_ground_entry(mission: Mission) -> dict[str, float]:
     if ground is None:
         return {}
     latitude = round(ground.latitude_deg, 9)
-    longitude = round(ground.longitude_deg, 9)
-    return {"aboveHome": ground.altitude, "latitude": latitude, "longitude": longitude}
+    return {"aboveHome": ground.altitude, "latitude": latitude, "longitude": round(ground.longitude_deg, 9)}
 
 
 def known_ground(mission: Mission) -> Ground:

@@ -31,11 +31,7 @@ def to_wire(mission: Mission) -> tuple[Item, ...]:
 
 
 def from_wire(items: Sequence[Item], autopilot: Autopilot, home: Geodetic | None = None) -> Mission:
-    """Return the mission; without a reported `home`, ArduPilot's item 0 is home.
-
-    Raises:
-        MissionError: a PX4 list comes without a home.
-    """
+    """Return the mission with the reported `home`, or ArduPilot's item 0; raise MissionError for PX4 without one."""
     firmware = autopilot.firmware()
     if firmware.home_is_item_0:
         first = items[:1]
@@ -275,8 +271,7 @@ def fence_from_wire(items: Sequence[Item]) -> tuple[FencePolygon | FenceCircle, 
             center = (item.latitude_deg, item.longitude_deg)
             fence.append(FenceCircle(center, item.params[0], CIRCLE[Command(item.command)]))
         elif item.command != Command.NAV_FENCE_RETURN_POINT:
-            words = f"expected a fence, not {item.name}"
-            raise MissionError(words, code="not-a-mission-item", place=place)
+            raise MissionError(f"expected a fence, not {item.name}", code="not-a-mission-item", place=place)
         at += count
     return tuple(fence)
 

@@ -21,11 +21,8 @@ class Box:
     """The search space.
 
     Attributes:
-        lower: least values, (D,).
-        upper: greatest values, (D,).
-
-    Raises:
-        BadInput: `lower` is above `upper`, or a value is not finite.
+        lower: least values, finite, (D,).
+        upper: greatest values, (D,); BadInput if below.
 
     Example:
         >>> Box(np.zeros(3), np.ones(3)).clip(np.array([0.5, -2.0, 7.0]))

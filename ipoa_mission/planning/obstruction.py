@@ -179,11 +179,7 @@ def refuse_places(problem: PreparedProblem) -> None:
 
 
 def refuse_closed(problem: PreparedProblem) -> None:
-    """Raise if walls through all heights leave no gap that is wide enough.
-
-    Raises:
-        NoPath: the widest gap, or the obstacles around an end.
-    """
+    """Raise NoPath, with the widest gap or the obstacles around an end, if walls through all heights close the way."""
     for barrier in find_closures(problem, problem.task.places):
         if barrier is None:
             continue

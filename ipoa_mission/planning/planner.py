@@ -138,11 +138,7 @@ def is_as_printed(task: PathTask) -> bool:
 
 
 def optimizer_of(task: PathTask, short: bool) -> tuple[Optimizer, int | None]:
-    """Return the task's optimizer and its budget; if `short`, its `short_settings` complete the settings.
-
-    Raises:
-        BadInput: there is no such optimizer, or it has no such setting.
-    """
+    """Return the optimizer, if `short` with `short_settings`, and its budget; raise BadInput for unknown names."""
     name = task.optimizer.name
     settings = task.optimizer.settings
     defaults = getattr(optimizer_class(name), "short_settings", None) if short else {}

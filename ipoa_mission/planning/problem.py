@@ -49,8 +49,7 @@ def path_cost(nodes: Points, task: PathTask) -> CostTerms:
 
     w1, w2, w3 = task.cost.omega
     turns = task.cost.a1 * turning_deg + task.cost.a2 * climbing_deg
-    total = w1 * length + w2 * turns + w3 * threat
-    return CostTerms(length, turning_deg, climbing_deg, threat, total)
+    return CostTerms(length, turning_deg, climbing_deg, threat, w1 * length + w2 * turns + w3 * threat)
 
 
 def curve_cost(curve: Spline, task: PathTask) -> CostTerms:

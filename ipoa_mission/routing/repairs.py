@@ -18,11 +18,7 @@ from ipoa_mission.scenario import Scenario
 
 
 def slow_landings(mission: Mission, scenario: Scenario) -> Mission:
-    """Return the mission with parameters for a slow landing over high ground, unless the scenario names one.
-
-    Raises:
-        Unsafe: no value within the firmware's documented range helps.
-    """
+    """Return the mission with parameters, if the scenario names none, for slow landings; raise Unsafe if none help."""
     stretch = mission.autopilot.slow_stretch(mission.parameters)
     names = mission.autopilot.slowed_by.names
     named = mission.autopilot.parameter_table.by_old_names(mission.parameters)

@@ -100,14 +100,9 @@ class WindSection(Section):
         return Wind(self.speed, self.from_deg, self.exponent, self.gradient_height, self.spread)
 
     @classmethod
-    def of(cls, wind: Wind) -> "WindSection":
-        section = cls()
+    def of(cls, wind: Wind, forecast: ForecastWind | None = None, file: Path | None = None) -> "WindSection":
+        section = cls.model_construct(file=file)
         section._air = wind
-        return section
-
-    def as_read(self, forecast: ForecastWind) -> "WindSection":
-        section = self.model_copy()
-        section._air = forecast.wind
         section._forecast = forecast
         return section
 

@@ -186,7 +186,7 @@ class Scenario(Section):
 
         begins = None if self.time is None else np.datetime64(int(self.time.timestamp()), "s")
         forecast = read_wind(self.wind.file, self.home.geodetic(), begins)
-        return self.model_copy(update={"wind": self.wind.as_read(forecast)})
+        return self.model_copy(update={"wind": WindSection.of(forecast.wind, forecast, self.wind.file)})
 
     def in_wind(self, wind: Wind | None) -> "Scenario":
         return self if wind is None else self.model_copy(update={"wind": WindSection.of(wind)})

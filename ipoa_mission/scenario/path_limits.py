@@ -31,9 +31,6 @@ class Limits:
         descent_angle: steepest descent below it [rad]; infinite: no limit.
         low_zones: circles with a lower required height.
 
-    Raises:
-        BadInput: a value is no number, negative, or above its limit.
-
     Example:
         >>> import numpy as np
         >>> Limits(obstacle_distance=2.0, height_above_ground=5.0).required_height(np.zeros((2, 3)))

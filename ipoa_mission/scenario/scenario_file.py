@@ -136,8 +136,7 @@ def _free_places(path: Path) -> tuple[tuple[float, float], tuple[float, float]]:
     if not buildings.obstacles:
         buildings = search_buildings(path, BuildingRules(take="all"), frame, within)
     if not buildings.obstacles:
-        words = f"expected buildings, but none of {buildings.features} features is an obstacle"
-        raise NothingThere(words, place=path)
+        raise NothingThere(f"expected buildings, but none of {buildings.features} features is an obstacle", place=path)
     shapes = [s.shape.buffer(s.reach) if s.reach else s.shape for s in buildings.obstacles]
     reach = np.minimum(np.ptp(shapely.total_bounds(shapes).reshape(2, 2), axis=0) / 2 + 2 * FREE_RADIUS, farthest)
     obstacles = (thing for thing in buildings.passed_over if thing.may_be_obstacle)

@@ -154,8 +154,7 @@ class MockVehicle:
                 return m.ProtocolVersion(*profile.protocol)
             case "SYS_STATUS":  # PX4's pre-arm check is healthy without being present
                 present = SENSORS | (PREARM_CHECK if profile.reports_prearm else 0)
-                healthy = SENSORS | (PREARM_CHECK if self._passed_checks() else 0)
-                return m.SystemStatus(present, present, healthy)
+                return m.SystemStatus(present, present, SENSORS | (PREARM_CHECK if self._passed_checks() else 0))
             case "MISSION_CURRENT":
                 self._repeat_reached()
                 return self.current()
@@ -177,8 +176,7 @@ class MockVehicle:
             case "BATTERY_STATUS":
                 return m.BatteryStatus(0, 12.6, -0.01, 100)
             case "ATTITUDE":
-                half_turn = math.remainder(yaw, 2 * math.pi) if math.isfinite(yaw) else 0.0
-                return m.Attitude(now, roll, pitch, half_turn)
+                return m.Attitude(now, roll, pitch, math.remainder(yaw, 2 * math.pi) if math.isfinite(yaw) else 0.0)
             case "VFR_HUD":
                 speed = math.hypot(east, north)
                 heading = saturated(math.degrees(yaw)) % 360

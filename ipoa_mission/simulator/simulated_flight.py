@@ -42,8 +42,7 @@ class SimulatedFlight(Situation):
     @property
     def parameters(self) -> Parameters:
         """ArduCopter's by their names before 4.7, without values that would stop a flight."""
-        complete = self.autopilot.complete(self._parameters, self.conditions.version)
-        return self.autopilot.parameter_table.usable(complete)
+        return self.autopilot.parameter_table.usable(self.autopilot.complete(self._parameters, self.conditions.version))
 
     @property
     def position(self) -> Geodetic:

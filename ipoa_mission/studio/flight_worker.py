@@ -313,8 +313,7 @@ class Watch:
                 yield OrderThen(what=order, clear=None, words=unknown, seconds=None)
 
     def _local(self, position: Position) -> Vector:
-        place = Geodetic(position.latitude_deg, position.longitude_deg, position.altitude)
-        return self.forecast.frame.local(place)
+        return self.forecast.frame.local(Geodetic(position.latitude_deg, position.longitude_deg, position.altitude))
 
     def _order(self, name: InFlight) -> None:
         order = self.vehicle.order

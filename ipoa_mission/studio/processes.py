@@ -102,10 +102,7 @@ class JobCancelled(BaseException):
 
 
 class Worker:
-    """Do jobs in turn in the main thread; another thread reads cancellations.
-
-    `make_jobs` gets the queue of lines for the running job.
-    """
+    """Do jobs in turn in the main thread, made with a queue of lines; another thread reads cancellations."""
 
     def __init__(self, make_jobs: MakeJobs) -> None:
         self._channel = os.fdopen(os.dup(sys.stdout.fileno()), "w", encoding="utf-8", newline="\n")

@@ -205,10 +205,7 @@ class ServerOptions:
 def serve(
     path: Path | None, options: ServerOptions, tell_address: Callable[[str], None], world: Path | None = None
 ) -> None:
-    """Serve the studio on this machine until Ctrl-C; `tell_address` gets its address.
-
-    A log is opened with its mission.
-    """
+    """Serve the studio, with a log's mission, on this machine until Ctrl-C; `tell_address` gets its address."""
     with _listen(options.port) as listener:
         number = listener.getsockname()[1]
         sessions = Sessions(options.seed)

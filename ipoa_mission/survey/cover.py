@@ -135,7 +135,8 @@ class CoverProblem:
         rough = sorted((self._rough_seconds(each, shift), each, shift) for each in degrees for shift in LIMITS.shifts)
         laid = list[tuple[float, Points]]()
         count = 0
-        for _, each, shift in rough[: LIMITS.laid if self._has_holes else LIMITS.laid_without_holes]:
+        has_holes = len(shapely.get_rings(self.free.shape)) > len(shapely.get_parts(self.free.shape))
+        for _, each, shift in rough[: LIMITS.laid if has_holes else LIMITS.laid_without_holes]:
             if not laid or count + len(laid[-1][1]) <= LIMITS.lines:
                 laid.append((each, self._laid(each, shift)))
                 count += len(laid[-1][1])
@@ -235,10 +236,6 @@ class CoverProblem:
         if self.around.shape.covers(spot) or self.turns.inner.is_empty:
             return np.array([place])
         return np.array([place, shapely.get_coordinates(shapely.shortest_line(self.turns.inner, spot))[0]])
-
-    @cached_property
-    def _has_holes(self) -> bool:
-        return len(shapely.get_rings(self.free.shape)) > len(shapely.get_parts(self.free.shape))
 
     @cached_property
     def _turn_s(self) -> float:

@@ -129,8 +129,7 @@ def _ring(ring: Sequence[Sequence[float]] | Plane, where: str) -> Plane:
 def _expect_apart(spelling: _Spelling, *parts: tuple[int, shapely.Polygon]) -> None:
     (here, polygon), (there, other) = parts
     if polygon.intersection(other).area > LEAST_M2:
-        words = f"expected parts that do not overlap, but it overlaps {spelling.place(there)}"
-        raise spelling.misplaced(words, here)
+        raise spelling.misplaced(f"expected parts that do not overlap, but it overlaps {spelling.place(there)}", here)
     for (part, inner), (around, outer) in (parts, parts[::-1]):
         if any(inner.within(shapely.Polygon(hole)) for hole in outer.interiors):
             words = f"expected no part inside of a hole of {spelling.place(around)}: islands are not surveyed"

@@ -240,10 +240,7 @@ def _paths(flights: Iterable[Sequence[tuple[float, float, float]]], scenario: Sc
 
 
 def scenario_over(area: Path, file: Path | None, keys: Mapping[str, Any]) -> Scenario:
-    """Return the scenario in a file, else at the area's begin, with the survey of a map's `area` in place of its goal.
-
-    `keys` are those of [survey].
-    """
+    """Return a file's scenario, or one at the area's begin, with a survey of a map's `area` by `keys` of [survey]."""
     table = {"name": area.stem.removesuffix(".osm"), "home": _begin(area)} if file is None else read_table(file)
     written = table.pop("survey", {})
     section = (dict(written) if isinstance(written, dict) else {}) | dict(keys)

@@ -180,8 +180,7 @@ class ContingencyPaths:
 
     def lowest_height(self, contingency: Contingency, samples: ContingencySamples, n: int) -> Check:
         paths = samples.paths[n, samples.possible[n], : _end_of_flight(contingency)]
-        paths = paths[:1] if contingency is Contingency.LAND else paths
-        return self.lowest(paths, float(samples.excess[n].max()))
+        return self.lowest(paths[:1] if contingency is Contingency.LAND else paths, float(samples.excess[n].max()))
 
     def lowest(self, paths: Iterable[Points], excess: float) -> Check:
         checks = (check for path in paths for check in prove_ground(path, self.forecast.world))

@@ -70,8 +70,7 @@ class Budget:
         capacity = self.battery.capacity_wh
         remaining = self.used.between.rest_after(until)
         lands = Interval(*(left - max(wh, 0.0) / capacity for wh in reversed(remaining)))
-        planned = 1.0 - until.likely / capacity
-        return ReserveNow(time, left, planned, lands, self.battery.reserve)
+        return ReserveNow(time, left, 1.0 - until.likely / capacity, lands, self.battery.reserve)
 
     @cached_property
     def items(self) -> tuple[ItemEnergy, ...]:

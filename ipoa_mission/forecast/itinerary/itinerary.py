@@ -74,11 +74,7 @@ class Itinerary:
         return self.route_of_return(HOME if landing is None else landing.place, landing).by
 
     def places_of_return(self, n: int, here: Place) -> tuple[Place, ...] | None:
-        """Return the places of a return back along the mission to over home; None: straight.
-
-        Raises:
-            MissionError: it returns to a landing of its own.
-        """
+        """Return a return's places along the mission; None: straight. Raise MissionError for a landing of its own."""
         by = self.route_of_return(here, self._visited_landing(n, here)).by
         if by is ReturnBy.DIRECT:
             return None

@@ -72,5 +72,4 @@ def flown_circle(limits: CopterLimits, radius: float, speed: float, turn: float)
         back = settled * math.tanh(settled * left / 2.0 + math.atanh((behind - aside) / settled))
         flown = radius * math.cos(back) / math.cos(aside)
         behind = aside + back
-    pace = spin * flown
-    return FlownCircle(flown, behind, float(limits.stopping_distance(pace)), limits.circle_sense)
+    return FlownCircle(flown, behind, float(limits.stopping_distance(spin * flown)), limits.circle_sense)

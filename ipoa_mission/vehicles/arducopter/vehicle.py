@@ -283,8 +283,7 @@ class ArduCopter(Autopilot):
 
     def sinking_brake(self, parameters: Parameters) -> returning.SinkingBrake:
         limits = copter_limits(parameters)
-        descent = max(limits.land_speed_high, limits.land_speed)
-        return returning.SinkingBrake(limits.accel, descent, 0.8, 0.35, 0.06)
+        return returning.SinkingBrake(limits.accel, max(limits.land_speed_high, limits.land_speed), 0.8, 0.35, 0.06)
 
     def circle(
         self, parameters: Parameters, radius: float, turn: float, speed: float | None, version: Version | None

@@ -49,11 +49,9 @@ def _log(path: Path, log: Any) -> Log:
     topics = {topic.name: topic.data for topic in reversed(log.data_list)}
     topics = {name: data for name, data in topics.items() if len(data["timestamp"])}
     if "vehicle_status" not in topics:
-        words = "expected a PX4 log with the topic vehicle_status"
-        raise BadInput(words, code="log-incomplete", place=path)
+        raise BadInput("expected a PX4 log with the topic vehicle_status", code="log-incomplete", place=path)
     if POSITION not in topics:
-        words = f"expected a PX4 log with the topic {POSITION}"
-        raise BadInput(words, code="log-incomplete", place=path)
+        raise BadInput(f"expected a PX4 log with the topic {POSITION}", code="log-incomplete", place=path)
     status = topics["vehicle_status"]
     kinds = status.get("vehicle_type", status.get("is_rotary_wing"))  # before 1.9
     rotary_wing = 1

@@ -96,10 +96,7 @@ class MissionSimulation:
         return until, self.flight_of(motions, noisy=noisy)(begins)
 
     def flight_of(self, motions: tuple[Motion, ...], *, noisy: bool, sampled: bool = False) -> FlyOn:
-        """Return a function that flies `motions` on; `sampled` or noise-free it records samples.
-
-        It raises MissionError without progress.
-        """
+        """Return a function that flies `motions` on or raises MissionError; `sampled` or noise-free it samples."""
         machine = compiled(fly)
         inputs = records(motions, Motion)
         constants = records([self.noise_free_constants._replace(noisy=noisy)], state.SimulationConstants)
