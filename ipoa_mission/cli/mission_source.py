@@ -1,3 +1,5 @@
+"""Read or plan the mission that a verb flies."""
+
 import logging
 from collections.abc import Sequence
 from dataclasses import dataclass, field

@@ -1,3 +1,5 @@
+"""Compare a flight with its forecast while it is flown."""
+
 import math
 from functools import cache
 from typing import NamedTuple

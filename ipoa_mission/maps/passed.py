@@ -1,3 +1,5 @@
+"""Collect what a map's reader passes over or leaves unread."""
+
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from itertools import groupby

@@ -1,3 +1,5 @@
+"""Read a feature's properties as tags."""
+
 import json
 import math
 import re

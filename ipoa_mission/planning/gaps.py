@@ -1,3 +1,5 @@
+"""Propose places at the gaps between obstacles to the lattice."""
+
 from collections.abc import Iterator
 from itertools import pairwise
 

@@ -1,3 +1,5 @@
+"""Sample a flight for maps and charts: track, deviation bound, dangers."""
+
 from collections.abc import Sequence
 from dataclasses import dataclass
 

@@ -1,3 +1,5 @@
+"""Choose the route of a plan, and assemble its mission."""
+
 from collections.abc import Iterator
 from dataclasses import replace
 

@@ -1,3 +1,5 @@
+"""Build the items of a route's mission."""
+
 from collections.abc import Iterator
 from dataclasses import replace
 

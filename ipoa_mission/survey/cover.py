@@ -1,3 +1,5 @@
+"""Lay lines over an area, and find the quickest tour of them."""
+
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace

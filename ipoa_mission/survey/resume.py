@@ -1,3 +1,5 @@
+"""Find the part of a tour that earlier flights left."""
+
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise

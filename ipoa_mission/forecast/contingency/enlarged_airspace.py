@@ -1,3 +1,5 @@
+"""Enlarge obstacles by the deviation bound of contingencies."""
+
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace

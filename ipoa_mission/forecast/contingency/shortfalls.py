@@ -1,3 +1,5 @@
+"""Find contingencies too near to obstacles, and return altitudes that clear them."""
+
 import math
 from collections.abc import Callable, Iterable, Iterator
 from typing import NamedTuple
