@@ -87,10 +87,7 @@ class Upload:
         return self.autopilot.protocol_profile.forgets_at_count and self.kind != MissionType.FENCE
 
     def difference(self, stored: Sequence[Item]) -> Difference | None:
-        """Return the first difference of the stored items; None if equal.
-
-        ArduPilot may answer its home alone for an empty list.
-        """
+        """Return the first difference of items; None if equal. ArduPilot may store its home for an empty list."""
         seq_offset = self.autopilot.seq_offset if self.kind == MissionType.MISSION else 0
         if not self.items and len(stored) <= seq_offset:
             return None

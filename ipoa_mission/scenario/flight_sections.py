@@ -14,7 +14,7 @@ from ipoa_mission.wind import MAX_LEVELS, Wind
 class SafetySection(Section):
     """Confidence in the clearance."""
 
-    confidence: Annotated[float, Field(ge=0.5, le=0.999)] | Literal["nominal"] = 0.99
+    confidence: Annotated[float, Field(ge=0.5, le=0.999, strict=True)] | Literal["nominal"] = 0.99
     """Share of flights that keep the required clearance, by this autopilot's lateral deviation from its predicted path.
     `nominal`: clearance of the predicted path, as in the paper."""
     returns: Literal["planned", "warn"] = "warn"
@@ -49,7 +49,7 @@ class WindSection(Section):
 
     speed: NotNegative = 0.0
     """Speed above `gradient_height` [m/s]."""
-    from_deg: Annotated[float, Field(ge=-360, le=360)] = 0.0
+    from_deg: Annotated[float, Field(ge=-360, le=360, strict=True)] = 0.0
     """Direction that it blows from, clockwise from north."""
     exponent: NotNegative = 0.0
     """Wind shear: speed × (height / `gradient_height`)^exponent below `gradient_height`."""
@@ -60,7 +60,7 @@ class WindSection(Section):
     them and constant beyond them."""
     speeds: tuple[NotNegative, ...] = ()
     """Speed at each of `heights` [m/s]."""
-    directions: tuple[Annotated[float, Field(ge=-360, le=360)], ...] = ()
+    directions: tuple[Annotated[float, Field(ge=-360, le=360, strict=True)], ...] = ()
     """Direction that it blows from at each of `heights`, clockwise from north."""
     file: Annotated[Path | None, existing_file("a forecast of winds")] = None
     """A weather forecast (NetCDF or GRIB, extra `wind`) in place of all numbers: the wind at home from `time` on. Its
@@ -171,9 +171,9 @@ class PlanningSection(Section):
     """Default: safety distance plus the vehicle's radius [m]."""
     max_height_above_ground: Positive | None = None
     """Default: no limit [m]."""
-    max_climb_angle_deg: Annotated[float, Field(gt=0, le=90)] | None = None
+    max_climb_angle_deg: Annotated[float, Field(gt=0, le=90, strict=True)] | None = None
     """Default: no limit."""
-    max_descent_angle_deg: Annotated[float, Field(gt=0, le=90)] | None = None
+    max_descent_angle_deg: Annotated[float, Field(gt=0, le=90, strict=True)] | None = None
     """Default: no limit."""
 
 

@@ -11,7 +11,7 @@ from ipoa_mission.maps.buildings import Buildings, search_buildings
 from ipoa_mission.maps.geoid import ElevationRules
 from ipoa_mission.maps.map_reader import READERS, read_features
 from ipoa_mission.maps.map_window import Box, MapWindow
-from ipoa_mission.scenario.section import Section, existing_file
+from ipoa_mission.scenario.section import Number, Section, existing_file
 from ipoa_mission.world.terrain import Grid
 
 
@@ -51,9 +51,9 @@ class NoFlyMap(ZoneMap):
     """No-fly zones."""
 
     kind: Literal["no_fly"]
-    base: float | None = None
+    base: Number | None = None
     """Lower end of the zones [m above home]. Default: none."""
-    top: float | None = None
+    top: Number | None = None
     """Upper end [m above home]. Default: none. Zones with an end are not in the geofence, since fences have no
     heights."""
     restrictions: tuple[Restriction, ...] = RESTRICTIONS

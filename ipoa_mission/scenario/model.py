@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal, Self, TypeVar
 
 import numpy as np
-from pydantic import AfterValidator, AwareDatetime, ConfigDict, Field, ValidationError, ValidationInfo, model_validator
+from pydantic import AfterValidator, ConfigDict, Field, ValidationError, ValidationInfo, model_validator
 from pydantic_core import PydanticKnownError
 
 import ipoa_mission.scenario.flight_sections as flight_sections
@@ -17,6 +17,7 @@ from ipoa_mission.files import plug_ins
 from ipoa_mission.geodesy import EARTH_RADIUS, REACH, Geodetic, LocalFrame, apart, swap_hint
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.ground import FLAT_GROUND, Ground, HasHeight, MovedTerrain
+from ipoa_mission.maps.geozones import Instant
 from ipoa_mission.maps.passed import PassedCount, PassedOver, count_passed_over
 from ipoa_mission.rules import expect_ignorable
 from ipoa_mission.scenario.explain import explained
@@ -74,7 +75,7 @@ class Scenario(Section):
     """Least clearance between the vehicle's hull and anything else [m]."""
     safety: flight_sections.SafetySection = flight_sections.SafetySection()
     """Confidence in that clearance."""
-    time: AwareDatetime | None = None
+    time: Instant | None = None
     """Take-off time, such as 2026-11-22T10:00:00Z. Zones that are inactive in the following hour are ignored. Default:
     zones are kept at all times."""
     home: place_sections.HomeSection

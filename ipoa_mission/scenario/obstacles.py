@@ -13,7 +13,7 @@ from ipoa_mission.maps.areas import MapArea
 from ipoa_mission.maps.map_window import Box
 from ipoa_mission.scenario.map_sections import NoFlyMap
 from ipoa_mission.scenario.place_sections import Horizontal, Ring, east_north_of
-from ipoa_mission.scenario.section import Positive, Section, one_of
+from ipoa_mission.scenario.section import Number, Positive, Section, one_of
 from ipoa_mission.unread import Unread
 from ipoa_mission.world.obstacles import Cylinder, Obstacle, Prism, Sphere, Zone
 from ipoa_mission.world.polygon import rings_of
@@ -32,7 +32,7 @@ class NamedObstacle(Section):
 class UprightObstacle(NamedObstacle):
     height: Positive
     """Height above its base, or above the highest ground under it [m]."""
-    base: float | None = None
+    base: Number | None = None
     """Height of the lower end [m above home]. Default: the ground."""
 
     def vertical_extent(self, footprint: Plane, ground: Ground) -> tuple[float, float]:
@@ -48,7 +48,7 @@ class SphereSection(Horizontal, NamedObstacle):
     kind: Literal["sphere"]
     radius: Positive
     """Radius [m]."""
-    up: float | None = None
+    up: Number | None = None
     """Height of the center [m above home]. Default: the sphere touches the ground."""
 
     def build(self, name: str, frame: LocalFrame, ground: Ground) -> Obstacle:
@@ -78,7 +78,7 @@ class BoxSection(Horizontal, UprightObstacle):
     """Extent along east, before rotation [m]."""
     depth: Positive
     """Extent along north, before rotation [m]."""
-    heading_deg: float = 0.0
+    heading_deg: Number = 0.0
     """Rotation, clockwise from north."""
 
     def build(self, name: str, frame: LocalFrame, ground: Ground) -> Obstacle:

@@ -11,7 +11,16 @@ from ipoa_mission.geometry import Plane, Vector
 from ipoa_mission.ground import Ground
 from ipoa_mission.maps.map_window import Box
 from ipoa_mission.scenario.map_sections import ElevationTerrain
-from ipoa_mission.scenario.section import Latitude, Longitude, NotNegative, Positive, Section, existing_file, one_of
+from ipoa_mission.scenario.section import (
+    Latitude,
+    Longitude,
+    NotNegative,
+    Number,
+    Positive,
+    Section,
+    existing_file,
+    one_of,
+)
 from ipoa_mission.world.terrain import Analytic, Flat, Grid, Peak, SeaLevel, Terrain
 
 Ring: TypeAlias = Annotated[tuple[tuple[float, float], ...], Field(min_length=3)]
@@ -29,7 +38,7 @@ class HomeSection(Section):
     """Degrees on WGS 84, positive to the north."""
     longitude_deg: Longitude
     """Degrees on WGS 84, positive to the east."""
-    altitude_amsl: float = 0.0
+    altitude_amsl: Number = 0.0
     """Height of the ground at home above mean sea level [m]."""
 
     def geodetic(self) -> Geodetic:
@@ -39,9 +48,9 @@ class HomeSection(Section):
 class Horizontal(Section):
     """A position on the map: `east` and `north` [m from home], or `latitude_deg` and `longitude_deg`."""
 
-    east: float | None = None
+    east: Number | None = None
     """East of home [m]; with `north`, in place of latitude and longitude."""
-    north: float | None = None
+    north: Number | None = None
     """North of home [m]."""
     latitude_deg: Latitude | None = None
     """Degrees on WGS 84; with `longitude_deg`, in place of east and north."""
@@ -67,11 +76,11 @@ class Horizontal(Section):
 class Place(Horizontal):
     """A point in the air, with exactly one of `up` (from home), `altitude_amsl` or `height_above_ground` [m]."""
 
-    up: float | None = None
+    up: Number | None = None
     """Height above home's plane [m]."""
-    altitude_amsl: float | None = None
+    altitude_amsl: Number | None = None
     """Height above mean sea level [m]."""
-    height_above_ground: float | None = None
+    height_above_ground: Number | None = None
     """Height above the ground at that place [m]."""
 
     _one_height = one_of("up", "altitude_amsl", "height_above_ground")
@@ -96,7 +105,7 @@ class FlatTerrain(Section):
     """Level ground above mean sea level, curved as the Earth."""
 
     kind: Literal["flat"] = "flat"
-    height: float = 0.0
+    height: Number = 0.0
     """Height of the ground [m above home]."""
 
     def build(self, frame: LocalFrame, corners: Box) -> tuple[Terrain, tuple[str, ...]]:
@@ -108,11 +117,11 @@ class FlatTerrain(Section):
 class PeakSection(Section):
     """A Gaussian mountain of the paper's eq. (2)."""
 
-    height: float
+    height: Number
     """Height of its top above `base` [m]."""
-    east: float
+    east: Number
     """East of its top [m from home]."""
-    north: float
+    north: Number
     """North of its top [m from home]."""
     a: Positive
     """Extent along east: distance at which the height falls to 1/e [m]."""
@@ -124,21 +133,21 @@ class AnalyticTerrain(Section):
     """The paper's surface: eq. (1) with coefficients a to g, the peaks of eq. (2), and their maximum, eq. (3)."""
 
     kind: Literal["analytic"]
-    a: float = 0.0
+    a: Number = 0.0
     """Shift of the sine along north, in its argument [m]."""
-    b: float = 0.0
+    b: Number = 0.0
     """Weight of the sine along east."""
-    c: float = 0.0
+    c: Number = 0.0
     """Weight of the cosine rings around home."""
-    d: float = 0.0
+    d: Number = 0.0
     """Wave number of these rings [1/m]."""
-    e: float = 0.0
+    e: Number = 0.0
     """Weight of the cosine along north."""
-    f: float = 0.0
+    f: Number = 0.0
     """Weight and wave number of the sine rings around home."""
-    g: float = 0.0
+    g: Number = 0.0
     """Weight of a second cosine along north."""
-    base: float = 0.0
+    base: Number = 0.0
     """h_0 of eq. (2): base height of the peaks [m]."""
     peaks: tuple[PeakSection, ...] = ()
     """The mountains."""
@@ -152,9 +161,9 @@ class GridTerrain(Section):
     """A regular grid of heights with bilinear interpolation: rows go north, columns go east."""
 
     kind: Literal["grid"]
-    east: float
+    east: Number
     """East of the first column [m]."""
-    north: float
+    north: Number
     """North of the first row [m]."""
     spacing: Positive
     """Distance between neighboring heights, along east and north [m]."""
@@ -228,11 +237,11 @@ class FenceSection(Section):
 class BoundsSection(Section):
     """Box in which the flight stays, each as [least, greatest]. Default: large enough."""
 
-    east: tuple[float, float] | None = None
+    east: tuple[Number, Number] | None = None
     """West and east side [m from home]. Default: large enough, or those of a map's flight area."""
-    north: tuple[float, float] | None = None
+    north: tuple[Number, Number] | None = None
     """South and north side [m from home]. Default: large enough, or those of a map's flight area."""
-    up: tuple[float, float] | None = None
+    up: tuple[Number, Number] | None = None
     """Heights [m above home]."""
     margin: NotNegative = 50.0
     """Distance of a default side beyond home, start, goal, ground, obstacles and near buildings [m]."""

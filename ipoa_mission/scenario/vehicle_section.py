@@ -14,7 +14,7 @@ from ipoa_mission.errors import BadInput, hint_of
 from ipoa_mission.scenario.section import NotNegative, Positive, Section, one_of
 
 ParameterName = Annotated[str, pydantic.StringConstraints(pattern=r"^[A-Za-z][A-Za-z0-9_]{0,15}$", to_upper=True)]
-Single = Annotated[float, Field(ge=-SINGLE_MAX, le=SINGLE_MAX)]
+Single = Annotated[float, Field(ge=-SINGLE_MAX, le=SINGLE_MAX, strict=True)]
 
 
 def _by_name(value: Any) -> Any:
@@ -43,9 +43,9 @@ class AirframeSection(Section):
     drag_area: Positive | None = None
     """Drag coefficient times frontal area [m^2]. Default: 0.05 (mass_kg)^(2/3), a rule of thumb. Measurement in level
     flight at steady airspeed V and tilt: 2 m g tan(tilt) / (rho V^2)."""
-    figure_of_merit: Annotated[float, Field(gt=0, le=1 / KAPPA)] = 0.6
+    figure_of_merit: Annotated[float, Field(gt=0, le=1 / KAPPA, strict=True)] = 0.6
     """Ideal over actual power of the rotors in hover."""
-    drive_efficiency: Annotated[float, Field(gt=0, le=1)] = 0.8
+    drive_efficiency: Annotated[float, Field(gt=0, le=1, strict=True)] = 0.8
     """Efficiency of motors and speed controllers."""
     avionics_w: NotNegative = 10.0
     """Power of everything but the rotors [W]."""
@@ -70,12 +70,12 @@ class BatterySection(Section):
     """Printed charge [mAh]."""
     voltage: Positive | None = None
     """Nominal voltage: 3.7 V times the number of cells in series, or as printed [V]."""
-    health: Annotated[float, Field(gt=0, le=1)] = 1.0
+    health: Annotated[float, Field(gt=0, le=1, strict=True)] = 1.0
     """Remaining share of the capacity, as a charger or `SOH` of a smart battery reports it."""
-    temperature: Annotated[float, Field(ge=-18, le=60)] | None = None
+    temperature: Annotated[float, Field(ge=-18, le=60, strict=True)] | None = None
     """Temperature of the battery at take-off [degrees Celsius]. At -18 it gives half of the energy at 27, linear
     between (Battery University, BU-502). Default: warm."""
-    reserve: Annotated[float, Field(ge=0, lt=1)] = 0.2
+    reserve: Annotated[float, Field(ge=0, lt=1, strict=True)] = 0.2
     """Share of the available energy that must remain after landing."""
     head_wind: NotNegative = 0.0
     """Additional head wind during the whole flight, on top of `[wind]` [m/s]."""

@@ -96,10 +96,7 @@ class Tour:
 def fewest_parts(tour: Tour, fits: Callable[[Tour], bool], overlap: float, guess: int = 1) -> Iterator[Tour]:
     """Yield the fewest parts that fit; the first is tried with `guess` lines.
 
-    Lines that do not fit are cut with `overlap` [m].
-
-    Raises:
-        NotEnoughBattery: no piece of a line fits.
+    Lines that do not fit are cut with `overlap` [m]; raise NotEnoughBattery if no piece fits.
     """
     rest = tour
     while True:

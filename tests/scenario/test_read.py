@@ -44,6 +44,10 @@ BROKEN = {
     "survey = { line_spacin = 3 }": "survey.line_spacin: unknown key; did you mean line_spacing?",
     "safety_distance = -1": "safety_distance: expected a number of at least 0, not -1",
     "safety_distance = inf": "safety_distance: expected a finite number, not inf",
+    "goal = { east = true, north = 0, up = 1 }": "goal.east: expected a number, not true",
+    "wind = { speed = 3, from_deg = '1_0' }": "wind.from_deg: expected a number, not '1_0'",
+    "vehicle = { parameters = { MPC_Z_P = '5' } }": "vehicle.parameters.MPC_Z_P: expected a number, not '5'",
+    "time = 2026": "time: expected a time with its offset, such as 2026-11-22T10:00:00Z, not '2026'",
     "safety_distance = 'far'": "safety_distance: expected a number, not 'far'",
     "name = 'a:b'": "name: expected a valid file name, not 'a:b'",
     "obstacles = [{ kind = 'sphere', east = 0, north = 0, radius = -3 }]": (

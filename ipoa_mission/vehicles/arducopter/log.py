@@ -134,11 +134,7 @@ class _Gathered:
 
 
 def read_copter_log(path: Path) -> Log:
-    """Read positions (POS), arming, modes, items begun (MISE; before 4.5 MSG), mission, parameters.
-
-    Raises:
-        BadInput: the file cannot be read, has no positions, or is of no copter.
-    """
+    """Read positions (POS), arming, modes, items begun (MISE; before 4.5 MSG), mission, parameters; raise BadInput."""
     gathered = _Gathered()
     torn = Counter[str]()
     for kind, values in read_records(path, KINDS, torn):
