@@ -79,7 +79,7 @@ def _row(text: str, line: int, place: str) -> _Row:
     match re.split(r"[,\s]+", text):
         case [name, value]:
             pass
-        case [vehicle, component, name, value, kind] if (vehicle + component + kind).isdigit():
+        case [vehicle, component, name, value, kind] if (vehicle + component + kind).isdecimal():
             owner = (vehicle, component)
             is_whole = int(kind) not in (9, 10)  # MAV_PARAM_TYPE: floats
             if not 1 <= int(kind) <= 10:

@@ -59,6 +59,7 @@ def test_each_tools_file_is_read(tmp_path: Path, text: str, expected: dict[str, 
         ("WPNAV_SPEED 8_0", ("bad-input", "vehicle.parm: line 2: WPNAV_SPEED", "'8_0'")),
         ("1 1 NAV_DLL_ACT 0.5 6", ("bad-input", "vehicle.parm: line 2: NAV_DLL_ACT", "'0.5'")),
         ("1 1 NAV_DLL_ACT 0 77", ("bad-input", "vehicle.parm: line 2: NAV_DLL_ACT", "77")),
+        ("1 1 NAV_DLL_ACT 0 ²", ("bad-input", "vehicle.parm: line 2", "²")),
     ],
 )
 def test_a_broken_line_is_named(tmp_path: Path, line: str, message: tuple[str, ...]) -> None:
