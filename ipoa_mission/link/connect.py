@@ -68,19 +68,15 @@ def connect(
         return meet(connection, system, ConnectionOptions(retry_policy, fast, anyway, reading))
     except NoAnswer as silence:
         connection.close()
-        if log is not None:
-            _drop_unanswered(Path(log))
+        written = Path(log or "")
+        if written.is_file() and all(numbered(record.frame)[0][0] == STATION_SYSTEM for record in read_tlog(written)):
+            written.unlink()
         hint = "is the autopilot running, and does it send to this address?"
         place = link if isinstance(link, str) else "connect"
         raise NoAnswer(f"{silence}", hint=hint, code="not-heard", place=place) from None
     except BaseException:
         connection.close()
         raise
-
-
-def _drop_unanswered(log: Path) -> None:
-    if log.is_file() and all(numbered(record.frame)[0][0] == STATION_SYSTEM for record in read_tlog(log)):
-        log.unlink()
 
 
 def open_connection(link: Any, log: str | Path | None = None, signer: Signer | None = None) -> Connection:

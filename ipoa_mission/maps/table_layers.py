@@ -80,7 +80,8 @@ def _layer(pyogrio: Any, path: Path, name: str, place: str, around: MapWindow) -
             rows = batch.drop_columns([number, column]).take(wanted).to_pylist()
             highest = _highest(wkb[wanted]).tolist()
             for n, row, altitude in zip(wanted.tolist(), rows, highest, strict=True):
-                plain = {restore_key(key, str(value)) if is_cut else key: _plain(value) for key, value in row.items()}
+                values = {key: float(value) if isinstance(value, Decimal) else value for key, value in row.items()}
+                plain = {restore_key(key, str(value)) if is_cut else key: value for key, value in values.items()}
                 features.append(feature_of_properties(places[n], shapes[n], plain, dict(tags_of(plain)), altitude))
     if count < info["features"]:
         raise DamagedFile(f"expected {info['features']} rows, but only {count} can be read", place=path)
@@ -133,7 +134,3 @@ def _drawn(wkb: NDArray[Any], to_degrees: ToDegrees, places: Sequence[str]) -> N
         if isinstance(error, BadInput):
             raise
         raise InvalidRing(f"expected a shape: {error}", place=places[0]) from error
-
-
-def _plain(value: Any) -> Any:
-    return float(value) if isinstance(value, Decimal) else value

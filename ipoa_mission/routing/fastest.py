@@ -345,7 +345,7 @@ def _improve(attempt: Attempt) -> Attempt:
 
 def _changes(points: Points, step: float, via: Points, tried: set[bytes]) -> Iterator[Points]:
     """Yield the waypoints with one removed or moved by `step` [m]."""
-    free = _free(points, via)
+    free = [i for i in range(1, len(points) - 1) if (np.linalg.norm(via - points[i], axis=1) > VISITED).all()]
     for i in free:
         if (without := np.delete(points, i, axis=0)).tobytes() not in tried:
             yield without
@@ -357,7 +357,3 @@ def _changes(points: Points, step: float, via: Points, tried: set[bytes]) -> Ite
             moved[i] += step * np.array(move)
             if leg_lengths(moved).min() >= NEAREST:
                 yield moved
-
-
-def _free(points: Points, via: Points) -> list[int]:
-    return [i for i in range(1, len(points) - 1) if (np.linalg.norm(via - points[i], axis=1) > VISITED).all()]

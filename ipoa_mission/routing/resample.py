@@ -72,19 +72,15 @@ def push_clear(waypoints: Points, task: PathTask) -> Points:
             ends = moved[leg : leg + 2].copy()
             if not len(doubtful_legs(ends, task)):
                 continue
-            for check in _broken(ends, task):
-                _push(moved[leg : leg + 2], is_free[leg : leg + 2], check, task.airspace)
+            for check in prove(ends, task, spare=0.0).checks:
+                if check.slack < 0 and check.limit in ("obstacles", "ground", "bounds"):
+                    _push(moved[leg : leg + 2], is_free[leg : leg + 2], check, task.airspace)
             first, last = (moved[leg : leg + 2] != ends).any(axis=1)
             moved_legs |= {leg - 1, leg} if first else set()
             moved_legs |= {leg, leg + 1} if last else set()
         if not moved_legs:
             break
     return moved
-
-
-def _broken(legs: Points, task: PathTask) -> list[Check]:
-    checks = prove(legs, task, spare=0.0).checks
-    return [check for check in checks if check.slack < 0 and check.limit in ("obstacles", "ground", "bounds")]
 
 
 def _push(ends: Points, is_free: NDArray[np.bool_], check: Check, airspace: Airspace) -> None:

@@ -7,7 +7,7 @@ import pytest
 from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.geodesy import Geodetic, swap_hint
 from ipoa_mission.link.codec import numbered
-from ipoa_mission.link.connect import _drop_unanswered, connect
+from ipoa_mission.link.connect import connect
 from ipoa_mission.link.dialogue import NoAnswer, TimeUp
 from ipoa_mission.link.flight_order import Conformance, FlightOrder
 from ipoa_mission.link.messages import Position
@@ -30,7 +30,6 @@ def test_a_log_of_our_own_frames_is_removed_where_nobody_answers(
     for log in (tmp_path / "silent.tlog", None):
         with pytest.raises(NoAnswer):
             connect("udpout:127.0.0.1:9", log=log, retry_policy=asks_every(0.1, 0.3))
-    _drop_unanswered(tmp_path / "none.tlog")
     assert not list(tmp_path.iterdir())
 
 
