@@ -122,10 +122,12 @@ class _Finder:
         self._obstacles = list[MapObstacle]()
         self._supports = dict[tuple[float, ...], float]()  # by place
         self._unused_keys = dict[str, None]()
+        self._standing: shapely.STRtree | None = None  # what may have others on its roof
 
     def find(self, features: Sequence[Feature], around: MapWindow) -> Buildings:
         shapes, near = to_plane([feature.shape for feature in features], self._notes.frame, around)
-        for feature, shape, is_near in zip(features, shapes, near.tolist(), strict=True):
+        rows = zip(features, shapes, near.tolist(), strict=True)
+        for feature, shape, is_near in sorted(rows, key=lambda row: kinds.is_on_roof(row[0].tags)):  # these last
             extent = kinds.extent_of(feature.shape)
             why = _why_passed_over(feature, extent, self._rules, self._all_buildings) if is_near else FAR_FROM_HOME
             if self._misses(feature, extent) and extent == "none":
@@ -214,6 +216,7 @@ class _Finder:
         obstacles: list[MapObstacle] = []
         building = any(feature.tags.get(key, "no") not in kinds.NO_BUILDING for key in ("building", "building:part"))
         hollow = not building and feature.tags.keys() & {"barrier", "natural"}
+        is_on_roof = kinds.is_on_roof(feature.tags) and not (building or over_home or foot)
         for part in [part if hollow else close_as_polygon(part) for part in simple_parts(shape)]:
             thin = part.geom_type != "Polygon"
             kind, default = thin_height(feature.tags, rules) if thin else area_height(feature.tags, rules)
@@ -221,6 +224,12 @@ class _Finder:
                 counts[f"{kind}(s) without a height, given {default:g} m"] += 1
                 self._unused_keys |= dict.fromkeys(unused_numbers(feature.tags, default))
             top = foot + default if height is None else max(height, default if doubts else 0.0)
+            low = self._roof_under(part) if is_on_roof else foot
+            if low > foot:
+                counts["thing(s) on a roof, with the height counted from there"] += 1
+                top += low
+            elif is_on_roof:
+                doubts.append("location")
             if thin:
                 if building and rules.take != "all":
                     words = f"expected the outline of a building, not a {part.geom_type}"
@@ -229,20 +238,27 @@ class _Finder:
                 reach, width_unknown = reach_of(feature.tags, rules, part, top, odd)
                 if width_unknown is not None:
                     counts[width_unknown] += 1
-                obstacles.append(MapObstacle(feature.name, part, reach, foot, top))
+                obstacles.append(MapObstacle(feature.name, part, reach, low, top))
                 if part.geom_type == "Point" and height is not None:
                     self._supports[tuple(shapely.get_coordinates(part).round(1)[0].tolist())] = top
                 continue
             polygons, wrong = polygons_of(part, feature.place)
             if wrong is not None:
                 counts[f"outline(s) mended ({wrong})"] += 1
-            obstacles += [MapObstacle(feature.name, polygon, 0.0, foot, top) for polygon in polygons]
+            obstacles += [MapObstacle(feature.name, polygon, 0.0, low, top) for polygon in polygons]
         if over_home:
             altitude = meters(feature.tags[kinds.TOP_AMSL], f"{feature.place}.properties.{kinds.TOP_AMSL}")
             above = altitude - self._notes.frame.home.altitude
             return [part._replace(height=-math.inf, least_top=above) for part in obstacles]
         self._doubt(feature, shape, doubts, max((part.height for part in obstacles), default=0.0))
         return obstacles
+
+    def _roof_under(self, part: Any) -> float:
+        """Return the highest top under it [m above ground]; 0: unknown."""
+        if self._standing is None:
+            self._standing = shapely.STRtree([each.shape for each in self._obstacles])
+        tops = [self._obstacles[n].height for n in self._standing.query(part, "intersects").tolist()]
+        return max((top for top in tops if top > 0.0), default=0.0)
 
     def _doubt(self, feature: Feature, shape: Any, keys: Sequence[str], top: float) -> None:
         for key in dict.fromkeys((*keys, *unread_heights(feature.tags, top, self._rules.storey_height))):

@@ -200,6 +200,10 @@ def values_of(text: str) -> tuple[str, ...]:
     return tuple(part.strip().lower() for part in text.split(";"))
 
 
+def is_on_roof(tags: Mapping[str, str]) -> bool:
+    return "building:part" not in tags and not {"roof", "rooftop"}.isdisjoint(values_of(tags.get("location", "")))
+
+
 def is_bridge(tags: Mapping[str, str]) -> bool:
     no_bridge = {"no", "abandoned", "demolished", "removed", "proposed", "low_water_crossing", "boardwalk"}
     return tags.get("bridge", "no") not in no_bridge and not tags.keys().isdisjoint(("highway", "railway", "waterway"))

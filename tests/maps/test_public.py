@@ -66,6 +66,36 @@ def test_an_outline_and_its_parts_of_other_heights_all_stand(
     assert [s.height for s in search(write_map(outline, *parts), frame).obstacles] == [70.0, 70.0, 12.0]
 
 
+@pytest.mark.parametrize(
+    ("tags", "foot", "height"),
+    [
+        ({"man_made": "mast", "height": "8", "location": "roof"}, 30.0, 38.0),
+        ({"man_made": "antenna", "height": "8 m", "location": "rooftop"}, 30.0, 38.0),
+        ({"man_made": "antenna", "height": "38", "min_height": "30", "location": "roof"}, 30.0, 38.0),
+        ({"man_made": "antenna", "location": "roof"}, 30.0, 90.0),  # 60 m for an unknown one
+        ({"man_made": "mast", "height": "8"}, 0.0, 8.0),
+    ],
+)
+def test_a_mast_on_a_roof_reaches_above_it(
+    write_map: WriteMap, frame: LocalFrame, square: Square, tags: dict[str, Any], foot: float, height: float
+) -> None:
+    """StrandedKitty/streets-gl#88 (2023-05), tordanik/OSM2World#242 (2025-03)."""
+    place = {"type": "Point", "coordinates": square(10, 10)["coordinates"][0][0]}
+    house = (square(0, 0), {"building": "yes", "height": "30"})
+    buildings = search(write_map((place, tags), house), frame)
+    heights = {(thing.foot, thing.height) for thing in buildings.obstacles}
+    assert heights == {(0.0, 30.0), (foot, height)}
+    assert buildings.passed_over == ()
+
+
+def test_a_mast_on_a_roof_that_the_map_lacks_is_named(write_map: WriteMap, frame: LocalFrame, square: Square) -> None:
+    place = {"type": "Point", "coordinates": square(10, 10)["coordinates"][0][0]}
+    mast = {"man_made": "mast", "height": "8", "location": "roof"}
+    buildings = search(write_map((place, mast), (square(50, 0), {"building": "yes"})), frame)
+    (doubt,) = buildings.passed_over
+    assert "a height that was not understood (location 'roof'), 8 m was taken" in str(doubt)
+
+
 def test_a_collection_a_line_is_read(tmp_path: Path, frame: LocalFrame, square: Square) -> None:
     """microsoft/KenyaNigeriaBuildingFootprints#1, 2022-01: GDAL did not read it."""
     path = tmp_path / "town.geojsonl"
