@@ -132,8 +132,8 @@ def _check_numbers(rows: Sequence[tuple[Node, Item]]) -> Iterator[Finding]:
         if seq != count:
             if has_jump:
                 raise row["seq"].wrong(f"{count} (a jump counts on it)")
-            line = row.where.rpartition(": ")[2]
-            message = f"{line}: seq {seq} is not {count}: items are numbered by their lines"
+            then = "items are numbered by their lines" if count else "taken as home, which the file may lack"
+            message = f"{row.where.rpartition(': ')[2]}: seq {seq} is not {count}: {then}"
             yield Finding("file-numbers", Severity.WARNING, count, message)
             return
 

@@ -167,6 +167,17 @@ def test_a_home_without_an_altitude_is_not_written(tmp_path: Path) -> None:
         write_mission(Mission(Geodetic(39.1, 121.8, math.nan), ()), tmp_path / "no.waypoints")
 
 
+def test_a_first_line_of_another_number_is_named_as_home(tmp_path: Path) -> None:
+    """ArduPilot/MAVProxy #494: a list that begins with item 1, so that its first waypoint is home."""
+    path = tmp_path / "way.txt"
+    rows = [f"{n} 0 0 16 0 0 0 0 -35.36{n} 149.165 80 1" for n in (1, 2)]
+    path.write_text("\n".join(["QGC WPL 110", *rows]).replace(" ", "\t").replace("QGC\tWPL\t", "QGC WPL "))
+    file = read_mission_file(path, Autopilot.ARDUPILOT)
+    assert file.mission.home == Geodetic(-35.361, 149.165, 80.0)
+    (finding,) = file.findings
+    assert finding.message == "line 2: seq 1 is not 0: taken as home, which the file may lack"
+
+
 def test_a_fence_item_among_the_items_is_not_written(tmp_path: Path) -> None:
     corner = replace(waypoint(HOME, 0.0), command=5003)
     with refuses("not-a-mission-item", "item 4 (NAV_FENCE_CIRCLE_INCLUSION)", kind=BadInput):
