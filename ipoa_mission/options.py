@@ -140,15 +140,15 @@ def read_wind_option(text: str | None) -> "Wind | None":
     if text is None:
         return None
     speed_text, _, from_text = text.partition("@")
-    speed = _number(speed_text)
-    from_deg = _number(from_text)
+    speed = read_number(speed_text)
+    from_deg = read_number(from_text)
     if not (0 <= speed < math.inf and abs(from_deg) <= 360):
         words = "expected a speed [m/s] and the direction it comes from [deg, to 360], like 6@270"
         raise BadInput(words, place=f"--wind {text}")
     return Wind(speed, from_deg)
 
 
-def _number(text: str) -> float:
+def read_number(text: str) -> float:
     """Return NaN for what a parameter file does not take as a number, such as 1_0."""
     from ipoa_mission.mission.parameter_file import NUMBER
 
@@ -167,7 +167,7 @@ def read_parameter_options(texts: list[str] | None, file: Path | None) -> tuple[
         remarks = tuple(thing.words for thing in read.unread)
     for text in texts or ():
         name, _, value = text.partition("=")
-        number = _number(value)
+        number = read_number(value)
         if not (name.strip() and abs(number) <= SINGLE_MAX):
             raise BadInput("expected NAME=VALUE with a number, like WPNAV_ACCEL=250", place=f"--param {text}")
         parameters[_known(name.strip().upper())] = number

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from ipoa_mission.errors import BadInput, OptionConflict
-from ipoa_mission.options import ForceOption, JsonOption, argument, expect_mission, flag, read_wind_option
+from ipoa_mission.options import ForceOption, JsonOption, argument, expect_mission, flag, read_number, read_wind_option
 from ipoa_mission.terminal import expect_folder, expect_free, picked, print_json, print_lines, print_table, round_finite
 
 if TYPE_CHECKING:
@@ -39,10 +39,7 @@ class DeconflictOptions:
 
     def earliest_departures(self, count: int) -> list[float]:
         texts = ["0"] * count if self.departures is None else self.departures.split(",")
-        try:
-            seconds = [float(text) for text in texts]
-        except ValueError:
-            seconds = []
+        seconds = [read_number(text) for text in texts]
         if len(seconds) != count or not all(0.0 <= second < math.inf for second in seconds):
             words = f"expected {count} times of 0 s or more, as 0,30, not {self.departures}"
             raise BadInput(words, place="--departures")

@@ -23,7 +23,7 @@ from ipoa_mission.scenario.section import (
 )
 from ipoa_mission.world.terrain import Analytic, Flat, Grid, Peak, SeaLevel, Terrain
 
-Ring: TypeAlias = Annotated[tuple[tuple[float, float], ...], Field(min_length=3)]
+Ring: TypeAlias = Annotated[tuple[tuple[Number, Number], ...], Field(min_length=3)]
 
 
 def east_north_of(ring: Ring, frame: LocalFrame) -> Plane:
@@ -167,7 +167,7 @@ class GridTerrain(Section):
     """North of the first row [m]."""
     spacing: Positive
     """Distance between neighboring heights, along east and north [m]."""
-    heights: Annotated[tuple[tuple[float, ...], ...], Field(min_length=2)] | None = None
+    heights: Annotated[tuple[tuple[Number, ...], ...], Field(min_length=2)] | None = None
     """Heights [m above home], the southernmost row first."""
     file: Annotated[Path | None, existing_file("a file of heights")] = None
     """A CSV file of heights in place of `heights`, relative to the scenario file."""

@@ -79,6 +79,7 @@ def existing_file(what: str) -> AfterValidator:
 # Strict: refuse true and false, which Python takes for 1 and 0.
 Number = Annotated[float, Field(strict=True)]
 Positive = Annotated[float, Field(gt=0, strict=True)]
+Count = Annotated[int, Field(gt=0, strict=True)]
 NotNegative = Annotated[float, Field(ge=0, strict=True)]
 Latitude = Annotated[float, Field(ge=-90, le=90, strict=True)]
 Longitude = Annotated[float, Field(ge=-180, le=180, strict=True)]

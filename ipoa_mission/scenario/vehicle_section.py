@@ -36,7 +36,7 @@ class AirframeSection(Section):
 
     mass_kg: Positive
     """Take-off mass, battery and payload included."""
-    rotors: Annotated[int, Field(ge=1)] = 4
+    rotors: Annotated[int, Field(ge=1, strict=True)] = 4
     """Rotor discs seen from above; a coaxial pair counts once."""
     rotor_diameter: Positive
     """Diameter of a rotor [m]."""

@@ -2,10 +2,10 @@ from collections.abc import Mapping
 from difflib import get_close_matches
 from typing import Annotated, Any, TypeAlias
 
-from pydantic import BeforeValidator, GetJsonSchemaHandler, PositiveInt
+from pydantic import BeforeValidator, GetJsonSchemaHandler
 
 from ipoa_mission.errors import UnknownName
-from ipoa_mission.scenario.section import Positive, Section
+from ipoa_mission.scenario.section import Count, Positive, Section
 
 
 class CameraSection(Section):
@@ -15,7 +15,7 @@ class CameraSection(Section):
     """Width and height of the sensor [mm]. The width is across the track."""
     focal_length_mm: Positive
     """Focal length of the lens itself [mm], not the 35 mm equivalent."""
-    pixels: tuple[PositiveInt, PositiveInt]
+    pixels: tuple[Count, Count]
     """Width and height of a photo."""
     name: str = "camera"
     """Name of the camera."""

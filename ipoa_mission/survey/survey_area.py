@@ -103,7 +103,8 @@ def _polygon(rings: Sequence[Sequence[Sequence[float]] | Plane], spelling: _Spel
 
 def _ring(ring: Sequence[Sequence[float]] | Plane, where: str) -> Plane:
     try:
-        corners = np.asarray(ring, float)
+        are_numbers = not any(isinstance(number, bool | str) for corner in ring for number in corner)
+        corners = np.asarray(ring, float) if are_numbers else np.empty(0)
     except (TypeError, ValueError):
         corners = np.empty(0)
     if corners.ndim != 2 or corners.shape[1:] != (2,):

@@ -5,13 +5,13 @@ from typing import Annotated, Any, ClassVar, Literal, Self, TypeAlias
 
 import numpy as np
 import shapely
-from pydantic import AfterValidator, Field, PositiveInt, WithJsonSchema, model_validator
+from pydantic import AfterValidator, Field, WithJsonSchema, model_validator
 
 from ipoa_mission import Scenario
 from ipoa_mission.geodesy import LocalFrame
 from ipoa_mission.geometry import Plane
 from ipoa_mission.scenario.model import AddedSection
-from ipoa_mission.scenario.section import NotNegative, Number, Positive, existing_file, one_of
+from ipoa_mission.scenario.section import Count, NotNegative, Number, Positive, existing_file, one_of
 from ipoa_mission.scenario.surroundings import Reach
 from ipoa_mission.survey.camera import GivenCamera
 from ipoa_mission.survey.survey_area import Area, corridor, depth_of, expect_here, read_map, read_polygon, shapes_in
@@ -97,7 +97,7 @@ class SurveySection(AddedSection):
     """Place near the begin of the first line, `[east, north]`, meters from home. Default: home."""
     exit: Spot | None = None
     """Place near the end of the last line, `[east, north]`, meters from home. Default: home or the goal."""
-    flights: PositiveInt | None = None
+    flights: Count | None = None
     """Number of flights. Default: the fewest that the battery allows, each with its reserve."""
 
     _one_area = one_of("area", "polygon", "line")

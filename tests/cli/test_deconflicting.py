@@ -139,6 +139,7 @@ def bad_files(crossing: None) -> None:
         ("east.plan none.plan", "none.plan"),
         ("east.plan north.plan --departures 0", "--departures: expected 2 times of 0 s or more"),
         ("east.plan north.plan --departures 0,", "--departures: expected 2 times of 0 s or more"),
+        ("east.plan north.plan --departures 0,1_0", "--departures: expected 2 times of 0 s or more"),
         ("east.plan north.plan --departures 0,-1", "--departures: expected 2 times of 0 s or more"),
         ("east.plan north.plan --departures 0,nan", "--departures: expected 2 times of 0 s or more"),
         ("east.plan north.plan --departures 0,inf", "--departures: expected 2 times of 0 s or more"),

@@ -47,6 +47,7 @@ BROKEN = {
     "goal = { east = true, north = 0, up = 1 }": "goal.east: expected a number, not true",
     "wind = { speed = 3, from_deg = '1_0' }": "wind.from_deg: expected a number, not '1_0'",
     "vehicle = { parameters = { MPC_Z_P = '5' } }": "vehicle.parameters.MPC_Z_P: expected a number, not '5'",
+    "fence = [{ polygon = [[true, 0], [9, 0], [9, 9]] }]": "fence[0].polygon[0][0]: expected a number, not true",
     "time = 2026": "time: expected a time with its offset, such as 2026-11-22T10:00:00Z, not '2026'",
     "safety_distance = 'far'": "safety_distance: expected a number, not 'far'",
     "name = 'a:b'": "name: expected a valid file name, not 'a:b'",

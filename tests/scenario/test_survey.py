@@ -95,6 +95,9 @@ PHOTOS = {"polygon": SQUARE, "camera": NUMBERS, "height_above_ground": 40.0}
     [
         (LINES | {"polygon": BOW}, ("invalid-ring", "survey.polygon", "50", "40")),
         (LINES | {"polygon": [SQUARE, BOW]}, ("invalid-ring", "survey.polygon[1]")),
+        (LINES | {"polygon": [["0", 0], [50, 0], [9, 9]]}, ("invalid-ring", "survey.polygon", "pairs of numbers")),
+        (LINES | {"polygon": [[0, 0], [50, True], [9, 9]]}, ("invalid-ring", "survey.polygon", "pairs of numbers")),
+        (LINES | {"polygon": SQUARE, "flights": True}, ("bad-input", "survey.flights")),
         (LINES | {"polygon": SQUARE[:2]}, ("invalid-ring", "survey.polygon")),
         (LINES | {"polygon": [[0, 0], [50, 0], [100, 0]]}, ("invalid-ring", "survey.polygon")),
         (LINES | {"polygon": [[0, 0], [50, 0], [float("nan"), 9]]}, ("invalid-ring", "survey.polygon[2]")),
