@@ -45,6 +45,7 @@ class ParameterTable:
     further: tuple[Parameter, ...]  # known, or read by ground stations
     set_up: tuple[Parameter, ...]  # only read by ground stations
     surely_there: tuple[tuple[str, ...], ...]  # alternative names
+    steered_by: tuple[str, ...] = ()  # above 0 they may let it leave its path; not modeled
     packs_integers: bool = False  # sent as a float's bits
     limits_speed: str = ""  # PX4: the limit MPC_XY_VEL_MAX; ArduCopter: the cruise speed WPNAV_SPEED
     fastest: float = 40.0  # twice both firmwares' documented maximum [m/s]

@@ -77,6 +77,7 @@ def _command_and_frame(at: Numbered, firmware: Firmware, mission: Mission) -> It
     item = at.item
     autopilot = mission.autopilot
     is_development = mission.firmware_version is not None and mission.firmware_version.stage == "dev"
+    older = [series for series in autopilot.tables.series if series < firmware.version.series]
     has_place = item.command in firmware.placed
     has_none = item.command in firmware.plain
     if not has_place and not has_none:
@@ -88,7 +89,7 @@ def _command_and_frame(at: Numbered, firmware: Firmware, mission: Mission) -> It
         yield at.error("command-not-taken", f"{firmware} does not take {item.name}{where}", hint)
     elif item.command in firmware.never_flown:
         yield at.error("command-never-flown", f"{firmware} stores {item.name}, and flies no mission that has it")
-    elif is_development and not _before(autopilot, firmware).takes(item.command):
+    elif is_development and older and not autopilot.firmware(Version(*older[-1])).takes(item.command):
         yield at.warning("command-of-development", f"not every development version of {firmware} takes {item.name}")
     elif has_place and item.frame not in firmware.frames:
         frame = "an altitude above terrain" if item.is_over_terrain else f"frame {item.frame}"
@@ -99,11 +100,6 @@ def _command_and_frame(at: Numbered, firmware: Firmware, mission: Mission) -> It
             yield at.warning("frame-without-place", f"{message}, which {firmware.name} takes for AMSL")
         else:
             yield at.error("frame-without-place", message)
-
-
-def _before(autopilot: Autopilot, firmware: Firmware) -> Firmware:
-    older = [series for series in autopilot.tables.series if series < firmware.version.series]
-    return autopilot.firmware(Version(*older[-1])) if older else firmware
 
 
 def _refused(mission: Mission, firmware: Firmware, wire: Sequence[Item]) -> Iterator[Finding]:

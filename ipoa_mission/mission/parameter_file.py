@@ -147,3 +147,7 @@ def _doubtful(file: str, in_force: Mapping[str, _Row], autopilot: Autopilot) -> 
         if row and speed.unit == 1.0 and row.value > table.fastest:
             words = f"the unit of {row.name}, taken as m/s: beyond {table.fastest:g} m/s"
             yield Unread(file, words, f"line {row.line}", f"{row.value:g}")
+    for row in filter(None, map(in_force.get, table.steered_by)):
+        if row.value > 0.0:
+            words = f"{row.name}, which lets the vehicle leave its path for fences and what it senses"
+            yield Unread(file, words, f"line {row.line}", f"{row.value:g}")

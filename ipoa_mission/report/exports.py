@@ -184,7 +184,8 @@ def to_kml(forecast: Forecast, name: str) -> str:
     fence = []
     for n, part in enumerate(mission.fence, start=1):
         style = "inclusion" if part.inclusion else "exclusion"
-        polygons = [_kml_polygon(ring) for ring in fence_rings(part)]
+        borders = [_node("LinearRing", _coordinates((*corner, 0.0) for corner in ring)) for ring in fence_rings(part)]
+        polygons = [_node("Polygon", _node("outerBoundaryIs", border)) for border in borders]
         shape = polygons[0] if len(polygons) == 1 else _node("MultiGeometry", *polygons)
         fence.append(_placemark(f"fence {n} ({style})", shape, style))
     rally_points = [_placemark(label, _shape("Point", [place])) for label, place in rally]
@@ -201,11 +202,6 @@ def _placemark(name: str, shape: Tree.Element, style: str | None = None) -> Tree
 
 def _shape(tag: str, places: Iterable[LonLatUp], over_terrain: bool = False) -> Tree.Element:
     return _node(tag, _node("altitudeMode", "relativeToGround" if over_terrain else "absolute"), _coordinates(places))
-
-
-def _kml_polygon(ring: Ring) -> Tree.Element:
-    border = _node("LinearRing", _coordinates((lon, lat, 0.0) for lon, lat in ring))
-    return _node("Polygon", _node("outerBoundaryIs", border))
 
 
 def _coordinates(places: Iterable[LonLatUp]) -> Tree.Element:

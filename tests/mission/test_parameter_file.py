@@ -132,6 +132,16 @@ def test_repeated_and_odd_parameters_are_named(
         ]
 
 
+@pytest.mark.parametrize("others", [0, 150])
+@pytest.mark.parametrize(("value", "is_named"), [(2, True), (0, False)])
+def test_a_parameter_that_steers_off_the_path_is_named(tmp_path: Path, others: int, value: int, is_named: bool) -> None:
+    """ArduPilot #13016, #11566: BendyRuler and Dijkstra's fly round what they sense, and round fences, in AUTO."""
+    path = tmp_path / "a.param"
+    path.write_text("".join(f"SERVO{n}_TRIM,1500\n" for n in range(others)) + f"RTL_ALT,3000\nOA_TYPE,{value}\n")
+    named = [thing.words for thing in read_parameter_file(path).unread if "OA_TYPE, which lets" in thing.what]
+    assert bool(named) == is_named
+
+
 def test_a_whole_list_is_asked_for_what_it_lacks(tmp_path: Path) -> None:
     table = Autopilot.PX4.parameter_table
     lines = [*(f"ZZ_{n} 1" for n in range(200)), *(f"{name} {value}" for name, value in table.moving.items())]

@@ -140,6 +140,7 @@ PARAMETER_TABLE = ParameterTable(
         Parameter("FS_GCS_ENABLE", 0.0, INT8),
     ),
     surely_there=(("MAV_SYSID", "SYSID_THISMAV"), ("FRAME_CLASS",)),
+    steered_by=("OA_TYPE",),
     limits_speed="WPNAV_SPEED",
 )
 
