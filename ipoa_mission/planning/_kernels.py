@@ -106,13 +106,16 @@ def slack_and_threat(points, grid, rules):
 
 
 @njit(cache=True, fastmath=FASTMATH, error_model="numpy")
-def centered(points, offsets, box, grid, rules):
-    """Move points (n, 3) within a box to the most slack at offsets (rounds, k, 3)."""
-    lower, upper = box
+def centered(points, offsets, bounds, grid, rules):
+    """Move points (n, 3) within corners to the most slack at offsets (rounds, k, 3), while they may reach the least."""
+    lower, upper, least = bounds
     moved = points.copy()
     for i in range(len(moved)):
         best = -np.inf
         for number in range(len(offsets)):
+            # the later offsets add up to half of the farthest before
+            if number > 0 and best + 0.5 * np.sqrt((offsets[number - 1, -1] ** 2).sum()) < least:
+                break
             x, y, z = moved[i, 0], moved[i, 1], moved[i, 2]
             for k in range(offsets.shape[1]):
                 e = min(max(x + offsets[number, k, 0], lower[0]), upper[0])

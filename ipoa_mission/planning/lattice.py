@@ -207,7 +207,7 @@ def lay_lattice(problem: PreparedProblem, fineness: float = 1.0, strategy: Latti
     nodes = np.minimum(lower + spacing * indices, upper)
     slack, threat = problem.slack_and_threat(nodes)
     between = np.nonzero(_in_gaps(slack.reshape(count), spacing).ravel())[0]
-    nodes[between] = _centered(nodes[between], spacing, problem)
+    nodes[between] = _centered(nodes[between], spacing, problem, least=0.0)
     slack[between], threat[between] = problem.slack_and_threat(nodes[between])
     radius = min(DETAILS.detour_radius, float(size[:2].min()) / 4)
     detour_cost = problem.rules.turning / max(problem.rules.length, DETAILS.least_price) / radius
@@ -244,12 +244,12 @@ def _in_gaps(slack: NDArray[np.float64], spacing: Vector) -> NDArray[np.bool_]:
     return np.asarray(doubtful & ~_least_around(~(between & doubtful), 1))
 
 
-def _centered(nodes: Points, spacing: Vector, problem: PreparedProblem) -> Points:
+def _centered(nodes: Points, spacing: Vector, problem: PreparedProblem, least: float = -np.inf) -> Points:
     from ipoa_mission.planning._kernels import centered
 
     closer = 3.0 ** np.arange(1, DETAILS.centering_rounds + 1)[:, None, None]
     offsets = np.vstack([np.zeros(3), STRIDES]) * spacing / closer
-    return centered(nodes, offsets, problem.region, problem.grid, problem.rules)  # type: ignore[no-any-return]
+    return centered(nodes, offsets, (*problem.region, least), problem.grid, problem.rules)  # type: ignore[no-any-return]
 
 
 def _mend(routes: list[Points], lattice: Lattice, problem: PreparedProblem) -> list[Points]:

@@ -80,7 +80,7 @@ def kernels() -> Iterator[Kernel]:
     examples = {
         "path_costs": (_numbers(3), grid, rules),
         "slack_and_threat": (_numbers(2), grid, rules),
-        "centered": (_numbers(2), _numbers(3), (_numbers(1), _numbers(1)), grid, rules),
+        "centered": (_numbers(2), _numbers(3), (_numbers(1), _numbers(1), 1.0), grid, rules),
         "minimize_path_model": (_numbers(2), _numbers(2), inputs, grid, rules, smoothing, 1, 1.0),
         "solve_banded": (_numbers(2), _numbers(1)),
         "extreme": (_numbers(2), (1.0,) * 8, _numbers(2), True, 1.0),
