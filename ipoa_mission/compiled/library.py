@@ -38,6 +38,7 @@ SOURCES = (
     "autopilot/commands.py",
     "vehicles/*/dynamics/*.py",
     "vehicles/*/limits.py",
+    "vehicles/*/braking.py",
     "autopilot/parameters.py",
     "geometry.py",
     "wind.py",

@@ -18,6 +18,7 @@ from ipoa_mission.planning.obstacle_grid import (
     Smoothing,
 )
 from ipoa_mission.survey.times import LegTimeTable, Ways
+from ipoa_mission.vehicles.arducopter.braking import braking_displacement
 from ipoa_mission.vehicles.arducopter.dynamics.motion import ARDUPILOT_SIMULATOR, NO_LEG, CopterLeg, State, tuning
 from ipoa_mission.vehicles.arducopter.dynamics.steps import fly_leg
 from ipoa_mission.vehicles.arducopter.limits import copter_limits
@@ -102,6 +103,7 @@ def kernels() -> Iterator[Kernel]:
     leg, still = records([NO_LEG], CopterLeg), tuning(copter_limits({}), ARDUPILOT_SIMULATOR, CALM)
     flown = {
         fly_leg: (records([State()], State), leg, leg, leg, still, _numbers(2)),
+        braking_displacement: (*(_numbers(1, np.complex128),) * 2, 1.0, 1.0),
         fly: (records([], Motion), records([], SimulationConstants), at_start(0.0, 1), 1.0, 0),
     }
     for function, given in flown.items():

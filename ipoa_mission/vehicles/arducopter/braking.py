@@ -13,24 +13,27 @@ from numpy.typing import NDArray
 from ipoa_mission.autopilot.guidance_profile import FlownCircle
 from ipoa_mission.errors import BadInput
 from ipoa_mission.vehicles.arducopter.dynamics.motion import STEP
+from ipoa_mission.vehicles.arducopter.dynamics.shaping import size, sqrt_controller
 from ipoa_mission.vehicles.arducopter.limits import CENTIMETER, CopterLimits
 
 
 def braking_displacement(velocity: NDArray[Any], accel: NDArray[Any], most_accel: float, jerk: float) -> NDArray[Any]:
-    """Return the displacement to rest [m] of velocities and accelerations, (n,) each, real or complex."""
+    """Return the displacement to rest [m] of velocities and accelerations, complex (n,) each."""
     at_rest_s = 12.0
     gain = jerk / most_accel
-    linear = jerk / gain**2  # [m/s]
-    most_change = jerk * STEP
-    displacement = 0.0 * velocity
-    for _ in range(round(at_rest_s / STEP)):
-        speed = np.abs(velocity)
-        brakes = np.where(speed <= linear, gain * speed, np.sqrt(2 * jerk * np.maximum(speed - linear / 2, 0.0)))
-        change = -velocity * (np.minimum(brakes, most_accel) / np.maximum(speed, 1e-9)) - accel
-        size = np.abs(change)
-        accel = accel + np.where(size > most_change, change * most_change / np.maximum(size, 1e-12), change)
-        displacement += velocity * STEP
-        velocity = velocity + accel * STEP
+    displacement = np.zeros_like(velocity)
+    for n in range(len(velocity)):
+        v, a = velocity[n], accel[n]
+        for _ in range(int(at_rest_s / STEP)):
+            speed = size(v)
+            change = -v * (min(sqrt_controller(speed, jerk, gain), most_accel) / max(speed, 1e-9)) - a
+            share = min(jerk * STEP / max(size(change), 1e-12), 1.0)
+            a += change * share
+            displacement[n] += v * STEP
+            v += a * STEP
+            if gain * speed <= most_accel and share == 1.0:  # from now on it decays exponentially
+                displacement[n] += v / gain
+                break
     return displacement
 
 

@@ -260,6 +260,8 @@ class ArduCopter(Autopilot):
         >>> ArduCopter().stopping_displacement({}, np.array([[6.0, 0.0, 0.0]]), still, Contingency.HOLD).round(1)
         array([[11.,  0.,  0.]])
         """
+        from ipoa_mission.compiled import compiled
+
         lead_s = 0.1  # of the target's vertical speed, as flown
         climb = velocity[:, 2] + lead_s * accel[:, 2]
         if contingency not in IN_PLACE:
@@ -276,9 +278,10 @@ class ArduCopter(Autopilot):
             level_accel = 0.0 * level_accel
             braking = braking_z = 7.5  # BRAKE_MODE_DECEL_RATE [m/s^2]
         level_lead_s = 0.25  # of the target's horizontal speed, as flown
-        offset = braking_displacement(level + level_lead_s * level_accel, level_accel, braking, p["PSC_JERK_XY"])
+        stop = compiled(braking_displacement)
+        offset = stop(level + level_lead_s * level_accel, level_accel, braking, p["PSC_JERK_XY"])
         lag_s = 0.08  # as flown
-        rise = braking_displacement(climb, 0.0 * climb, braking_z, p["PSC_JERK_Z"]) + lag_s * climb
+        rise = stop(climb + 0j, 0j * climb, braking_z, p["PSC_JERK_Z"]).real + lag_s * climb
         return np.column_stack([offset.real, offset.imag, rise])
 
     def sinking_brake(self, parameters: Parameters) -> returning.SinkingBrake:
