@@ -250,7 +250,7 @@ class RouteSearch(NamedTuple):
     max_behind: float = 1.06  # of the second start's time to the first's
     trials: int = 36
     legs: int = 2000  # in all trials
-    patience: int = 15  # trials without gain
+    patience: int = 9  # trials without gain
     step_shares: tuple[float, ...] = (0.5, 0.2)  # of the tolerance
     min_gain_s: float = 0.1
     equal_share: float = 0.005  # of the time, of equally quick routes
