@@ -1,7 +1,10 @@
+import math
+from collections import Counter
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from ipoa_mission.autopilot.failsafe import Cause, Failsafe
 from ipoa_mission.checks.check import check as check_forecast
 from ipoa_mission.checks.check import guarantee_if_flown
 from ipoa_mission.checks.unsafe import with_strict_vehicle_class
@@ -14,10 +17,11 @@ from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.mission.item_words import count_words
 from ipoa_mission.options import expect_mission
 from ipoa_mission.report.summary import clearance_as_json, findings_as_json, passed_over_as_json
-from ipoa_mission.terminal import notes, print_lines
+from ipoa_mission.terminal import notes, picked, print_lines, print_table, round_finite
 from ipoa_mission.unread import unread_as_json
 
 if TYPE_CHECKING:
+    from ipoa_mission.forecast.contingency.contingencies import ContingencyRow
     from ipoa_mission.forecast.deviation.clearance_guarantee import ClearanceGuarantee
     from ipoa_mission.scenario import Scenario
     from ipoa_mission.wind import Wind
@@ -59,8 +63,6 @@ class CheckedFile(NamedTuple):
             result["passed_over"] = passed_over_as_json(world)
             result["unread"] = unread_as_json(world.unread)
         if self.shows_contingencies:
-            from ipoa_mission.cli.contingency_output import contingencies_as_json
-
             result |= contingencies_as_json(self.forecast, self.guarantee is not None)
         if self.forecast.wind.strongest > 0:
             result["wind"] = self.forecast.wind.as_json()
@@ -70,8 +72,6 @@ class CheckedFile(NamedTuple):
     def print(self) -> None:
         print_lines(*self._lines())
         if self.forecast is not None and self.shows_contingencies:
-            from ipoa_mission.cli.contingency_output import print_contingencies
-
             print_contingencies(self.forecast, self.guarantee is not None)
         print_lines(self._counts())
 
@@ -117,3 +117,83 @@ def clearance_words(guarantee: "ClearanceGuarantee | None") -> list[str]:
         return []
     least = guarantee.clearance
     return [f"least clearance, to {least.to} at item {least.item}: {least.words(guarantee.confidence)}"]
+
+
+def contingencies_as_json(forecast: Forecast, is_known: bool) -> dict[str, Any]:
+    """Return JSON values: meters, seconds from arming, watt hours; unknown values are null."""
+    from ipoa_mission.forecast.contingency.contingencies import Contingencies, failsafes_of
+
+    rows = forecast.cached(Contingencies).all_rows() if is_known else ()
+    if not rows:
+        return {"contingencies": None, "failsafes": None}
+    return {"contingencies": [*map(_row, rows)], "failsafes": [*map(_failsafe, failsafes_of(forecast))]}
+
+
+def _row(row: "ContingencyRow") -> dict[str, Any]:
+    lands = row.lands and [round_finite(meters, 2) for meters in row.lands[:2]]
+    return {
+        "contingency": str(row.contingency),
+        **picked(row, "from_s", "to_s", "clear", digits=2),
+        "grade": str(row.grade),
+        **picked(row, "least_m", "required_m", "to", "goal", digits=2),
+        "touches_s": _between(row.touches_s),
+        "duration_s": _between(row.duration_s),
+        "why_untimed": row.why_untimed or None,
+        "energy_wh": _between(row.energy_wh),
+        "lands": lands and {"east": lands[0], "north": lands[1]},
+    } | ({"remarks": list(row.remarks)} if row.remarks else {})
+
+
+def _failsafe(failsafe: Failsafe) -> dict[str, Any]:
+    return {
+        "cause": failsafe.cause,
+        "parameter": failsafe.parameter or None,
+        "value": None if math.isnan(failsafe.value) else failsafe.value,
+        "contingency": str(failsafe.action.contingency),
+        "otherwise": [str(contingency) for contingency in failsafe.action.fallbacks],
+        "words": failsafe.action.words,
+    }
+
+
+def print_contingencies(forecast: Forecast, is_known: bool) -> None:
+    from ipoa_mission.forecast.contingency.contingencies import Contingencies, Grade, failsafes_of
+
+    rows = forecast.cached(Contingencies).all_rows() if is_known else ()
+    if not rows:
+        print_lines("contingencies: unknown, because the flight is unknown")
+        return
+
+    columns = ["contingency", "from\ns", "to\ns", "clear", "least\nm", "required\nm", "to", "leads to"]
+    columns += ["takes\ns", "takes\nWh"]
+    print_table("contingencies, seconds from arming", columns, [_cells(row) for row in rows])
+    print_lines(*dict.fromkeys(f"no time of {row.contingency}: {row.why_untimed}" for row in rows if row.why_untimed))
+    print_lines(*dict.fromkeys(f"{row.contingency}: {remark}" for row in rows for remark in row.remarks))
+
+    failsafes = [
+        (
+            "pilot or ground station" if failsafe.cause == Cause.BY_HAND else failsafe.cause,
+            f"{failsafe.parameter} = {failsafe.value:g}" if failsafe.parameter else "",
+            str(failsafe.action),
+        )
+        for failsafe in failsafes_of(forecast)
+    ]
+    if failsafes:
+        title = "failsafes, by the mission's parameters and the firmware's defaults"
+        print_table(title, ["cause", "parameter", "contingency"], failsafes)
+
+    grades = Counter(row.grade for row in rows)
+    unclear = [f"{grades[grade]} of {len(rows)} stretches are {grade}" for grade in tuple(Grade)[1:] if grades[grade]]
+    print_lines("; ".join(unclear) or "every contingency is clear")
+
+
+def _cells(row: "ContingencyRow") -> tuple[str, ...]:
+    words = {"clear": "yes", "perhaps not clear": "perhaps", "not clear": "NO"}
+    takes = "" if row.duration_s is None else f"{row.duration_s[0]:.0f} to {row.duration_s[1]:.0f}"
+    energy = "" if row.energy_wh is None else f"{row.energy_wh[0]:.1f} to {row.energy_wh[1]:.1f}"
+    least = f"{row.least_m:.2f}" if math.isfinite(row.least_m) else ""
+    grade = (f"{row.from_s:.1f}", f"{row.to_s:.1f}", words.get(row.grade, "?"), least, f"{row.required_m:.2f}")
+    return (str(row.contingency), *grade, row.to, row.goal, takes, energy)
+
+
+def _between(both: tuple[float, float] | None) -> list[float | None] | None:
+    return None if both is None else [round_finite(value, 2) for value in both]

@@ -167,7 +167,6 @@ def _print_notes(asked: FlyOptions, remarks: "Sequence[str]") -> None:
 def _fly_stages(
     changes: ChangesMade, asked: FlyOptions, vehicle: "Vehicle", job: "Job", planned: "Forecast"
 ) -> "tuple[Job, list[str], FlightRecord]":
-    from ipoa_mission.cli.contingency_output import ContingencyDisplay
     from ipoa_mission.cli.flight_output import flight_as_json
     from ipoa_mission.flight import procedure
     from ipoa_mission.forecast.contingency.contingencies_now import ContingenciesNow
@@ -190,7 +189,7 @@ def _fly_stages(
                 except MissionError as why:
                     remark(f"contingencies are not shown in flight: {why}")
             if stage is procedure.Stage.FLIGHT and contingencies:
-                display = ContingencyDisplay(flown, vehicle, show, job.reserves, contingencies[0])
+                display = procedure.ContingencyDisplay(flown, vehicle, show, job.reserves, contingencies[0])
                 vehicle.overhearing = display.hear
                 show = display.show
             yield show

@@ -1,4 +1,5 @@
-from collections.abc import Callable, Iterable, Sequence
+import math
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import AbstractContextManager, nullcontext, suppress
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
@@ -15,7 +16,7 @@ from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.link.conversations import KeepsChanging, MissionRefused
 from ipoa_mission.link.dialogue import NoAnswer, TimeUp
-from ipoa_mission.link.messages import MissionType, Result
+from ipoa_mission.link.messages import Message, MissionType, Position, Result
 from ipoa_mission.link.vehicle import Vehicle
 from ipoa_mission.mission.flight_record import FlightRecord
 from ipoa_mission.mission.items import Mission
@@ -23,6 +24,8 @@ from ipoa_mission.progress import Progress, silent
 
 if TYPE_CHECKING:
     from ipoa_mission.forecast.conformance import ConformanceMonitor
+    from ipoa_mission.forecast.contingency.contingencies_now import ContingenciesNow
+    from ipoa_mission.forecast.contingency.energy_budget import ReserveNow
     from ipoa_mission.scenario import Scenario
 
 
@@ -302,3 +305,47 @@ def _set_parameters(
         vehicle.set_parameter(other.name, other.wanted)
         remark(f"{other.name} set to {other.wanted:g} (it was {other.has:g})")
     show(1.0, names)
+
+
+@dataclass
+class ContingencyDisplay:
+    """Show contingencies by position; append to `reserves` when the battery's share changes."""
+
+    forecast: Forecast
+    vehicle: Vehicle
+    progress: Progress
+    reserves: "list[ReserveNow]"
+    contingencies: "ContingenciesNow"
+    _shown: tuple[float, str] = (0.0, "")
+    _shown_s: float = -math.inf
+
+    def show(self, share: float, words: str) -> None:
+        self._shown = (share, words)
+        self.progress(share, words)
+
+    def hear(self, message: Message) -> None:
+        if not isinstance(message, Position) or message.time_s - self._shown_s < 1.0:
+            return
+        path = self.vehicle.record().path
+        if path and self.vehicle.state.in_air:
+            self._shown_s = message.time_s
+            place = self.forecast.frame.local(Geodetic(message.latitude_deg, message.longitude_deg, message.altitude))
+            time, distance = self.contingencies.time_at(place, path[-1].time_s)
+            words = "off its path: not forecast from here"
+            if distance <= self.contingencies.off_path:
+                words = self.contingencies.words(time)
+            now = "; ".join([words, *map(str, self._reserve(time))])
+            share, stage = self._shown
+            self.progress(share, f"{stage}  now: {now}")
+
+    def _reserve(self, time: float) -> "Iterator[ReserveNow]":
+        from ipoa_mission.forecast.contingency.energy_budget import budget_of
+
+        left = self.vehicle.state.battery_left
+        budget = budget_of(self.forecast)
+        reserve = None if budget is None or left is None else budget.against_plan(left, time)
+        if reserve is None:
+            return
+        if not self.reserves or self.reserves[-1].left != reserve.left:
+            self.reserves.append(reserve)
+        yield reserve

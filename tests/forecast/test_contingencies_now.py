@@ -9,8 +9,8 @@ import pytest
 
 from ipoa_mission import Forecast, read_mission, read_scenario
 from ipoa_mission.autopilot.failsafe import Contingency
-from ipoa_mission.cli.contingency_output import ContingencyDisplay
 from ipoa_mission.flight.preflight import expect_charge
+from ipoa_mission.flight.procedure import ContingencyDisplay
 from ipoa_mission.forecast.contingency.contingencies import Contingencies
 from ipoa_mission.forecast.contingency.contingencies_now import ContingenciesNow
 from ipoa_mission.forecast.contingency.energy_budget import ReserveNow, budget_of
