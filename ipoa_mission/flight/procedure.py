@@ -240,7 +240,6 @@ def _examine(
 def _refuse_aboard(
     aboard: Forecast, parameters: preflight.ParametersAboard, findings: Sequence[Finding], new: Sequence[Finding]
 ) -> None:
-    """Raise Unsafe for errors and newly unclear planned returns."""
     try:
         refuse_errors(findings)
         if aboard.scenario is not None:

@@ -199,7 +199,6 @@ class Forecast:
 
     @property
     def _air(self) -> Wind:
-        """Return the wind by heights above the mission's home."""
         if self.scenario is None:
             return self.wind
         lower = self.scenario.frame.home.altitude - self.mission.home.altitude

@@ -162,7 +162,6 @@ def persistent_signer(key: bytes, path: str | Path) -> Signer:
 
 
 def _own_timestamps(path: Path) -> Timestamps | None:
-    """Return None while another process owns the file."""
     try:
         file = os.open(path, os.O_RDWR | os.O_CREAT | getattr(os, "O_BINARY", 0), 0o600)
     except OSError as error:

@@ -37,8 +37,6 @@ _CONSTANTS: Mapping[str, Fields] = {
 
 @dataclass(frozen=True)
 class _Value:
-    """A message's field; several of MAVLink's as a tuple."""
-
     ours: str
     theirs: tuple[str, ...]
     write: Callable[[Any], Any] = lambda value: value

@@ -134,8 +134,6 @@ def _partner(first: Any, others: Iterable[Any]) -> Any | None:
 
 @dataclass(frozen=True)
 class _Heights:
-    """`values` [m] of a coordinate; None: pressure or others."""
-
     coordinate: Any
     values: Any = None
     datum: Datum = Datum.UNKNOWN

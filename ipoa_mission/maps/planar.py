@@ -93,7 +93,6 @@ def polygons_of(shape: Any, place: str) -> tuple[list[Any], str | None]:
 
 
 def _words(reason: str | None) -> str:
-    """Convert GEOS's `Self-intersection[12.3 45.6]` to words."""
     return "a ring with " + reason.partition("[")[0].strip().lower() if reason else "a line or a point"
 
 

@@ -280,7 +280,6 @@ def _rivals(candidates: list[Candidate], searcher: Searcher) -> list[tuple[Candi
 
 
 def _approach(candidate: Candidate, problem: PreparedProblem) -> Candidate:
-    """Polish roughly; with limited climbs, until all limits hold."""
     if not problem.climbs_limited:
         return polish(candidate, problem)
     return polish_until_proved(candidate, problem, replace(ROUGH_POLISH, steps=60))[0]

@@ -33,7 +33,6 @@ def clearance_as_json(guarantee: "ClearanceGuarantee | None") -> dict[str, Any]:
 
 
 def _limit_as_json(limit: "KeptLimit") -> dict[str, Any]:
-    """Round to the millimeter: kept down, required up."""
     return {
         "required_m": ceil_cm(limit.required, 1000),
         "nominal_m": floor_cm(limit.nominal, 1000),

@@ -90,7 +90,6 @@ def _is_consequence(problem: Any) -> bool:
 
 
 def _place(location: Sequence[int | str], table: Any) -> str:
-    """Return `obstacles[0].radius` for ("obstacles", 0, "sphere", "radius")."""
     place = ""
     here = table
     for step in location:

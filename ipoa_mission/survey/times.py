@@ -71,8 +71,6 @@ Stretch: TypeAlias = list[tuple[float, float]]  # bearings [rad] and lengths [m]
 
 @dataclass(frozen=True, eq=False)
 class _TrialFlight:
-    """Flights of test courses; `height` above home [m]."""
-
     mission: Mission
     speed: float
     height: float

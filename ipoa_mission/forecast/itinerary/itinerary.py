@@ -104,7 +104,6 @@ def itinerary(mission: Mission, ground: Ground = FLAT_GROUND, ground_at_home: fl
 
 
 def _expect_short_holds(mission: Mission, order: Sequence[int]) -> None:
-    """Refuse holds of more than a day in all, with the wait of an RTL before it lands."""
     wait = mission.autopilot.parameter_table.by_meaning.get("wait before landing")
     holds = [(f"item {n + 1}: param1", mission.items[n].hold_s) for n in order]
     if wait is not None:

@@ -114,7 +114,6 @@ class MissionSimulation:
         return fly_on
 
     def _why_not_reached(self, motions: tuple[Motion, ...], n: int) -> tuple[str, str]:
-        """Return the words and the hint."""
         goal = motions[n].goal
         is_own = motions is self.mission_motions.motions  # not a contingency's
         item = f"item {self.itinerary.visits[bisect_right(self.mission_motions.done, n)].seq}, " if is_own else ""
