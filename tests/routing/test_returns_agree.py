@@ -8,7 +8,6 @@ from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.autopilot.commands import Command
 from ipoa_mission.autopilot.failsafe import Contingency
 from ipoa_mission.checks.check import check
-from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.forecast.contingency.contingencies import Contingencies
 from ipoa_mission.forecast.contingency.shortfalls import highest_return
 from ipoa_mission.forecast.forecast import Forecast
@@ -57,20 +56,18 @@ def scene(seed: int) -> Scenario:
     return parse_scenario("\n".join([text, *fences, *rally, *bodies]), Path(f"scene{seed}.toml"))
 
 
+#: Scenes that are planned on both; a refusal writes nothing.
+PLANNED_SCENES = (0, 1, 2, 4, 6, 8, 10, 11, 12, 13, 15, 16, 17, 19, 20, 22, 23)
+
+
 @pytest.mark.parametrize("autopilot", registered())
-@pytest.mark.parametrize("seed", some(2, range(24)))
+@pytest.mark.parametrize("seed", some(2, PLANNED_SCENES))
 def test_planned_returns_are_clear_by_the_check(
     seed: int, autopilot: Autopilot, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     search_quickly(monkeypatch.setattr)
     scenario = scene(seed)
-    try:
-        flight = plan_flight(scenario.flown_by(autopilot), seed=0)
-    except BadInput:
-        raise
-    except MissionError:
-        return  # a refusal writes nothing
-    flight.write(tmp_path)
+    plan_flight(scenario.flown_by(autopilot), seed=0).write(tmp_path)
     forecast = Forecast(read_mission(tmp_path / f"scene{seed}.plan"), scenario)
     findings = check(forecast)
     own = {n for n, item in enumerate(forecast.mission.items, 1) if item.command == Command.NAV_RETURN_TO_LAUNCH}
