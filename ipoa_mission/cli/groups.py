@@ -124,10 +124,11 @@ def read_departure_option(text: str | None) -> datetime | None:
         return None
     now = datetime.now().astimezone()
     try:
-        at = datetime.fromisoformat(f"{now.date()}T{text}" if re.fullmatch(r"\d\d:\d\d:\d\d", text) else text)
-    except ValueError:
-        at = now - timedelta(1)
-    if not timedelta(0) < at.astimezone() - now < timedelta(1):
+        full = f"{now.date()}T{text}" if re.fullmatch(r"\d\d:\d\d:\d\d", text) else text
+        at = datetime.fromisoformat(full).astimezone()
+    except (ValueError, OverflowError):  # of the year 1
+        at = now
+    if not timedelta(0) < at - now < timedelta(1):
         words = "expected a time within the next 24 hours, like 14:05:30 of today, or 2026-11-30T14:05:30Z"
         raise BadInput(words, place=f"--depart-at {text}")
-    return at.astimezone()
+    return at

@@ -15,6 +15,7 @@ from ipoa_mission.flight import preflight
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.link.conversations import KeepsChanging, MissionRefused
+from ipoa_mission.link.departure import Departure
 from ipoa_mission.link.dialogue import NoAnswer, TimeUp
 from ipoa_mission.link.messages import Message, MissionType, Position, Result
 from ipoa_mission.link.vehicle import Vehicle
@@ -36,7 +37,7 @@ class Stage(StrEnum):
     UPLOAD = "upload"
     RECHECK = "checking the uploaded mission against the vehicle"
     READY = "waiting until it is ready"
-    START = "arming and starting"
+    START = "armed and started"
     FLIGHT = "flying"
 
 
@@ -265,13 +266,19 @@ def begin_mission(vehicle: Vehicle, forecast: Forecast, options: ProcedureOption
         for words in (*charge, *notes):
             options.remark(words)
 
+    departs_s = math.inf
+    if options.depart_at is not None:
+        departs_s = vehicle.connection.now() + (options.depart_at - datetime.now(UTC)).total_seconds()
+        with options.stages(Stage.READY) as show:
+            vehicle.count_down(show, departs_s, Departure.PREPARED_S)
     with options.stages(Stage.READY) as show:
         vehicle.prepare(options.first, show, permit)
         begun = begun_here(vehicle, forecast, options.first)
         vehicle.conformance.begin(_monitor(vehicle, begun, options.first, options.remark))
+        if options.depart_at is not None:
+            vehicle.count_down(show, departs_s)
     with options.stages(Stage.START) as show:
-        at = options.depart_at
-        vehicle.start(show, None if at is None else (at - datetime.now(UTC)).total_seconds())
+        vehicle.start(show, departs_s)
     with options.stages(Stage.FLIGHT) as show:
         return vehicle.watch(show)
 

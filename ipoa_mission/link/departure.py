@@ -1,5 +1,6 @@
 """Start a mission from the ground at a known item; a refusal after arming disarms it, unless it may be in the air."""
 
+import math
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
@@ -33,7 +34,7 @@ class Departure:
     DISARM_ATTEMPTS = 3
     CLIMB_S = 120.0
     CLIMBED_BELOW = 0.5  # the requested height [m]
-    AGAIN_S = 20.0  # before a set time: prepare again
+    PREPARED_S = 60.0  # before a set time
     LATE_S = 3.0  # three deviations of a departure in `deconflict`
 
     state: VehicleState
@@ -43,6 +44,12 @@ class Departure:
     onboard_lists: tuple[OnboardList, ...] = ()
     progress: Progress = silent
     permit: Callable[[Geodetic], object] | None = None
+    left_s: Callable[[], float] = lambda: math.inf  # in which it may be armed
+
+    def expect_in_time(self) -> None:
+        if self.left_s() < 0.0:
+            words = f"the vehicle is not armed within {self.LATE_S:g} s of its departure time"
+            raise NotReady(words, hint="set a later time", code="departure-missed")
 
     def expect_permitted(self) -> None:
         at = self.state.position
@@ -161,19 +168,11 @@ def _not_ready_reason(state: VehicleState) -> str:
     return "its pre-arm checks do not pass, without a reason" if _has_position(state) else "it has no position"
 
 
-def depart_at(departure: Departure, left_s: Callable[[], float]) -> Dialogue[None]:
-    """Run `depart` when `left_s` is 0, or raise NotReady; prepare again before: the vehicle may have changed."""
-    if left_s() > Departure.AGAIN_S:
-        while left_s() > Departure.AGAIN_S:
-            departure.progress(0.0, f"departure in {left_s():.0f} s")
-            yield from wait(min(1.0, left_s() - Departure.AGAIN_S))
-        yield from prepare(departure, left_s())
-        departure.expect_permitted()
-    yield from wait(left_s())
-    if left_s() < -Departure.LATE_S:
-        words = f"the vehicle was ready {-left_s():.0f} s after its departure time"
-        raise NotReady(words, hint="set a later time", code="departure-missed")
-    yield from depart_when_ready(departure, lambda: left_s() + Departure.LATE_S)
+def count_down(progress: Progress, left_s: Callable[[], float], until_s: float) -> Dialogue[None]:
+    """Wait until `left_s` before the departure falls to `until_s` [s]."""
+    while left_s() > until_s:
+        progress(0.0, f"departure in {left_s():.0f} s")
+        yield from wait(min(1.0, left_s() - until_s))
 
 
 def depart_when_ready(departure: Departure, left_s: Callable[[], float]) -> Dialogue[None]:
@@ -200,6 +199,7 @@ def depart(departure: Departure) -> Dialogue[None]:
             attempt += 1
             state.expect_flown()
             yield from prove(departure.onboard_lists, state)
+            departure.expect_in_time()
             may_be_armed = True
             state.warnings.words.clear()
             result, words = yield from send(Command.COMPONENT_ARM_DISARM, 1.0)
@@ -212,6 +212,7 @@ def depart(departure: Departure) -> Dialogue[None]:
             may_be_armed = False
             if is_last:
                 raise (NotYet if has_reason and not reasons.lasting(words) else CommandRefused)("arm", result, words)
+        departure.expect_in_time()  # an order may arrive late
         yield from _begin(departure)
     except MissionError as aborted:
         if may_be_armed:

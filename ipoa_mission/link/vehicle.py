@@ -1,5 +1,6 @@
 import itertools
 import logging
+import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, replace
@@ -221,26 +222,28 @@ class Vehicle(VehicleSession):
             prepared.expect_permitted()
         self._departure = prepared
 
-    def start(self, progress: Progress = silent, in_s: float | None = None) -> None:
-        """Arm a prepared vehicle, after `in_s` [s] if given, and start its mission; time zero is the arming.
+    def count_down(self, progress: Progress, departs_s: float, until_s: float = 0.0) -> None:
+        """Listen until `until_s` before a departure at `departs_s` on the connection's clock [s]; show `progress`."""
+        with self._in_time():
+            self._run(departure.count_down(progress, lambda: departs_s - self.connection.now(), until_s))
 
-        Directly before, prove that it holds the lists that were uploaded or downloaded. After a temporary refusal begin
-        again; `progress` reports that.
+    def start(self, progress: Progress = silent, departs_s: float = math.inf) -> None:
+        """Arm a prepared vehicle, at most 3 s after `departs_s`, and start its mission; time zero is the arming.
+
+        Before, prove that it holds our lists. After a temporary refusal begin again; `progress` reports that.
 
         Raises:
-            NotReady, TimeUp: it was not prepared, or could not be armed in time; with its reasons. An arming that
-                begins 3 s after `in_s` is late.
+            NotReady, TimeUp: it was not prepared, or could not be armed in time; with its reasons.
             Replaced, ReplacedSince: it holds other lists.
-            CommandRefused, NoAnswer, NotReady, LinkDown, Cancelled: the hint is its state; on the ground it was
-                disarmed again.
+            CommandRefused, NoAnswer, NotReady, LinkDown, Cancelled: the hint is its state; on ground it is disarmed.
         """
         if self._departure is None:
             raise NotReady("the vehicle was not prepared", hint="call `prepare` first")
-        run = departure.depart_when_ready if in_s is None else departure.depart_at
-        until_s = min(self._until, self.connection.now() + (self.ready_s if in_s is None else in_s))
-        prepared = replace(self._departure, progress=progress)
+        latest_s = departs_s + departure.Departure.LATE_S
+        until_s = min(self._until, self.connection.now() + self.ready_s, latest_s)
+        prepared = replace(self._departure, progress=progress, left_s=lambda: latest_s - self.connection.now())
         with self.state.with_state_as_hint(), departure.restored_mode(self.state, self._run_unlimited):
-            self._run_unlimited(run(prepared, lambda: until_s - self.connection.now()))
+            self._run_unlimited(departure.depart_when_ready(prepared, lambda: until_s - self.connection.now()))
         self.state.replaced_mode = None
 
     def watch(self, progress: Progress = silent) -> FlightRecord:

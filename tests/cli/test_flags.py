@@ -116,7 +116,9 @@ def test_a_wind_from_beyond_the_compass_is_refused(run: Run) -> None:
     assert "[deg, to 360]" in run(f"show {SITL} --wind 5@720").err
 
 
-@pytest.mark.parametrize("time", ["noon", "25:00:00", "2026-11-01T14:05:30Z", "2999-01-01T00:00:00Z", "14:05"])
+@pytest.mark.parametrize(
+    "time", ["noon", "25:00:00", "2026-11-01T14:05:30Z", "2999-01-01T00:00:00Z", "14:05", "0001-01-01"]
+)
 def test_a_departure_is_within_the_next_day(run: Run, time: str) -> None:
     ended = run(f"fly {SITL} --link tcp:127.0.0.1:1 --depart-at {time}")
     assert (ended.code, "within the next 24 hours, like 14:05:30" in ended.err) == (2, True)

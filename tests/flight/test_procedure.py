@@ -91,13 +91,13 @@ def test_a_departure_has_its_time(autopilot: Autopilot) -> None:
     begun_s: dict[Stage, float] = {}
 
     def stages(stage: Stage) -> AbstractContextManager[Progress]:
-        begun_s[stage] = vehicle.connection.now()
+        begun_s.setdefault(stage, vehicle.connection.now())
         return without_progress(stage)
 
     loaded = load_mission(vehicle, Forecast(flown), ProcedureOptions())
     at = datetime.now(UTC) + timedelta(seconds=90.0)
     assert begin_mission(vehicle, loaded, ProcedureOptions(stages=stages, depart_at=at)).completed
-    assert begun_s[Stage.FLIGHT] - begun_s[Stage.START] == pytest.approx(90.0, abs=4.0)
+    assert begun_s[Stage.FLIGHT] - begun_s[Stage.READY] == pytest.approx(90.0, abs=4.0)
     with refuses("departure-missed", "", kind=NotReady):
         begin_mission(vehicle, loaded, ProcedureOptions(depart_at=at - timedelta(seconds=100.0)))
 

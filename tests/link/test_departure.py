@@ -4,7 +4,7 @@ import pytest
 
 from ipoa_mission.autopilot.autopilot import Autopilot, VehicleKind, registered
 from ipoa_mission.geodesy import Geodetic
-from ipoa_mission.link.departure import Departure, NotYet, depart, depart_at, depart_when_ready, prepare
+from ipoa_mission.link.departure import NotYet, count_down, depart, depart_when_ready, prepare
 from ipoa_mission.link.dialogue import TimeUp
 from ipoa_mission.link.messages import CommandAck, CommandLong, Heartbeat, Message
 from ipoa_mission.link.vehicle_state import NotFlown, NotReady
@@ -161,57 +161,42 @@ def test_arming_is_tried_again_only_with_a_new_permit(autopilot: Autopilot) -> N
     assert [command[:2] for command in vehicle.commands if command[0] == ARM] == [(ARM, 1)]
 
 
-@pytest.mark.parametrize("wait_s", [5.0, 60.0])
-@pytest.mark.parametrize("autopilot", registered())
-def test_it_is_armed_at_its_time_and_prepared_again_before(autopilot: Autopilot, wait_s: float) -> None:
-    vehicle = Scripted(autopilot, first=0 if autopilot is PX4 else 1)
+def test_the_time_to_a_departure_is_counted_down() -> None:
+    vehicle = Scripted(ARDUPILOT)
+    words: list[str] = []
+    vehicle.hold(lambda _: count_down(lambda share, left: words.append(left), lambda: 75.0 - vehicle.now, 60.0))
+    assert vehicle.now == pytest.approx(15.0, abs=1.0)
+    assert (words[0], words[-1]) == ("departure in 75 s", "departure in 61 s")
+
+
+@pytest.mark.parametrize("refusals", [0, 4])
+def test_none_is_armed_after_its_time(refusals: int) -> None:
+    """Refusals without words are repeated; the order may be late on its way."""
+    vehicle = Scripted(ARDUPILOT)
     vehicle.hold(prepare)
-    at_s = vehicle.now + wait_s
-    vehicle.mode = 0
-    if wait_s < Departure.AGAIN_S:
-        vehicle.hold(prepare)
-    progress: list[str] = []
-    begun = list(vehicle.commands)
-    armed_s: list[float] = []
+    vehicle.refuses[ARM] = (1, "")
+    latest_s = vehicle.now + refusals - 0.1
+    with refuses("departure-missed", kind=NotReady):
+        vehicle.hold(lambda departure: depart(replace(departure, left_s=lambda: latest_s - vehicle.now)))
+    tries = [command[:2] for command in vehicle.commands].count((ARM, 1))
+    assert (tries > 0, tries < 5, vehicle.armed) == (refusals > 0, True, False)
+
+
+def test_one_that_arms_after_its_time_is_disarmed() -> None:
+    vehicle = Scripted(ARDUPILOT)
+    vehicle.hold(prepare)
     obey = vehicle.obey
 
-    def noted(number: int, params: tuple[float, ...]) -> None:
-        armed_s.extend([vehicle.now] * (number == ARM))
+    def late(number: int, params: tuple[float, ...]) -> None:
+        vehicle.now += 8.0 * (number == ARM)
         obey(number, params)
 
-    vehicle.obey = noted  # type: ignore[method-assign]
-    note = lambda share, words: progress.append(words)  # noqa: E731
-    vehicle.hold(lambda departure: depart_at(replace(departure, progress=note), lambda: at_s - vehicle.now))
-    assert vehicle.armed
-    assert 0.0 <= armed_s[0] - at_s <= 1.0
-    is_again = SET_MODE in [command[0] for command in vehicle.commands[len(begun) :][:2]]
-    assert (is_again, bool(progress)) == (wait_s > Departure.AGAIN_S,) * 2
-
-
-def test_it_is_not_armed_after_its_time() -> None:
-    """It was not ready, or cannot be armed."""
-    vehicle = Scripted(ARDUPILOT)
-    vehicle.hold(prepare)
-    with refuses("departure-missed", "", "4 s after", kind=NotReady):
-        vehicle.hold(lambda departure: depart_at(departure, lambda: -4.0))
-    vehicle.refuses[ARM] = (4, "Arm: Need Position Estimate")
-    at_s = vehicle.now + 2.0
-    with refuses("not-ready", "", "Arm: Need Position Estimate"):
-        vehicle.hold(lambda departure: depart_at(departure, lambda: at_s - vehicle.now))
+    vehicle.obey = late  # type: ignore[method-assign]
+    latest_s = vehicle.now + 3.0
+    with refuses("departure-missed", kind=NotReady):
+        vehicle.hold(lambda departure: depart(replace(departure, left_s=lambda: latest_s - vehicle.now)))
     assert not vehicle.armed
-
-
-def test_another_place_at_the_time_of_departure_is_refused() -> None:
-    vehicle = Scripted(ARDUPILOT)
-    vehicle.hold(prepare)
-
-    def permit(there: Geodetic) -> None:
-        raise NotReady(f"low battery at {there.latitude_deg:.0f}")
-
-    at_s = vehicle.now + 60.0
-    with refuses("not-ready", "", "low battery"):
-        vehicle.hold(lambda departure: depart_at(replace(departure, permit=permit), lambda: at_s - vehicle.now))
-    assert ARM not in [command[0] for command in vehicle.commands]
+    assert [command[:2] for command in vehicle.commands if command[0] in (ARM, START)] == [(ARM, 1), (ARM, 0)]
 
 
 def test_armed_vehicle_begins_despite_a_late_refusal() -> None:
