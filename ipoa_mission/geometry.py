@@ -100,6 +100,18 @@ def climb_angles(points: Points) -> Vector:
     return np.asarray(np.arctan2(legs[:, 2], np.hypot(legs[:, 0], legs[:, 1])))
 
 
+def places_under(shape: Any, smallest: float = 20.0, apart: float = 5.0) -> Plane:
+    """Return places (k, 2) on the edges of a shapely shape and within it, `apart` [m]; none under a small one."""
+    import shapely  # slow import
+
+    west, south, east, north = shape.bounds
+    if max(east - west, north - south) <= smallest:
+        return np.empty((0, 2))
+    inside = np.stack(np.meshgrid(np.arange(west, east, apart), np.arange(south, north, apart)), axis=-1).reshape(-1, 2)
+    edges = shapely.get_coordinates(shapely.segmentize(shape, apart))
+    return np.vstack([edges, inside[shapely.contains_xy(shape, inside)]])
+
+
 def union_of(areas: Any) -> Any:
     """Return the union of shapely polygons (n,), or nothing.
 

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from ipoa_mission.errors import InvalidRing
 from ipoa_mission.geodesy import LocalFrame
-from ipoa_mission.geometry import Vector
+from ipoa_mission.geometry import Vector, places_under
 from ipoa_mission.ground import Ground
 from ipoa_mission.maps import kinds
 from ipoa_mission.maps.building_rules import BuildingRules, area_height, reach_of, thin_height, volts_of, wire_of
@@ -300,7 +300,7 @@ def raise_obstacles(obstacles: Sequence[MapObstacle], ground: Ground) -> tuple[O
 
 
 def _outline(obstacle: MapObstacle) -> NDArray[np.float64]:
-    corners = shapely.get_coordinates(obstacle.shape)
+    corners = np.vstack([shapely.get_coordinates(obstacle.shape), places_under(obstacle.shape)])
     if obstacle.reach > 0:
         around = obstacle.reach * np.array([(0, 0), (1, 0), (0, 1), (-1, 0), (0, -1)])
         return np.asarray((corners[:, None, :] + around).reshape(-1, 2))

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 from pydantic import Field, field_validator
 
 from ipoa_mission.geodesy import LocalFrame
-from ipoa_mission.geometry import Plane
+from ipoa_mission.geometry import Plane, places_under
 from ipoa_mission.ground import Ground
 from ipoa_mission.maps.areas import MapArea
 from ipoa_mission.maps.map_window import Box
@@ -38,7 +38,7 @@ class UprightObstacle(NamedObstacle):
     def vertical_extent(self, footprint: Plane, ground: Ground) -> tuple[float, float]:
         if self.base is not None:
             return self.base, self.base + self.height
-        heights = ground(np.vstack([footprint, footprint.mean(axis=0)]))
+        heights = ground(np.vstack([footprint, footprint.mean(axis=0), places_under(shapely.Polygon(footprint))]))
         return float(heights.min()), float(heights.max()) + self.height
 
 

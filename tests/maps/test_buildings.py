@@ -8,9 +8,11 @@ import shapely
 
 from ipoa_mission.errors import BadInput
 from ipoa_mission.geodesy import LocalFrame
+from ipoa_mission.geometry import places_under
 from ipoa_mission.ground import Ground
 from ipoa_mission.maps.building_rules import BuildingRules
 from ipoa_mission.maps.buildings import raise_obstacles, search_buildings
+from ipoa_mission.scenario.obstacles import PrismSection
 from ipoa_mission.world.obstacles import Cylinder, Obstacle, Prism
 from ipoa_mission.world.terrain import Flat
 from tests.refused import refuses
@@ -212,3 +214,26 @@ def test_a_polygon_of_a_kml_drawn_down_to_the_ground_is_as_high_as_it_says(
     else:
         (hall,) = raised
         assert hall.bounds[:, 2] == pytest.approx([3.0, top + 3.0 * (mode == "relativeToGround")], abs=0.01)
+
+
+class Ridge:
+    """30 m high along east 50, and level 60 m away."""
+
+    def height(self, points: np.ndarray[Any, Any]) -> np.ndarray[Any, Any]:
+        return np.asarray(30.0 * np.clip(1.0 - np.abs(points[:, 0] - 50.0) / 60.0, 0.0, 1.0))
+
+
+def test_ground_between_level_corners_raises_a_long_hall(
+    write_map: WriteMap, frame: LocalFrame, square: Square
+) -> None:
+    ring = [(-60.0, 0.0), (300.0, 0.0), (300.0, 20.0), (-60.0, 20.0)]  # level at its middle, too
+    section = PrismSection.model_validate({"kind": "prism", "footprint": ring, "height": 10.0})
+    written = section.build("hall", frame, Ground(Ridge()))
+    buildings = search_buildings(
+        write_map((square(-60.0, 0.0, 360.0), {"building": "yes", "height": "10"})), BuildingRules(), frame
+    )
+    (mapped,) = raise_obstacles(buildings.obstacles, Ground(Ridge()))
+    for hall in (written, mapped):
+        assert hall.bounds[0, 2] == pytest.approx(0.0, abs=0.01)
+        assert hall.bounds[1, 2] == pytest.approx(40.0, abs=1.3)  # places 5 m apart on a slope of 1:2
+    assert len(places_under(shapely.box(0.0, 0.0, 19.0, 19.0))) == 0
