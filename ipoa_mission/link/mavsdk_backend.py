@@ -140,5 +140,4 @@ class MavsdkVehicle(Vehicle):
             raise NotFlown(self.state.kind, f"vehicle {self.system}")
 
     def _checksum_numbers(self) -> Iterator[int] | None:
-        """MAVSDK hides the messages of file transfers."""
         return None

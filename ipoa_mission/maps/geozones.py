@@ -170,7 +170,6 @@ def _is_number(text: str) -> bool:
 
 
 def _dated(text: Any) -> str:
-    """Refuse numbers, which count as seconds since 1970."""
     if not re.match(r"\d{4}-\d\d-\d\d[T ]", str(text), re.IGNORECASE):
         raise ValueError(f"expected a time with its offset, such as 2026-11-22T10:00:00Z, not {str(text)!r}")
     return str(text)

@@ -116,8 +116,6 @@ def _kind(name: str, letters: str, columns: str) -> RecordKind | None:
 
 @dataclass
 class _Gathered:
-    """Times by the autopilot's clock [s]."""
-
     fixes: list[tuple[float, ...]] = field(default_factory=list)
     velocities: list[tuple[float, ...]] = field(default_factory=list)
     events: list[tuple[float, Message]] = field(default_factory=list)
