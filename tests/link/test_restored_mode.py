@@ -18,6 +18,7 @@ from ipoa_mission.link.orders import CommandRefused
 from ipoa_mission.link.vehicle import Vehicle
 from ipoa_mission.link.vehicle_state import NotFlown
 from ipoa_mission.mission.items import Mission, return_to_launch, takeoff
+from ipoa_mission.progress import silent
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot
 from tests.link.scripted import ARDUPILOT, ARM, PX4, SET_MODE, Scripted
 from tests.link.suited import met, suited
@@ -181,3 +182,19 @@ def test_a_vehicle_that_somebody_armed_keeps_its_mode() -> None:
     scripted.hold(restored)
     assert scripted.state.armed
     assert scripted.commands == []
+
+
+@pytest.mark.parametrize("family", registered())
+def test_a_vehicle_starts_at_its_departure_and_waits_in_its_own_mode(family: Autopilot) -> None:
+    vehicle, mock = loaded(family)
+    now = vehicle.connection.now
+    departs_s = now() + 90.0
+    words: list[str] = []
+    vehicle.count_down(lambda share, left: words.append(left), departs_s, 60.0)
+    assert (mock.vehicle.mode, words[0]) == (BEFORE[family], "departure in 90 s")
+    assert now() == pytest.approx(departs_s - 60.0, abs=1.0)
+    vehicle.prepare()
+    vehicle.count_down(silent, departs_s)
+    vehicle.start(departs_s=departs_s)
+    assert mock.flight.armed
+    assert now() == pytest.approx(departs_s, abs=4.0)
