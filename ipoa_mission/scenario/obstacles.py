@@ -35,10 +35,10 @@ class UprightObstacle(NamedObstacle):
     base: Number | None = None
     """Height of the lower end [m above home]. Default: the ground."""
 
-    def vertical_extent(self, footprint: Plane, ground: Ground) -> tuple[float, float]:
+    def vertical_extent(self, footprint: Plane, shape: shapely.Polygon, ground: Ground) -> tuple[float, float]:
         if self.base is not None:
             return self.base, self.base + self.height
-        heights = ground(np.vstack([footprint, footprint.mean(axis=0), places_under(shapely.Polygon(footprint))]))
+        heights = ground(np.vstack([footprint, footprint.mean(axis=0), places_under(shape)]))
         return float(heights.min()), float(heights.max()) + self.height
 
 
@@ -67,7 +67,8 @@ class CylinderSection(Horizontal, UprightObstacle):
     def build(self, name: str, frame: LocalFrame, ground: Ground) -> Obstacle:
         east, north = self.east_north(frame)
         rim = np.array([[east, north]]) + self.radius * np.array([(0, 0), (1, 0), (0, 1), (-1, 0), (0, -1)])
-        return Cylinder(name, east, north, self.radius, *self.vertical_extent(rim, ground))
+        disk = shapely.Point(east, north).buffer(self.radius)
+        return Cylinder(name, east, north, self.radius, *self.vertical_extent(rim, disk, ground))
 
 
 class BoxSection(Horizontal, UprightObstacle):
@@ -86,7 +87,7 @@ class BoxSection(Horizontal, UprightObstacle):
         heading = np.radians(self.heading_deg)
         turn = np.array([(np.cos(heading), -np.sin(heading)), (np.sin(heading), np.cos(heading))])
         corners = corners @ turn + self.east_north(frame)
-        return Prism(name, _ring(corners), (), *self.vertical_extent(corners, ground))
+        return Prism(name, _ring(corners), (), *self.vertical_extent(corners, shapely.Polygon(corners), ground))
 
 
 class PrismSection(UprightObstacle):
@@ -115,7 +116,7 @@ class PrismSection(UprightObstacle):
             np.asarray(ring, float) if self.footprint_geodetic is None else east_north_of(ring, frame)
             for ring in (self.footprint_geodetic or self.footprint or (), *self.holes)
         )
-        bottom, top = self.vertical_extent(outer, ground)
+        bottom, top = self.vertical_extent(outer, shapely.Polygon(outer), ground)
         return Prism(name, _ring(outer), tuple(map(_ring, holes)), bottom, top)
 
 

@@ -12,7 +12,7 @@ from ipoa_mission.geometry import places_under
 from ipoa_mission.ground import Ground
 from ipoa_mission.maps.building_rules import BuildingRules
 from ipoa_mission.maps.buildings import raise_obstacles, search_buildings
-from ipoa_mission.scenario.obstacles import PrismSection
+from ipoa_mission.scenario.obstacles import CylinderSection, PrismSection
 from ipoa_mission.world.obstacles import Cylinder, Obstacle, Prism
 from ipoa_mission.world.terrain import Flat
 from tests.refused import refuses
@@ -237,3 +237,15 @@ def test_ground_between_level_corners_raises_a_long_hall(
         assert hall.bounds[0, 2] == pytest.approx(0.0, abs=0.01)
         assert hall.bounds[1, 2] == pytest.approx(40.0, abs=1.3)  # places 5 m apart on a slope of 1:2
     assert len(places_under(shapely.box(0.0, 0.0, 19.0, 19.0))) == 0
+
+
+@pytest.mark.parametrize("quadrant", [(1, 1), (-1, 1), (-1, -1), (1, -1)])
+def test_a_hill_under_any_quadrant_raises_a_wide_cylinder(frame: LocalFrame, quadrant: tuple[int, int]) -> None:
+    class Hill:
+        def height(self, points: np.ndarray[Any, Any]) -> np.ndarray[Any, Any]:
+            away = np.linalg.norm(points[:, :2] - 50.0 * np.array(quadrant), axis=1)
+            return np.asarray(np.maximum(20.0 - away, 0.0))
+
+    tank = {"kind": "cylinder", "east": 0.0, "north": 0.0, "radius": 100.0, "height": 10.0}
+    top = CylinderSection.model_validate(tank).build("tank", frame, Ground(Hill())).bounds[1, 2]
+    assert top == pytest.approx(30.0, abs=3.6)
