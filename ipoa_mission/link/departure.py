@@ -212,7 +212,6 @@ def depart(departure: Departure) -> Dialogue[None]:
             may_be_armed = False
             if is_last:
                 raise (NotYet if has_reason and not reasons.lasting(words) else CommandRefused)("arm", result, words)
-        departure.expect_in_time()  # an order may arrive late
         yield from _begin(departure)
     except MissionError as aborted:
         if may_be_armed:
@@ -224,6 +223,7 @@ def depart(departure: Departure) -> Dialogue[None]:
 def _begin(departure: Departure) -> Dialogue[None]:
     state = departure.state
     if state.autopilot.protocol_profile.starts_by_command:
+        departure.expect_in_time()  # an armed PX4 takes off, and is watched
         if departure.climb > 0.0:
             yield from _order("take off", Command.NAV_TAKEOFF, *(0.0,) * 6, departure.climb)
             least = departure.climb - Departure.CLIMBED_BELOW
