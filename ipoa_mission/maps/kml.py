@@ -70,7 +70,6 @@ def _read(text: bytes, path: Path) -> tuple[Feature, ...]:
 
 
 def _parse(text: bytes, path: Path) -> ElementTree.Element:
-    """Parse in pieces, to limit the memory; drop namespaces."""
     most = 500_000
     parser = cast(Any, ElementTree.iterparse(io.BytesIO(text)))
     for count, (_, element) in enumerate(parser):
