@@ -353,8 +353,8 @@ def _leg_routes(
 def _passages(cost_from: Vector, cost_to: Vector, lattice: Lattice) -> Iterator[int]:
     """Yield nodes of distinct routes, cheapest first.
 
-    The least cost of a route through a node is its cost from the start plus its cost to the goal. A passage is a local
-    minimum of that cost among nodes at a quarter, half or three quarters of it from the start.
+    A node's total is the cost from the start plus the cost to the goal. A passage is a local minimum of totals among
+    nodes whose cost from the start is a quarter, half or three quarters of the total.
     """
     through = cost_from + cost_to
     best = through.min()
